@@ -1,0 +1,173 @@
+//! The beam model of a range finder: Thrun, Burgard & Fox, *Probabilistic Robotics* (2006), ch. 6.3, table 6.1.
+
+mod normal;
+
+use rand::{Rng, RngExt};
+
+use crate::error::{Error, check_number};
+
+/// Parameters of a [`BeamModel`], with the defaults of a SICK S300.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeamModelOptions {
+    /// Standard deviation of a measured range \[m\].
+    pub sigma_hit: f64,
+    /// Rate of unexpected objects \[1/m\].
+    pub lambda_short: f64,
+    /// Weight of correct ranges with local noise.
+    pub z_hit: f64,
+    /// Weight of unexpected objects.
+    pub z_short: f64,
+    /// Weight of failures: readings of the maximum range.
+    pub z_max: f64,
+    /// Weight of unexplained readings, uniform up to the maximum range.
+    pub z_rand: f64,
+}
+
+impl Default for BeamModelOptions {
+    fn default() -> Self {
+        Self { sigma_hit: 0.005, lambda_short: 2.0, z_hit: 0.995, z_short: 0.0, z_max: 0.005, z_rand: 0.0 }
+    }
+}
+
+/// What a range finder reads, given the true range: a mixture of hit, short, max and random readings, properly normalised.
+///
+/// The hit part is truncated to `[0, max_range]` and the short part to `[0, true range]`; the weights sum to 1. A beam that
+/// hits nothing has nothing to blur: its hit part is the point mass at `max_range`. Short and random readings still befall it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeamModel {
+    options: BeamModelOptions,
+    /// Upper ends of the intervals of [0, 1) that the hit, short and max parts are chosen by.
+    shares: [f64; 3],
+}
+
+impl BeamModel {
+    /// The model with these parameters, its weights scaled to sum to 1.
+    ///
+    /// # Errors
+    /// A sigma or lambda that is not positive, a negative weight, no positive weight.
+    pub fn new(options: BeamModelOptions) -> Result<Self, Error> {
+        check_number("sigma_hit", options.sigma_hit, "positive", |value| value > 0.0)?;
+        check_number("lambda_short", options.lambda_short, "positive", |value| value > 0.0)?;
+        let BeamModelOptions { z_hit, z_short, z_max, z_rand, .. } = options;
+        for (name, weight) in [("z_hit", z_hit), ("z_short", z_short), ("z_max", z_max), ("z_rand", z_rand)] {
+            check_number(name, weight, "at least 0", |value| value >= 0.0)?;
+        }
+        let sum = z_hit + z_short + z_max + z_rand;
+        if sum <= 0.0 {
+            return Err(Error::Weights([z_hit, z_short, z_max, z_rand]));
+        }
+        check_number("the sum of the weights", sum, "finite", |_| true)?;
+        let options = BeamModelOptions {
+            z_hit: z_hit / sum,
+            z_short: z_short / sum,
+            z_max: z_max / sum,
+            z_rand: z_rand / sum,
+            ..options
+        };
+        // A part of weight zero after the last positive one must get nothing of what rounding leaves of 1.
+        let tail = |parts: &[f64], end: f64| if parts.iter().all(|&weight| weight == 0.0) { 1.0 } else { end };
+        let hit = tail(&[z_short, z_max, z_rand], options.z_hit);
+        let short = tail(&[z_max, z_rand], options.z_hit + options.z_short);
+        let max = tail(&[z_rand], options.z_hit + options.z_short + options.z_max);
+        Ok(Self { options, shares: [hit, short, max] })
+    }
+
+    /// The parameters, weights summing to 1.
+    #[must_use]
+    pub fn options(&self) -> BeamModelOptions {
+        self.options
+    }
+
+    /// A reading of a beam whose true range is `hit`, `None` if it hits nothing within `max_range`. Lengths in metres.
+    pub fn sample(&self, hit: Option<f64>, max_range: f64, stream: &mut impl Rng) -> f64 {
+        let share = stream.random::<f64>();
+        let [hit_end, short_end, max_end] = self.shares;
+        if share < hit_end {
+            hit.map_or(max_range, |range| self.sample_hit(range, max_range, stream))
+        } else if share < short_end {
+            self.sample_short(hit.unwrap_or(max_range), stream)
+        } else if share < max_end {
+            max_range
+        } else {
+            stream.random::<f64>() * max_range
+        }
+    }
+
+    /// Normal around `range`, truncated to `[0, max_range]`, by rejection.
+    fn sample_hit(&self, range: f64, max_range: f64, stream: &mut impl Rng) -> f64 {
+        let sigma = self.options.sigma_hit;
+        loop {
+            if sigma <= max_range {
+                // At least a third of a normal this narrow lies in the interval.
+                let reading = range + sigma * normal::sample(stream);
+                if (0.0..=max_range).contains(&reading) {
+                    return reading;
+                }
+            } else {
+                // The density of a wider one falls to no less than exp(-1/2) of its peak within the interval.
+                let reading = stream.random::<f64>() * max_range;
+                let deviation = (reading - range) / sigma;
+                if stream.random::<f64>() < libm::exp(-0.5 * deviation * deviation) {
+                    return reading;
+                }
+            }
+        }
+    }
+
+    /// Exponential, truncated to `[0, range]`, by its inverse distribution function.
+    fn sample_short(&self, range: f64, stream: &mut impl Rng) -> f64 {
+        let uniform = stream.random::<f64>();
+        let exponent = self.options.lambda_short * range;
+        if exponent < 1e-9 {
+            // The limit for λ·z* → 0, to within a relative 1e-9.
+            return uniform * range;
+        }
+        (-libm::log1p(uniform * libm::expm1(-exponent)) / self.options.lambda_short).min(range)
+    }
+
+    /// Density \[1/m\] of a reading in `[0, max_range)` given the true range, or probability mass of a reading of `max_range`.
+    ///
+    /// `hit` is `None` for a beam that hits nothing. Readings outside of `[0, max_range]` have likelihood 0.
+    #[must_use]
+    pub fn likelihood(&self, reading: f64, hit: Option<f64>, max_range: f64) -> f64 {
+        let options = &self.options;
+        if reading == max_range {
+            return options.z_max + if hit.is_none() { options.z_hit } else { 0.0 };
+        }
+        if !(0.0..max_range).contains(&reading) {
+            return 0.0;
+        }
+        let range = hit.unwrap_or(max_range);
+        let mut density = options.z_rand / max_range;
+        if let Some(range) = hit {
+            let deviation = (reading - range) / options.sigma_hit;
+            let inside = normal::cdf((max_range - range) / options.sigma_hit) - normal::cdf(-range / options.sigma_hit);
+            density += options.z_hit * normal::density(deviation) / (options.sigma_hit * inside);
+        }
+        if reading <= range && range > 0.0 {
+            let lambda = options.lambda_short;
+            density += options.z_short * lambda * libm::exp(-lambda * reading) / -libm::expm1(-lambda * range);
+        }
+        density
+    }
+
+    /// [`likelihood`](Self::likelihood) of each reading, where a true range of `max_range` is a beam that hits nothing.
+    ///
+    /// # Errors
+    /// A `max_range` that is not positive.
+    pub fn likelihoods(
+        &self,
+        readings: impl IntoIterator<Item = f32>,
+        ranges: impl IntoIterator<Item = f32>,
+        max_range: f64,
+    ) -> Result<Vec<f64>, Error> {
+        check_number("max_range", max_range, "positive", |value| value > 0.0)?;
+        // Ranges left as float32, and so did the maximum among them.
+        let max = f64::from(max_range as f32);
+        let each = |(reading, range): (f32, f32)| {
+            let range = f64::from(range);
+            self.likelihood(reading.into(), (range < max).then_some(range), max)
+        };
+        Ok(readings.into_iter().zip(ranges).map(each).collect())
+    }
+}

@@ -1,0 +1,78 @@
+//! The standard normal distribution, with the same bytes on every machine.
+//!
+//! Ready-made samplers call the platform's `exp` and `ln`, which differ from one C library to the next.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::LazyLock;
+
+use rand::{Rng, RngExt};
+
+/// Number of layers of equal area that the density is cut into.
+const LAYERS: usize = 256;
+
+/// Where the lowest layer's tail begins, for 256 layers (Marsaglia & Tsang 2000, sec. 3).
+const TAIL: f64 = 3.654_152_885_361_009;
+
+/// Right edges of the layers, and the (unnormalised) density there; layer 0 is the lowest.
+struct Layers {
+    edge: [f64; LAYERS + 1],
+    density: [f64; LAYERS + 1],
+}
+
+static ZIGGURAT: LazyLock<Layers> = LazyLock::new(|| {
+    let bell = |x: f64| libm::exp(-0.5 * x * x);
+    // The area of the lowest layer: a rectangle and the tail, which is sqrt(π/2)·erfc(r/√2).
+    let area = TAIL * bell(TAIL) + libm::sqrt(0.5 * PI) * libm::erfc(TAIL * FRAC_1_SQRT_2);
+    let mut edge = [0.0; LAYERS + 1];
+    // The lowest layer as if it were a rectangle of that area.
+    edge[0] = area / bell(TAIL);
+    edge[1] = TAIL;
+    for layer in 2..LAYERS {
+        edge[layer] = libm::sqrt(-2.0 * libm::log(area / edge[layer - 1] + bell(edge[layer - 1])));
+    }
+    Layers { edge, density: edge.map(bell) }
+});
+
+/// A standard normal number, by the ziggurat method (Marsaglia & Tsang 2000, sec. 2).
+pub fn sample(stream: &mut impl Rng) -> f64 {
+    let layers = &*ZIGGURAT;
+    loop {
+        let bits = stream.next_u64();
+        let layer = (bits % LAYERS as u64) as usize;
+        // The upper 53 bits as a number in [-1, 1); the layer's 8 bits are not among them.
+        let uniform = (bits >> 11) as f64 * (2.0 / (1u64 << 53) as f64) - 1.0;
+        let x = uniform * layers.edge[layer];
+        if x.abs() < layers.edge[layer + 1] {
+            return x;
+        }
+        if layer == 0 {
+            return sample_tail(stream).copysign(uniform);
+        }
+        let (low, high) = (layers.density[layer], layers.density[layer + 1]);
+        if low + (high - low) * stream.random::<f64>() < libm::exp(-0.5 * x * x) {
+            return x;
+        }
+    }
+}
+
+/// A normal number beyond `TAIL`, by rejection from an exponential (Marsaglia 1964).
+fn sample_tail(stream: &mut impl Rng) -> f64 {
+    loop {
+        // log1p(-u) and not log(u), which u = 0 would send to infinity.
+        let beyond = -libm::log1p(-stream.random::<f64>()) / TAIL;
+        let height = -libm::log1p(-stream.random::<f64>());
+        if 2.0 * height > beyond * beyond {
+            return TAIL + beyond;
+        }
+    }
+}
+
+/// The distribution function Φ.
+pub fn cdf(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
+}
+
+/// The density φ.
+pub fn density(x: f64) -> f64 {
+    libm::exp(-0.5 * x * x) / libm::sqrt(2.0 * PI)
+}

@@ -1,0 +1,95 @@
+//! The one error type: what was wrong, what was given, what was needed.
+
+/// A value that the simulator cannot work with.
+///
+/// Constructors and batch entry points check their input, so that nothing behind them can fail.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A number outside of its domain.
+    #[error("{name} must be {needed}, got {value}")]
+    Number {
+        /// What the number is.
+        name: &'static str,
+        /// The number given.
+        value: f64,
+        /// The domain.
+        needed: &'static str,
+    },
+    /// A row of a batch that holds a NaN or an infinity.
+    #[error("{name} must be finite, got {value:?} in row {row}")]
+    Row {
+        /// What the batch holds.
+        name: &'static str,
+        /// Index of the first such row.
+        row: usize,
+        /// The row given.
+        value: [f64; 3],
+    },
+    /// A whole number outside of its domain.
+    #[error("{name} must be {needed}, got {value}")]
+    Count {
+        /// What is counted.
+        name: &'static str,
+        /// The number given.
+        value: usize,
+        /// The domain.
+        needed: &'static str,
+    },
+    /// An array that does not have the extent it must have.
+    #[error("{name} must have {needed} elements, got {value}")]
+    Length {
+        /// What the array holds.
+        name: &'static str,
+        /// The number of elements given.
+        value: usize,
+        /// The number needed.
+        needed: usize,
+    },
+    /// A cell outside of -1..100.
+    #[error("cells must be in -1..100, got {value} at row {row}, column {col}")]
+    Cell {
+        /// Row of the first such cell.
+        row: usize,
+        /// Column of the first such cell.
+        col: usize,
+        /// The value given.
+        value: i8,
+    },
+    /// Beam model weights of which none is positive.
+    #[error("at least one of z_hit, z_short, z_max, z_rand must be positive, got {0:?}")]
+    Weights([f64; 4]),
+    /// No place for a robot of this radius.
+    #[error("no known free place for a disc of radius {radius} m on this grid")]
+    NoFreePlace {
+        /// Radius of the robot in metres.
+        radius: f64,
+    },
+    /// The operating system gave no threads.
+    #[error("could not start {threads} threads: {reason}")]
+    Threads {
+        /// The number asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// Checks that `value` is finite and that `holds` is true of it.
+pub(crate) fn check_number(
+    name: &'static str,
+    value: f64,
+    needed: &'static str,
+    holds: impl Fn(f64) -> bool,
+) -> Result<f64, Error> {
+    if value.is_finite() && holds(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
+}
+
+/// Checks that every row is finite, and names the first that is not.
+pub(crate) fn check_rows(name: &'static str, rows: impl IntoIterator<Item = [f64; 3]>) -> Result<(), Error> {
+    for (row, value) in rows.into_iter().enumerate() {
+        if !value.iter().all(|number| number.is_finite()) {
+            return Err(Error::Row { name, row, value });
+        }
+    }
+    Ok(())
+}

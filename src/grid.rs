@@ -1,0 +1,252 @@
+//! Occupancy grids: the only owner of world ↔ cell.
+
+use std::sync::OnceLock;
+
+use glam::DVec2;
+use rand::{Rng, RngExt};
+
+use crate::error::{Error, check_number};
+use crate::pose::{Pose, rotate};
+use crate::random;
+use crate::raycast::Clearance;
+
+/// Whether beams pass cells of which nothing is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unknown {
+    /// Beams pass.
+    #[default]
+    Free,
+    /// Beams stop.
+    Occupied,
+}
+
+/// A cell of a grid, by its column (along the grid's x) and row (along its y).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cell {
+    /// Column, 0 at the left.
+    pub col: usize,
+    /// Row, 0 at the bottom.
+    pub row: usize,
+}
+
+/// What an [`OccupancyGrid`] is, but for its cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridOptions {
+    /// Side of a cell in metres.
+    pub resolution: f64,
+    /// Pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
+    pub origin: Pose,
+    /// Cells of this value and above block beams, 1..=100.
+    pub occupied_threshold: i8,
+    /// Whether unknown cells block beams.
+    pub unknown: Unknown,
+}
+
+/// Occupancy of the plane in square cells, as `nav_msgs/OccupancyGrid` has it.
+#[derive(Debug)]
+pub struct OccupancyGrid {
+    cells: Vec<i8>,
+    width: usize,
+    height: usize,
+    options: GridOptions,
+    clearance: OnceLock<Clearance>,
+}
+
+/// The threshold of a grid unless it says otherwise.
+pub const OCCUPIED_THRESHOLD: i8 = 60;
+
+/// The longest side of a grid in cells.
+///
+/// Up to here a crossing computed in float64 is off by less than 1e-10 cells, which the casters' tie check builds on.
+pub const MAX_SIDE: usize = 65_535;
+
+/// The largest number of cells: with their border they are counted in 31 bits.
+pub const MAX_CELLS: usize = 2_000_000_000;
+
+impl OccupancyGrid {
+    /// The grid of `width` columns whose rows, lower first, are one after the other in `cells`.
+    ///
+    /// # Errors
+    /// No cells, too many of them, a side that does not divide them, values outside of -1..=100, a resolution that is not
+    /// positive, an origin that is not finite, a threshold outside of 1..=100.
+    pub fn new(cells: Vec<i8>, width: usize, options: GridOptions) -> Result<Self, Error> {
+        if width == 0 || cells.is_empty() {
+            return Err(Error::Count { name: "the number of cells", value: cells.len(), needed: "at least 1" });
+        }
+        let height = cells.len() / width;
+        if height * width != cells.len() {
+            return Err(Error::Length { name: "cells", value: cells.len(), needed: (height + 1) * width });
+        }
+        if width.max(height) > MAX_SIDE {
+            return Err(Error::Count {
+                name: "a side of the grid",
+                value: width.max(height),
+                needed: "at most 65535 cells",
+            });
+        }
+        if cells.len() > MAX_CELLS {
+            return Err(Error::Count { name: "the number of cells", value: cells.len(), needed: "at most 2000000000" });
+        }
+        if let Some(index) = cells.iter().position(|value| !(-1..=100).contains(value)) {
+            return Err(Error::Cell { row: index / width, col: index % width, value: cells[index] });
+        }
+        check_number("resolution", options.resolution, "positive", |value| value > 0.0)?;
+        check_number("occupied_threshold", options.occupied_threshold.into(), "in 1..100", |value| {
+            (1.0..=100.0).contains(&value)
+        })?;
+        let origin = options.origin.to_array();
+        check_number("origin x", origin[0], "finite", |_| true)?;
+        check_number("origin y", origin[1], "finite", |_| true)?;
+        check_number("origin yaw", origin[2], "finite", |_| true)?;
+        Ok(Self { cells, width, height, options, clearance: OnceLock::new() })
+    }
+
+    /// Values of the cells, row by row from the bottom.
+    #[must_use]
+    pub fn cells(&self) -> &[i8] {
+        &self.cells
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// What the grid is, but for its cells.
+    #[must_use]
+    pub fn options(&self) -> GridOptions {
+        self.options
+    }
+
+    /// Side of a cell in metres.
+    #[must_use]
+    pub fn resolution(&self) -> f64 {
+        self.options.resolution
+    }
+
+    /// What fast casting needs, built at the first call.
+    pub fn clearance(&self) -> &Clearance {
+        self.clearance
+            .get_or_init(|| Clearance::new(self.width, self.height, |index| self.options.blocks(self.cells[index])))
+    }
+
+    /// A pose of the map frame in the frame of the grid, in metres from its corner.
+    #[must_use]
+    pub fn pose_in_grid(&self, pose: Pose) -> Pose {
+        let origin = self.options.origin;
+        Pose { position: rotate(pose.position - origin.position, -origin.yaw), yaw: pose.yaw - origin.yaw }
+    }
+
+    /// A point of the map frame in cells from the grid's corner; its floor names the cell.
+    #[must_use]
+    pub fn to_cells(&self, point: DVec2) -> DVec2 {
+        self.pose_in_grid(Pose { position: point, yaw: 0.0 }).position / self.resolution()
+    }
+
+    /// The cell that a point of the map frame lies in, if that is on the grid.
+    #[must_use]
+    pub fn cell_at(&self, point: DVec2) -> Option<Cell> {
+        let at = self.to_cells(point).floor();
+        let (col, row) = (index_below(at.x, self.width)?, index_below(at.y, self.height)?);
+        Some(Cell { col, row })
+    }
+
+    /// The centre of a cell in the map frame.
+    #[must_use]
+    pub fn center(&self, cell: Cell) -> DVec2 {
+        let corner = DVec2::new(cell.col as f64, cell.row as f64);
+        self.options.origin.transform_point((corner + 0.5) * self.resolution())
+    }
+
+    /// Whether a cell of the grid stops beams.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid.
+    #[must_use]
+    pub fn is_blocking(&self, cell: Cell) -> bool {
+        assert!(cell.col < self.width && cell.row < self.height, "{cell:?} is not on the grid");
+        self.options.blocks(self.cells[cell.row * self.width + cell.col])
+    }
+
+    /// Whether no blocking cell reaches into a disc around a point of the map frame. Off the grid is free.
+    ///
+    /// Exact: each cell near the disc is a square, and a square that touches the disc's edge from outside does not reach in.
+    #[must_use]
+    pub fn is_free_disc(&self, center: DVec2, radius: f64) -> bool {
+        let center = self.to_cells(center);
+        let radius = (radius / self.resolution()).max(0.0);
+        if self.block_at(center) {
+            return false;
+        }
+        let (cols, rows) = (span(center.x, radius, self.width), span(center.y, radius, self.height));
+        rows.flat_map(|row| cols.clone().map(move |col| Cell { col, row })).all(|cell| {
+            let corner = DVec2::new(cell.col as f64, cell.row as f64);
+            let nearest = center.clamp(corner, corner + 1.0);
+            nearest.distance_squared(center) >= radius * radius || !self.is_blocking(cell)
+        })
+    }
+
+    /// A pose drawn from the grid's known free space, on a cell's centre, where a disc of `radius` metres is free.
+    ///
+    /// The draw is named by `seed` alone: the same on every machine.
+    ///
+    /// # Errors
+    /// [`Error::NoFreePlace`] if there is none.
+    pub fn draw_free_pose(&self, radius: f64, seed: u64) -> Result<Pose, Error> {
+        check_number("radius", radius, "not negative", |value| value >= 0.0)?;
+        let mut candidates: Vec<usize> = (0..self.cells.len())
+            .filter(|&index| self.cells[index] >= 0 && !self.options.blocks(self.cells[index]))
+            .collect();
+        let mut stream = random::stream(seed, 0);
+        while !candidates.is_empty() {
+            let index = candidates.swap_remove(draw_below(candidates.len(), &mut stream));
+            let position = self.center(Cell { col: index % self.width, row: index / self.width });
+            if self.is_free_disc(position, radius) {
+                let yaw = (stream.random::<f64>() - 0.5) * std::f64::consts::TAU;
+                return Ok(Pose { position, yaw });
+            }
+        }
+        Err(Error::NoFreePlace { radius })
+    }
+
+    fn block_at(&self, at: DVec2) -> bool {
+        let at = at.floor();
+        match (index_below(at.x, self.width), index_below(at.y, self.height)) {
+            (Some(col), Some(row)) => self.is_blocking(Cell { col, row }),
+            _ => false,
+        }
+    }
+}
+
+impl GridOptions {
+    /// Whether a cell of this value stops beams.
+    #[must_use]
+    pub fn blocks(&self, value: i8) -> bool {
+        value >= self.occupied_threshold || (value < 0 && self.unknown == Unknown::Occupied)
+    }
+}
+
+/// A whole number as an index, if it lies in `0..count`.
+fn index_below(whole: f64, count: usize) -> Option<usize> {
+    (whole >= 0.0 && whole < count as f64).then_some(whole as usize)
+}
+
+/// The indices in `0..count` of the unit intervals within `radius` of `center`.
+fn span(center: f64, radius: f64, count: usize) -> std::ops::Range<usize> {
+    // A float becomes the nearest integer it can: negative ones 0.
+    let first = (center - radius).floor() as usize;
+    let end = (center + radius).floor() as usize;
+    first.min(count)..if center + radius < 0.0 { 0 } else { end.saturating_add(1).min(count) }
+}
+
+/// A whole number of `0..count`, each as likely to within 2⁻³³.
+fn draw_below(count: usize, stream: &mut impl Rng) -> usize {
+    ((u128::from(stream.next_u64()) * count as u128) >> 64) as usize
+}

@@ -1,0 +1,87 @@
+//! NumPy arrays as the core takes them, and errors that say what an array should have been.
+
+use numpy::{
+    Element, IntoPyArray, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods, dtype,
+};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::Error;
+
+/// A batch `(N, 3)` of `float64`, copied so that nobody changes it meanwhile.
+pub fn rows(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    let array = typed::<f64>(name, array)?;
+    let view = array.as_array();
+    let [_, 3] = *view.shape() else {
+        return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(view.shape()))));
+    };
+    Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
+}
+
+/// An array of this element type, checked by name.
+pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    check_dtype::<T>(name, array)?;
+    array.extract()
+}
+
+/// The result of `work` on a float32 array of this shape: a new one, or `out` if the caller gave one.
+pub fn fill<'py>(
+    py: Python<'py>,
+    out: Option<Bound<'py, PyAny>>,
+    dimensions: &[usize],
+    work: impl FnOnce(&mut [f32]) -> Result<(), Error> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some(out) = out else {
+        let length = dimensions.iter().product();
+        let mut elements = Vec::new();
+        elements
+            .try_reserve_exact(length)
+            .map_err(|_| PyMemoryError::new_err(format!("no memory for ranges of shape {}", shape(dimensions))))?;
+        elements.resize(length, 0.0);
+        py.detach(|| work(&mut elements))?;
+        return Ok(elements.into_pyarray(py).reshape(dimensions.to_vec())?.into_any());
+    };
+    let array = check_dtype::<f32>("out", &out)?;
+    if array.shape() != dimensions {
+        let (needed, got) = (shape(dimensions), shape(array.shape()));
+        return Err(PyValueError::new_err(format!("out must have shape {needed}, got {got}")));
+    }
+    if !array.is_c_contiguous() {
+        return Err(PyValueError::new_err("out must be in C order, got an array that is not C-contiguous"));
+    }
+    let mut array = out
+        .cast::<numpy::PyArrayDyn<f32>>()?
+        .try_readwrite()
+        .map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one in use elsewhere"))?;
+    let elements = array.as_slice_mut()?;
+    py.detach(|| work(elements))?;
+    Ok(out)
+}
+
+/// A new array of one dimension.
+pub fn vector<T: Element>(py: Python<'_>, elements: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    elements.into_pyarray(py)
+}
+
+/// The shape of an array, as Python writes it.
+pub fn shape(shape: &[usize]) -> String {
+    let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    if let [size] = &sizes[..] { format!("({size},)") } else { format!("({})", sizes.join(", ")) }
+}
+
+/// The name of a value's type.
+pub fn type_name(value: &Bound<'_, PyAny>) -> String {
+    value.get_type().name().map_or_else(|_| "another type".to_owned(), |name| name.to_string())
+}
+
+fn check_dtype<'a, 'py, T: Element>(name: &str, array: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
+    let needed = dtype::<T>(array.py());
+    let Ok(array) = array.cast::<PyUntypedArray>() else {
+        return Err(PyTypeError::new_err(format!("{name} must be a NumPy array of {needed}, got {}", type_name(array))));
+    };
+    if !array.dtype().is_equiv_to(&needed) {
+        return Err(PyTypeError::new_err(format!("{name} must have dtype {needed}, got {}", array.dtype())));
+    }
+    Ok(array)
+}

@@ -1,0 +1,162 @@
+//! `OccupancyGrid` for Python.
+
+use glam::DVec2;
+use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use super::arrays::{shape, typed, vector};
+use super::pose::{Pose, PoseArgument};
+use super::whole_number;
+use crate::{Cell, GridOptions, Unknown};
+
+/// Occupancy of the plane in square cells, as nav_msgs/OccupancyGrid has it.
+///
+/// cells: (H, W) int8, row 0 at the bottom; -1 unknown, 0..100 occupancy. Copied.
+/// resolution: side of a cell [m]. origin: pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
+/// occupied_threshold: cells of this value and above block beams, 1..100. unknown: "free" or "occupied", what unknown cells
+/// are to beams. Off the grid is free.
+/// What casting needs is built at the first cast, 4 bytes a cell, and kept.
+///
+/// raises: ValueError for a value out of its range; TypeError for cells that are not int8.
+#[pyclass(frozen, module = "mobile_robot_simulator")]
+pub struct OccupancyGrid {
+    core: crate::OccupancyGrid,
+    cells: PyOnceLock<Py<PyArray2<i8>>>,
+}
+
+impl OccupancyGrid {
+    /// The grid itself.
+    pub fn core(&self) -> &crate::OccupancyGrid {
+        &self.core
+    }
+}
+
+#[pymethods]
+impl OccupancyGrid {
+    #[new]
+    #[pyo3(signature = (cells, *, resolution, origin = PoseArgument(crate::Pose::default()), occupied_threshold = None, unknown = "free"))]
+    fn new(
+        py: Python<'_>,
+        cells: &Bound<'_, PyAny>,
+        resolution: f64,
+        origin: PoseArgument,
+        occupied_threshold: Option<&Bound<'_, PyAny>>,
+        unknown: &str,
+    ) -> PyResult<Self> {
+        let cells = typed::<i8>("cells", cells)?;
+        let [_, width] = *cells.shape() else {
+            return Err(PyValueError::new_err(format!("cells must have shape (H, W), got {}", shape(cells.shape()))));
+        };
+        let unknown = match unknown {
+            "free" => Unknown::Free,
+            "occupied" => Unknown::Occupied,
+            other => return Err(PyValueError::new_err(format!("unknown must be 'free' or 'occupied', got '{other}'"))),
+        };
+        let threshold = match occupied_threshold {
+            None => crate::OCCUPIED_THRESHOLD,
+            Some(value) => whole_number("occupied_threshold", value)?.min(i8::MAX as u64) as i8,
+        };
+        let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
+        let cells: Vec<i8> = cells.as_array().iter().copied().collect();
+        let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
+        Ok(Self { core, cells: PyOnceLock::new() })
+    }
+
+    /// Values of the cells, (H, W) int8, row 0 at the bottom. Read-only.
+    #[getter]
+    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
+        let array = self.cells.get_or_try_init(py, || {
+            let array = vector(py, self.core.cells().to_vec()).reshape([self.core.height(), self.core.width()])?;
+            array.readwrite().make_nonwriteable();
+            PyResult::Ok(array.unbind())
+        })?;
+        Ok(array.bind(py).clone())
+    }
+
+    /// Number of rows and columns.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.core.height(), self.core.width())
+    }
+
+    /// Side of a cell [m].
+    #[getter]
+    fn resolution(&self) -> f64 {
+        self.core.resolution()
+    }
+
+    /// Pose of the lower-left corner of cell (0, 0) in the map frame.
+    #[getter]
+    fn origin(&self) -> Pose {
+        Pose(self.core.options().origin)
+    }
+
+    /// Cells of this value and above block beams.
+    #[getter]
+    fn occupied_threshold(&self) -> i8 {
+        self.core.options().occupied_threshold
+    }
+
+    /// What unknown cells are to beams, "free" or "occupied".
+    #[getter]
+    fn unknown(&self) -> &'static str {
+        match self.core.options().unknown {
+            Unknown::Free => "free",
+            Unknown::Occupied => "occupied",
+        }
+    }
+
+    /// Builds what casting needs now rather than at the first cast.
+    fn prepare(&self, py: Python<'_>) {
+        py.detach(|| {
+            self.core.clearance();
+        });
+    }
+
+    /// The cell (row, column) that a point of the map frame lies in, or None off the grid.
+    fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
+        self.core.cell_at(DVec2::new(x, y)).map(|cell| (cell.row, cell.col))
+    }
+
+    /// Centre (x, y) of a cell in the map frame [m].
+    fn center(&self, row: usize, col: usize) -> (f64, f64) {
+        self.core.center(Cell { col, row }).into()
+    }
+
+    /// Whether no blocking cell reaches into a disc around a point of the map frame [m], exactly. Off the grid is free.
+    fn is_free_disc(&self, x: f64, y: f64, radius: f64) -> bool {
+        self.core.is_free_disc(DVec2::new(x, y), radius)
+    }
+
+    /// A pose drawn from the known free cells' centres, where a disc of this radius [m] is free.
+    ///
+    /// The draw is named by the seed alone: the same on every machine.
+    /// raises: ValueError if there is no such place.
+    #[pyo3(signature = (*, radius, seed))]
+    fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
+        let seed = whole_number("seed", seed)?;
+        Ok(Pose(py.detach(|| self.core.draw_free_pose(radius, seed))?))
+    }
+
+    fn __repr__(&self) -> String {
+        let [x, y, yaw] = self.core.options().origin.to_array();
+        format!(
+            "<OccupancyGrid {}x{} cells of {} m, origin ({x}, {y}, {yaw})>",
+            self.core.width(),
+            self.core.height(),
+            self.core.resolution()
+        )
+    }
+
+    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((Bound<'py, PyAny>,), Bound<'py, pyo3::types::PyDict>)> {
+        let keywords = pyo3::types::PyDict::new(py);
+        keywords.set_item("resolution", self.resolution())?;
+        keywords.set_item("origin", self.origin())?;
+        keywords.set_item("occupied_threshold", self.occupied_threshold())?;
+        keywords.set_item("unknown", self.unknown())?;
+        Ok(((self.cells(py)?.into_any(),), keywords))
+    }
+}

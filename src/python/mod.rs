@@ -1,0 +1,54 @@
+//! The Python module `mobile_robot_simulator._core`: arrays in, the core's call without the GIL, arrays out.
+#![allow(clippy::doc_markdown, reason = "documentation of classes and functions is Python's docstrings")]
+#![allow(clippy::needless_pass_by_value, clippy::unused_self, reason = "the shapes that PyO3 calls")]
+
+mod arrays;
+mod beam_model;
+mod grid;
+mod motion;
+mod pose;
+mod raycast;
+mod scanner;
+
+use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::Error;
+
+impl From<Error> for PyErr {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Threads { .. } => PyOSError::new_err(error.to_string()),
+            _ => PyValueError::new_err(error.to_string()),
+        }
+    }
+}
+
+/// A Python `int` as a number of 64 bits.
+fn whole_number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let number = value
+        .call_method0("__index__")
+        .map_err(|_| PyTypeError::new_err(format!("{name} must be an integer, got {}", arrays::type_name(value))))?;
+    number.extract().map_err(|_| PyValueError::new_err(format!("{name} must be in 0..2**64 - 1, got {number}")))
+}
+
+fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    let count = threads.map(|value| whole_number("threads", value)).transpose()?;
+    Ok(count.map(|count| count as usize))
+}
+
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::beam_model::BeamModel;
+    #[pymodule_export]
+    use super::grid::OccupancyGrid;
+    #[pymodule_export]
+    use super::motion::integrate_twist;
+    #[pymodule_export]
+    use super::pose::Pose;
+    #[pymodule_export]
+    use super::raycast::cast_rays;
+    #[pymodule_export]
+    use super::scanner::LaserScanner;
+}

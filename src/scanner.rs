@@ -1,0 +1,204 @@
+//! Laser scanners: the only owner of beam angles; one scan, a batch of scans.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use crate::beam_model::BeamModel;
+use crate::error::{Error, check_number, check_rows};
+use crate::grid::OccupancyGrid;
+use crate::pose::Pose;
+use crate::random;
+use crate::raycast::Caster;
+use crate::threads;
+
+/// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScannerOptions {
+    /// Field of view in radians, at most a full turn.
+    pub fov: f64,
+    /// Number of beams, which is the number of ranges.
+    pub beam_count: usize,
+    /// Returns nearer than this are too close to be valid \[m\].
+    pub min_range: f64,
+    /// Range of a beam without a return \[m\].
+    pub max_range: f64,
+    /// Pose of the scanner on the robot: `base_from_laser`.
+    pub mount: Pose,
+}
+
+impl Default for ScannerOptions {
+    fn default() -> Self {
+        Self { fov: 4.71, beam_count: 541, min_range: 0.05, max_range: 30.0, mount: Pose::default() }
+    }
+}
+
+/// Noise on a batch of scans: scan `i` of the batch draws from the stream `(seed, first_index + i)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// The model of a beam.
+    pub model: BeamModel,
+    /// Seed of the streams.
+    pub seed: u64,
+    /// Index of the first scan.
+    pub first_index: u64,
+}
+
+/// What a message holds for a beam without a return.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoReturn {
+    /// `+inf`, as REP-117 has it.
+    #[default]
+    Inf,
+    /// The maximum range.
+    Max,
+}
+
+/// The largest number of beams.
+pub const MAX_BEAMS: usize = 1_000_000;
+
+/// Fields of view this near to a full turn are one: the last beam would fall on the first.
+const FULL_TURN_TOLERANCE: f64 = 1e-6;
+
+/// A planar scanner whose beams spread evenly over its field of view.
+#[derive(Debug, Clone)]
+pub struct LaserScanner {
+    options: ScannerOptions,
+    angle_min: f64,
+    angle_increment: f64,
+    /// Unit vectors of the beams in the scanner's frame.
+    directions: Vec<DVec2>,
+}
+
+impl LaserScanner {
+    /// The scanner with these parameters.
+    ///
+    /// Beam `i` points at `angle_min + i · angle_increment`: both ends of the field of view have a beam, unless it is a full turn
+    /// (to within 1e-6), whose ends are one. A single beam looks along the middle.
+    ///
+    /// # Errors
+    /// A field of view outside of (0, 2π], no beams or more than a million, ranges that are not `0 <= min < max`, a mount that
+    /// is not finite.
+    pub fn new(options: ScannerOptions) -> Result<Self, Error> {
+        let ScannerOptions { fov, beam_count, min_range, max_range, mount } = options;
+        check_number("fov", fov, "in (0, 2π]", |value| value > 0.0 && value < TAU + FULL_TURN_TOLERANCE)?;
+        if !(1..=MAX_BEAMS).contains(&beam_count) {
+            return Err(Error::Count { name: "beam_count", value: beam_count, needed: "in 1..1000000" });
+        }
+        check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
+        check_number("max_range", max_range, "greater than min_range", |value| value > min_range)?;
+        check_number("mount x", mount.position.x, "finite", |_| true)?;
+        check_number("mount y", mount.position.y, "finite", |_| true)?;
+        check_number("mount yaw", mount.yaw, "finite", |_| true)?;
+        let gaps = if (fov - TAU).abs() < FULL_TURN_TOLERANCE { beam_count } else { beam_count - 1 };
+        let (angle_min, angle_increment) = if beam_count == 1 { (0.0, 0.0) } else { (-0.5 * fov, fov / gaps as f64) };
+        let directions = (0..beam_count)
+            .map(|beam| {
+                let (sin, cos) = libm::sincos(angle_min + beam as f64 * angle_increment);
+                DVec2::new(cos, sin)
+            })
+            .collect();
+        Ok(Self { options, angle_min, angle_increment, directions })
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn options(&self) -> ScannerOptions {
+        self.options
+    }
+
+    /// Angle of beam 0 in the scanner's frame.
+    #[must_use]
+    pub fn angle_min(&self) -> f64 {
+        self.angle_min
+    }
+
+    /// Angle of the last beam.
+    #[must_use]
+    pub fn angle_max(&self) -> f64 {
+        self.angle(self.options.beam_count - 1)
+    }
+
+    /// Angle from one beam to the next.
+    #[must_use]
+    pub fn angle_increment(&self) -> f64 {
+        self.angle_increment
+    }
+
+    /// Angle of a beam in the scanner's frame.
+    #[must_use]
+    pub fn angle(&self, beam: usize) -> f64 {
+        self.angle_min + beam as f64 * self.angle_increment
+    }
+
+    /// Ranges \[m\] from the robot's pose `map_from_base`, the maximum range where there is no return.
+    ///
+    /// # Panics
+    /// If `ranges` does not have an element for each beam.
+    pub fn scan(&self, grid: &OccupancyGrid, map_from_base: Pose, ranges: &mut [f32]) {
+        let max_range = self.options.max_range;
+        self.cast(grid, map_from_base, ranges, |hit| hit.unwrap_or(max_range));
+    }
+
+    /// Readings \[m\] from each robot's pose, `[x, y, yaw]` in the map frame: as many for each as there are beams, one pose after
+    /// the other. The same for any number of threads.
+    ///
+    /// # Errors
+    /// Poses that are not finite, a wrong number of `readings`, no threads to be had.
+    pub fn scan_batch(
+        &self,
+        grid: &OccupancyGrid,
+        poses: &[[f64; 3]],
+        noise: Option<Noise>,
+        threads: Option<usize>,
+        readings: &mut [f32],
+    ) -> Result<(), Error> {
+        let beam_count = self.options.beam_count;
+        check_rows("poses", poses.iter().copied())?;
+        if readings.len() != poses.len() * beam_count {
+            return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
+        }
+        let max_range = self.options.max_range;
+        threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
+            let pose = poses[scan].into();
+            if let Some(noise) = noise {
+                let mut stream = random::stream(noise.seed, noise.first_index.wrapping_add(scan as u64));
+                self.cast(grid, pose, readings, |hit| noise.model.sample(hit, max_range, &mut stream));
+            } else {
+                self.scan(grid, pose, readings);
+            }
+        })
+    }
+
+    /// Marks, as REP-117 asks of a message, readings that are no valid return: too close `-inf`, no return as `no_return` says.
+    pub fn mark_invalid(&self, readings: &mut [f32], no_return: NoReturn) {
+        let (min, max) = (self.options.min_range as f32, self.options.max_range as f32);
+        let missing = if no_return == NoReturn::Inf { f32::INFINITY } else { max };
+        for reading in readings {
+            if *reading < min {
+                *reading = f32::NEG_INFINITY;
+            } else if *reading >= max {
+                *reading = missing;
+            }
+        }
+    }
+
+    /// Casts every beam in order, and stores what `read` makes of it.
+    fn cast(
+        &self,
+        grid: &OccupancyGrid,
+        map_from_base: Pose,
+        readings: &mut [f32],
+        mut read: impl FnMut(Option<f64>) -> f64,
+    ) {
+        assert_eq!(readings.len(), self.directions.len(), "one reading per beam");
+        let grid_from_laser = grid.pose_in_grid(map_from_base * self.options.mount);
+        let origin = grid_from_laser.position / grid.resolution();
+        let (sin, cos) = libm::sincos(grid_from_laser.yaw);
+        let heading = DVec2::new(cos, sin);
+        let caster = Caster::new(grid, self.options.max_range);
+        for (reading, direction) in readings.iter_mut().zip(&self.directions) {
+            *reading = read(caster.cast(origin, heading.rotate(*direction))) as f32;
+        }
+    }
+}

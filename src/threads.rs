@@ -1,0 +1,60 @@
+//! The threads that batches run on.
+
+use std::collections::HashMap;
+use std::num::NonZero;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use crate::error::Error;
+
+/// The largest number of threads that may be asked for.
+pub const MAX_THREADS: usize = 1024;
+
+/// Pools that were started, by process and number of threads.
+///
+/// A process that was forked has its parent's memory but none of its threads: its pools have to be its own.
+static POOLS: Mutex<Option<HashMap<(u32, usize), Arc<ThreadPool>>>> = Mutex::new(None);
+
+/// Fewer elements than this are not worth waking a thread for.
+const WORTH_SHARING: usize = 4096;
+
+/// Calls `work(index, chunk)` for each chunk of `length` elements, on `threads` threads or, if `None`, on all cores.
+///
+/// # Errors
+/// Zero threads, more than 1024, or none to be had from the system.
+pub fn for_each_chunk<T: Send>(
+    threads: Option<usize>,
+    elements: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) + Sync,
+) -> Result<(), Error> {
+    let threads = match threads {
+        Some(count @ (0 | 1025..)) => return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" }),
+        Some(count) => count,
+        None => std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS),
+    };
+    if threads == 1 || elements.len() < WORTH_SHARING {
+        elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
+    } else {
+        pool(threads)?.install(|| {
+            elements.par_chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
+        });
+    }
+    Ok(())
+}
+
+fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let pools = pools.get_or_insert_default();
+    let key = (std::process::id(), threads);
+    if let Some(pool) = pools.get(&key) {
+        return Ok(Arc::clone(pool));
+    }
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = builder.build().map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
+    let pool = Arc::new(pool);
+    pools.insert(key, Arc::clone(&pool));
+    Ok(pool)
+}

@@ -1,0 +1,132 @@
+//! Hand-derived ranges on small maps.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::DVec2;
+use mobile_robot_simulator::OccupancyGrid;
+
+use crate::methods::{METHODS, by_every_square, check, drawn_grid, toward};
+
+/// What every method makes of a ray from `(x, y)` at `angle`, the reference first.
+fn expect(grid: &OccupancyGrid, (x, y): (f64, f64), angle: f64, expected: f64) {
+    let start = (DVec2::new(x, y), toward(angle));
+    let (crossed, _) = by_every_square(grid, start);
+    assert!(crossed == expected || (crossed - expected).abs() < 1e-9, "reference from {start:?}: {crossed}");
+    for (name, method) in METHODS {
+        let found = method(grid, start);
+        assert!(found == expected || (found - expected).abs() < 1e-12, "{name} from {start:?}: {found}, not {expected}");
+    }
+    check(grid, start);
+}
+
+const NONE: f64 = f64::INFINITY;
+
+#[test]
+fn a_single_pole() {
+    let grid = drawn_grid(
+        ".....
+         .....
+         ..#..
+         .....
+         .....",
+    );
+    expect(&grid, (0.5, 2.5), 0.0, 1.5);
+    expect(&grid, (0.5, 0.5), FRAC_PI_4, 1.5 * 2f64.sqrt());
+    expect(&grid, (2.5, 2.5), 1.0, 0.0);
+    expect(&grid, (-3.0, 2.5), 0.0, 5.0);
+    expect(&grid, (-1.0, -1.0), FRAC_PI_4, 3.0 * 2f64.sqrt());
+    expect(&grid, (-3.0, 2.5), PI, NONE);
+    expect(&grid, (0.5, 2.0), 0.0, 1.5);
+    expect(&grid, (0.5, 3.0), 0.0, NONE);
+    expect(&grid, (2.5, 4.5), -FRAC_PI_2, 1.5);
+    expect(&grid, (4.5, 2.5), PI, 1.5);
+    expect(&grid, (2.5, 7.0), -FRAC_PI_2, 4.0);
+}
+
+#[test]
+fn the_start_cell_counts_and_its_edges_are_its_own() {
+    let grid = drawn_grid(".#.");
+    for angle in [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0] {
+        expect(&grid, (1.5, 0.5), angle, 0.0);
+    }
+    expect(&grid, (1.0, 0.5), 0.0, 0.0);
+    // On the pole's far edge the cell is the next one: a beam back enters at once, a beam away never.
+    expect(&grid, (2.0, 0.5), PI, 0.0);
+    expect(&grid, (2.0, 0.5), 0.0, NONE);
+}
+
+#[test]
+fn walls_that_touch_at_a_corner_do_not_leak() {
+    let falling = drawn_grid(
+        ".....
+         .#...
+         ..#..
+         ...#.
+         .....",
+    );
+    for step in 0..50 {
+        // At right angles onto the wall, through its corners and beside them.
+        let offset = f64::from(step) / 25.0 - 1.0;
+        let start = DVec2::new(0.5 + offset, 0.5 - offset) + DVec2::new(0.5, 0.5);
+        for angle in [FRAC_PI_4, FRAC_PI_4 + 1e-9, FRAC_PI_4 - 1e-9] {
+            check(&falling, (start, toward(angle)));
+            for (name, method) in METHODS {
+                let found = method(&falling, (start, toward(angle)));
+                assert!(found < 2.2 || offset.abs() > 0.99, "{name} leaks from {start} at {angle}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_corner_is_passed_on_one_side_only() {
+    // A ray through a corner crosses the row's boundary first: of the two cells beside the corner it visits the upper one going
+    // up, the lower one going down.
+    let above = drawn_grid(".. #.");
+    let beside = drawn_grid("#. ..");
+    for (name, method) in METHODS {
+        let corner = (DVec2::new(0.5, 0.5), DVec2::new(0.5f64.sqrt(), 0.5f64.sqrt()));
+        assert!(method(&beside, corner) < 0.71, "{name}: the row's boundary comes first");
+        assert_eq!(method(&above, (DVec2::new(1.5, 1.5), -corner.1)), 0.5 / 0.5f64.sqrt() + 0.0, "{name}");
+    }
+}
+
+#[test]
+fn a_range_is_never_negative_zero() {
+    let grid = drawn_grid("#.#");
+    for (name, method) in METHODS {
+        for angle in [0.0, -0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
+            for x in [1.0, 2.0] {
+                let found = method(&grid, (DVec2::new(x, 0.0), toward(angle)));
+                assert!(found.is_sign_positive(), "{name} from {x} at {angle}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn both_zeros_and_all_that_is_as_good_as_zero_go_straight() {
+    let grid = drawn_grid("....#");
+    for zero in [0.0, -0.0, 6e-17, -6e-17, 1e-310, -1e-310] {
+        for (name, method) in METHODS {
+            assert_eq!(method(&grid, (DVec2::new(0.5, 0.5), DVec2::new(1.0, zero))), 3.5, "{name} {zero}");
+        }
+    }
+    let upright = drawn_grid("# . . .");
+    for zero in [0.0, -0.0, 1e-310, -1e-310] {
+        for (name, method) in METHODS {
+            assert_eq!(method(&upright, (DVec2::new(0.0, 0.5), DVec2::new(zero, 1.0))), 2.5, "{name} {zero}");
+        }
+    }
+}
+
+#[test]
+fn far_starts_and_those_that_are_not_numbers_end() {
+    let grid = drawn_grid("..#");
+    for (name, method) in METHODS {
+        assert_eq!(method(&grid, (DVec2::new(-1e9, 0.5), DVec2::X)), 1e9 + 2.0, "{name}");
+        for x in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e308, -1e308] {
+            assert_eq!(method(&grid, (DVec2::new(x, -x), DVec2::X)), NONE, "{name}");
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Rays over real maps. The maps are no part of the project: where their folder is absent, there is nothing to do.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::DVec2;
+use mobile_robot_simulator::random;
+use rand::{Rng, RngExt};
+
+use crate::methods::{check_methods, toward, unit_grid};
+
+const IMAGES: [&str; 8] = [
+    "f1_berlin/berlin.png",
+    "flatland_conestogo/map.png",
+    "nav2_depot/depot.pgm",
+    "nav2_tb3_sandbox/tb3_sandbox.pgm",
+    "nav2_warehouse/warehouse.pgm",
+    "radish_intel/intel.pgm",
+    "rl_basement_hallways_5cm/basement_hallways_5cm.png",
+    "willow_2010_0.10/willow-2010-02-18-0.10.pgm",
+];
+
+#[test]
+fn every_method_agrees_with_the_traversal_on_real_maps() {
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
+    if !maps.is_dir() {
+        eprintln!("passed over: no real maps in {}", maps.display());
+        return;
+    }
+    for image in IMAGES {
+        let pixels = image::open(maps.join(image)).expect(image).into_luma8();
+        let (width, height) = (pixels.width() as usize, pixels.height() as usize);
+        let dark: Vec<bool> = pixels.pixels().map(|pixel| pixel.0[0] < 90).collect();
+        let blocking: Vec<bool> = dark.chunks(width).rev().flatten().copied().collect();
+        assert!(blocking.iter().any(|&blocks| blocks), "{image} has no walls");
+        let grid = unit_grid(&blocking, width);
+        let mut stream = random::stream(5, 0);
+        for _ in 0..300 {
+            let origin = DVec2::new(stream.random::<f64>() * width as f64, stream.random::<f64>() * height as f64);
+            let origin = if stream.next_u64() % 8 == 0 { origin.floor() } else { origin };
+            for beam in 0..180 {
+                check_methods(&grid, (origin, toward(f64::from(beam) * PI / 90.0)));
+            }
+        }
+    }
+}
