@@ -21,13 +21,6 @@
 //!   stream of a scan is named by (seed, index of the scan); nothing else enters it. Arithmetic is in one order everywhere,
 //!   without fused multiply-adds, and transcendental functions are those of the `libm` crate.
 //! - **Motion**: a twist is integrated exactly (the exponential of SE(2)), not by Euler steps.
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "grids have at most 65535 cells a side and 2e9 in all, which every type in use holds"
-)]
 
 mod beam_model;
 mod error;

@@ -23,7 +23,7 @@ pub fn stream(seed: u64, index: u64) -> Stream {
 /// 2⁶⁴ over the golden ratio, made odd.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The output function of SplitMix64: a bijection that scatters neighbours (Steele, Lea & Flood 2014; Stafford's variant 13).
+/// The output function of `SplitMix64`: a bijection that scatters neighbours (Steele, Lea & Flood 2014; Stafford's variant 13).
 fn mix(word: u64) -> u64 {
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -183,6 +183,23 @@ impl LaserScanner {
         }
     }
 
+    /// Points \[m\] of the map frame that the valid returns among `readings` came from, `[x, y]` each.
+    ///
+    /// # Errors
+    /// Not one reading for each beam.
+    pub fn end_points(&self, map_from_base: Pose, readings: &[f32]) -> Result<Vec<[f64; 2]>, Error> {
+        if readings.len() != self.directions.len() {
+            return Err(Error::Length { name: "readings", value: readings.len(), needed: self.directions.len() });
+        }
+        let map_from_laser = map_from_base * self.options.mount;
+        let valid = self.options.min_range as f32..self.options.max_range as f32;
+        let returns = readings.iter().zip(&self.directions).filter(|(reading, _)| valid.contains(reading));
+        let point = |(reading, direction): (&f32, &DVec2)| {
+            map_from_laser.transform_point(*direction * f64::from(*reading)).to_array()
+        };
+        Ok(returns.map(point).collect())
+    }
+
     /// Casts every beam in order, and stores what `read` makes of it.
     fn cast(
         &self,

@@ -1,6 +1,6 @@
 //! The threads that batches run on.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ pub const MAX_THREADS: usize = 1024;
 /// Pools that were started, by process and number of threads.
 ///
 /// A process that was forked has its parent's memory but none of its threads: its pools have to be its own.
-static POOLS: Mutex<Option<HashMap<(u32, usize), Arc<ThreadPool>>>> = Mutex::new(None);
+static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
 
 /// Fewer elements than this are not worth waking a thread for.
 const WORTH_SHARING: usize = 4096;
@@ -47,7 +47,6 @@ pub fn for_each_chunk<T: Send>(
 
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    let pools = pools.get_or_insert_default();
     let key = (std::process::id(), threads);
     if let Some(pool) = pools.get(&key) {
         return Ok(Arc::clone(pool));

@@ -1,6 +1,6 @@
 //! `LaserScanner` for Python.
 
-use numpy::PyArray1;
+use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -179,6 +179,22 @@ impl LaserScanner {
             self.0.mark_invalid(marked, no_return);
             Ok(())
         })
+    }
+
+    /// Points of the map frame that the valid returns among the readings of one scan came from.
+    ///
+    /// pose: (x, y, yaw) of the robot in the map frame. readings: (beam_count,) float32 [m], raw or as in a message.
+    /// returns: (M, 2) float64 [m], beams without a valid return left out.
+    /// raises: ValueError for a wrong shape; TypeError for another dtype.
+    fn end_points<'py>(
+        &self,
+        py: Python<'py>,
+        pose: PoseArgument,
+        readings: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let readings = typed::<f32>("readings", readings)?;
+        let readings: Vec<f32> = readings.as_array().iter().copied().collect();
+        Ok(Array2::from(self.0.end_points(pose.0, &readings)?).into_pyarray(py))
     }
 
     fn __repr__(&self) -> String {

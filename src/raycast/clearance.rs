@@ -111,7 +111,7 @@ mod tests {
     fn sides_are_as_defined() {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
-            let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64() % one_in == 0).collect();
+            let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
             let clearance = Clearance::new(width, height, |index| blocking[index]);
             for row in 0..height {
                 for col in 0..width {

@@ -37,7 +37,7 @@ fn every_method_agrees_with_the_traversal_on_real_maps() {
         let mut stream = random::stream(5, 0);
         for _ in 0..300 {
             let origin = DVec2::new(stream.random::<f64>() * width as f64, stream.random::<f64>() * height as f64);
-            let origin = if stream.next_u64() % 8 == 0 { origin.floor() } else { origin };
+            let origin = if stream.next_u64().is_multiple_of(8) { origin.floor() } else { origin };
             for beam in 0..180 {
                 check_methods(&grid, (origin, toward(f64::from(beam) * PI / 90.0)));
             }

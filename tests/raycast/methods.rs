@@ -7,8 +7,11 @@ use mobile_robot_simulator::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGri
 /// Start (in cells) and direction (a unit vector) of a ray.
 pub type Start = (DVec2, DVec2);
 
+/// Distance in cells of the first blocking cell.
+pub type Method = fn(&OccupancyGrid, Start) -> f64;
+
 /// The specification, and all that is faster.
-pub const METHODS: [(&str, fn(&OccupancyGrid, Start) -> f64); 2] = [("traversal", by_traversal), ("portable", by_portable)];
+pub const METHODS: [(&str, Method); 2] = [("traversal", by_traversal), ("portable", by_portable)];
 
 /// No ray of these tests goes as far as this.
 const FAR: f64 = 1e12;

@@ -12,7 +12,9 @@ use crate::methods::{by_traversal, check, check_methods, toward, unit_grid};
 const SEED: u64 = 20;
 
 /// Whether a cell blocks, by its column, row and a number drawn for it.
-const KINDS: [(&str, fn(usize, usize, f64) -> bool); 7] = [
+type Kind = fn(usize, usize, f64) -> bool;
+
+const KINDS: [(&str, Kind); 7] = [
     ("empty", |_, _, _| false),
     ("sparse", |_, _, draw| draw < 0.01),
     ("dense", |_, _, draw| draw < 0.3),
@@ -22,7 +24,7 @@ const KINDS: [(&str, fn(usize, usize, f64) -> bool); 7] = [
     ("corridor", |_, row, _| row % 6 == 0),
 ];
 
-fn grid(kind: fn(usize, usize, f64) -> bool, width: usize, height: usize, seed: u64) -> OccupancyGrid {
+fn grid(kind: Kind, width: usize, height: usize, seed: u64) -> OccupancyGrid {
     let mut stream = random::stream(seed, 1);
     let blocking: Vec<bool> = (0..width * height).map(|index| kind(index % width, index / width, stream.random())).collect();
     unit_grid(&blocking, width)
@@ -75,9 +77,9 @@ fn every_method_agrees_with_the_traversal_on_large_grids() {
         for _ in 0..20_000 {
             let mut along = |size: usize| (stream.random::<f64>() * 1.2 - 0.1) * size as f64;
             let origin = DVec2::new(along(width), along(height));
-            let origin = if stream.next_u64() % 4 == 0 { origin.round() } else { origin };
+            let origin = if stream.next_u64().is_multiple_of(4) { origin.round() } else { origin };
             let angle = stream.random::<f64>() * 2.0 * PI;
-            let angle = if stream.next_u64() % 4 == 0 { (angle / FRAC_PI_4).round() * FRAC_PI_4 } else { angle };
+            let angle = if stream.next_u64().is_multiple_of(4) { (angle / FRAC_PI_4).round() * FRAC_PI_4 } else { angle };
             check_methods(&grid, (origin, toward(angle)));
         }
         assert!(by_traversal(&grid, (DVec2::splat(-5.0), toward(3.0))).is_infinite(), "{name}");
@@ -90,7 +92,7 @@ fn symmetries_hold() {
     let mut stream = random::stream(SEED, 3);
     for _ in 0..3000 {
         let size = 12;
-        let blocking: Vec<bool> = (0..size * size).map(|_| stream.next_u64() % 9 == 0).collect();
+        let blocking: Vec<bool> = (0..size * size).map(|_| stream.next_u64().is_multiple_of(9)).collect();
         let at = |col: usize, row: usize| blocking[row * size + col];
         let turned: Vec<bool> = (0..size * size).map(|i| at(i / size, size - 1 - i % size)).collect();
         let mirrored: Vec<bool> = (0..size * size).map(|i| at(size - 1 - i % size, i / size)).collect();
@@ -115,7 +117,7 @@ fn another_wall_never_lengthens_a_beam() {
     let mut stream = random::stream(SEED, 4);
     for _ in 0..3000 {
         let size = 15;
-        let mut blocking: Vec<bool> = (0..size * size).map(|_| stream.next_u64() % 20 == 0).collect();
+        let mut blocking: Vec<bool> = (0..size * size).map(|_| stream.next_u64().is_multiple_of(20)).collect();
         let start = (
             DVec2::new(stream.random::<f64>(), stream.random::<f64>()) * size as f64,
             toward(stream.random::<f64>() * 2.0 * PI),

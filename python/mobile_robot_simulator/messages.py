@@ -1,0 +1,288 @@
+"""The ROS messages and services that the nodes speak, with ROS field names and no ROS.
+
+Every class names its ROS type; units and frames are those of the ROS definition. Arrays are NumPy arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import Pose as PlanarPose
+
+
+@dataclass(slots=True, eq=False)
+class Message:
+    """A message: fields with defaults, equal when all fields are."""
+
+    ros_type: ClassVar[str]
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_same(getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _same(left: Any, right: Any) -> bool:
+    if isinstance(left, np.ndarray) or isinstance(right, np.ndarray):
+        return np.array_equal(left, right, equal_nan=True)
+    return bool(left == right)
+
+
+@dataclass(slots=True, eq=False)
+class Time(Message):
+    """A moment, as whole seconds and nanoseconds."""
+
+    ros_type = "builtin_interfaces/msg/Time"
+    sec: int = 0
+    nanosec: int = 0
+
+    @classmethod
+    def from_nanoseconds(cls, nanoseconds: int) -> Time:
+        """The moment so many nanoseconds after zero."""
+        return cls(*divmod(nanoseconds, 1_000_000_000))
+
+    @property
+    def nanoseconds(self) -> int:
+        """Nanoseconds since zero."""
+        return self.sec * 1_000_000_000 + self.nanosec
+
+
+@dataclass(slots=True, eq=False)
+class Header(Message):
+    """When a message holds, and in which frame."""
+
+    ros_type = "std_msgs/msg/Header"
+    stamp: Time = field(default_factory=Time)
+    frame_id: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Vector3(Message):
+    """Three numbers along x, y and z."""
+
+    ros_type = "geometry_msgs/msg/Vector3"
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(slots=True, eq=False)
+class Point(Message):
+    """A position [m]."""
+
+    ros_type = "geometry_msgs/msg/Point"
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(slots=True, eq=False)
+class Quaternion(Message):
+    """An orientation."""
+
+    ros_type = "geometry_msgs/msg/Quaternion"
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+
+@dataclass(slots=True, eq=False)
+class Pose(Message):
+    """A position and an orientation."""
+
+    ros_type = "geometry_msgs/msg/Pose"
+    position: Point = field(default_factory=Point)
+    orientation: Quaternion = field(default_factory=Quaternion)
+
+    @classmethod
+    def from_planar(cls, pose: PlanarPose) -> Pose:
+        """The message for a pose of the plane."""
+        z, w = pose.quaternion
+        return cls(Point(pose.x, pose.y), Quaternion(z=z, w=w))
+
+    def to_planar(self) -> PlanarPose:
+        """The pose in the plane; height, roll and pitch are passed over."""
+        return _planar(self.position, self.orientation)
+
+
+@dataclass(slots=True, eq=False)
+class Transform(Message):
+    """A translation and a rotation."""
+
+    ros_type = "geometry_msgs/msg/Transform"
+    translation: Vector3 = field(default_factory=Vector3)
+    rotation: Quaternion = field(default_factory=Quaternion)
+
+    @classmethod
+    def from_planar(cls, pose: PlanarPose) -> Transform:
+        """The message for a transform of the plane."""
+        z, w = pose.quaternion
+        return cls(Vector3(pose.x, pose.y), Quaternion(z=z, w=w))
+
+    def to_planar(self) -> PlanarPose:
+        """The transform in the plane; height, roll and pitch are passed over."""
+        return _planar(self.translation, self.rotation)
+
+
+def _planar(position: Point | Vector3, orientation: Quaternion) -> PlanarPose:
+    x, y, z, w = orientation.x, orientation.y, orientation.z, orientation.w
+    return PlanarPose.from_quaternion(position.x, position.y, qx=x, qy=y, qz=z, qw=w)
+
+
+def _covariance() -> NDArray[np.float64]:
+    return np.zeros(36)
+
+
+@dataclass(slots=True, eq=False)
+class PoseWithCovariance(Message):
+    """A pose and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z)."""
+
+    ros_type = "geometry_msgs/msg/PoseWithCovariance"
+    pose: Pose = field(default_factory=Pose)
+    covariance: NDArray[np.float64] = field(default_factory=_covariance)
+
+
+@dataclass(slots=True, eq=False)
+class PoseWithCovarianceStamped(Message):
+    """A pose with covariance at a moment, in a frame."""
+
+    ros_type = "geometry_msgs/msg/PoseWithCovarianceStamped"
+    header: Header = field(default_factory=Header)
+    pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
+
+
+@dataclass(slots=True, eq=False)
+class Twist(Message):
+    """Linear [m/s] and angular [rad/s] velocity."""
+
+    ros_type = "geometry_msgs/msg/Twist"
+    linear: Vector3 = field(default_factory=Vector3)
+    angular: Vector3 = field(default_factory=Vector3)
+
+
+@dataclass(slots=True, eq=False)
+class TwistStamped(Message):
+    """A twist at a moment, in a frame."""
+
+    ros_type = "geometry_msgs/msg/TwistStamped"
+    header: Header = field(default_factory=Header)
+    twist: Twist = field(default_factory=Twist)
+
+
+@dataclass(slots=True, eq=False)
+class TwistWithCovariance(Message):
+    """A twist and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z)."""
+
+    ros_type = "geometry_msgs/msg/TwistWithCovariance"
+    twist: Twist = field(default_factory=Twist)
+    covariance: NDArray[np.float64] = field(default_factory=_covariance)
+
+
+@dataclass(slots=True, eq=False)
+class TransformStamped(Message):
+    """The transform from a child frame to the header's frame, at a moment."""
+
+    ros_type = "geometry_msgs/msg/TransformStamped"
+    header: Header = field(default_factory=Header)
+    child_frame_id: str = ""
+    transform: Transform = field(default_factory=Transform)
+
+
+@dataclass(slots=True, eq=False)
+class TFMessage(Message):
+    """Transforms, as they go over /tf."""
+
+    ros_type = "tf2_msgs/msg/TFMessage"
+    transforms: list[TransformStamped] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False)
+class Odometry(Message):
+    """Pose in the header's frame, twist in the child frame."""
+
+    ros_type = "nav_msgs/msg/Odometry"
+    header: Header = field(default_factory=Header)
+    child_frame_id: str = ""
+    pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
+    twist: TwistWithCovariance = field(default_factory=TwistWithCovariance)
+
+
+def _no_ranges() -> NDArray[np.float32]:
+    return np.zeros(0, np.float32)
+
+
+@dataclass(slots=True, eq=False)
+class LaserScan(Message):
+    """A planar scan: angles [rad], times [s], ranges (N,) float32 [m]; the stamp is that of the first beam."""
+
+    ros_type = "sensor_msgs/msg/LaserScan"
+    header: Header = field(default_factory=Header)
+    angle_min: float = 0.0
+    angle_max: float = 0.0
+    angle_increment: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
+    range_min: float = 0.0
+    range_max: float = 0.0
+    ranges: NDArray[np.float32] = field(default_factory=_no_ranges)
+    intensities: NDArray[np.float32] = field(default_factory=_no_ranges)
+
+
+@dataclass(slots=True, eq=False)
+class MapMetaData(Message):
+    """Size of a map in cells, its resolution [m/cell], and the pose of its corner."""
+
+    ros_type = "nav_msgs/msg/MapMetaData"
+    map_load_time: Time = field(default_factory=Time)
+    resolution: float = 0.0
+    width: int = 0
+    height: int = 0
+    origin: Pose = field(default_factory=Pose)
+
+
+@dataclass(slots=True, eq=False)
+class OccupancyGrid(Message):
+    """A map: data (height * width,) int8, row by row from the lower left."""
+
+    ros_type = "nav_msgs/msg/OccupancyGrid"
+    header: Header = field(default_factory=Header)
+    info: MapMetaData = field(default_factory=MapMetaData)
+    data: NDArray[np.int8] = field(default_factory=lambda: np.zeros(0, np.int8))
+
+
+@dataclass(slots=True, eq=False)
+class Clock(Message):
+    """The simulated time."""
+
+    ros_type = "rosgraph_msgs/msg/Clock"
+    clock: Time = field(default_factory=Time)
+
+
+@dataclass(slots=True, eq=False)
+class GetMapRequest(Message):
+    """Asks for the map."""
+
+    ros_type = "nav_msgs/srv/GetMap_Request"
+
+
+@dataclass(slots=True, eq=False)
+class GetMapResponse(Message):
+    """The map."""
+
+    ros_type = "nav_msgs/srv/GetMap_Response"
+    map: OccupancyGrid = field(default_factory=OccupancyGrid)
+
+
+class GetMap:
+    """The service that hands out the map."""
+
+    ros_type = "nav_msgs/srv/GetMap"
+    Request = GetMapRequest
+    Response = GetMapResponse
