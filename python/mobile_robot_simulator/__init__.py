@@ -1,3 +1,117 @@
-"""Exact, fast and deterministic simulation of mobile robots and laser scanners on occupancy grids."""
+"""Exact, fast and deterministic simulation of mobile robots and laser scanners on occupancy grids.
 
-from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose, cast_rays, integrate_twist
+The core (grids, scanners, beam noise, motion) is there at once; the rest is imported when it is first asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose, __version__, cast_rays, integrate_twist
+
+if TYPE_CHECKING:
+    from . import messages
+    from .floor_plans import floor_plan
+    from .laser_node import LaserScannerSimulator
+    from .map_node import MapServer
+    from .maps import load_map, save_map
+    from .messages import (
+        Clock,
+        GetMap,
+        Header,
+        LaserScan,
+        Odometry,
+        Point,
+        PoseWithCovariance,
+        PoseWithCovarianceStamped,
+        Quaternion,
+        TFMessage,
+        Time,
+        Transform,
+        TransformStamped,
+        Twist,
+        TwistStamped,
+        TwistWithCovariance,
+        Vector3,
+    )
+    from .robot_node import MobileRobotSimulator
+    from .simulation import Simulation
+
+_HOMES = {
+    "floor_plans": ["floor_plan"],
+    "laser_node": ["LaserScannerSimulator"],
+    "map_node": ["MapServer"],
+    "maps": ["load_map", "save_map"],
+    "messages": [
+        "Clock",
+        "GetMap",
+        "Header",
+        "LaserScan",
+        "Odometry",
+        "Point",
+        "PoseWithCovariance",
+        "PoseWithCovarianceStamped",
+        "Quaternion",
+        "TFMessage",
+        "Time",
+        "Transform",
+        "TransformStamped",
+        "Twist",
+        "TwistStamped",
+        "TwistWithCovariance",
+        "Vector3",
+    ],
+    "robot_node": ["MobileRobotSimulator"],
+    "simulation": ["Simulation"],
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "BeamModel",
+    "Clock",
+    "GetMap",
+    "Header",
+    "LaserScan",
+    "LaserScanner",
+    "LaserScannerSimulator",
+    "MapServer",
+    "MobileRobotSimulator",
+    "OccupancyGrid",
+    "Odometry",
+    "Point",
+    "Pose",
+    "PoseWithCovariance",
+    "PoseWithCovarianceStamped",
+    "Quaternion",
+    "Simulation",
+    "TFMessage",
+    "Time",
+    "Transform",
+    "TransformStamped",
+    "Twist",
+    "TwistStamped",
+    "TwistWithCovariance",
+    "Vector3",
+    "__version__",
+    "cast_rays",
+    "floor_plan",
+    "integrate_twist",
+    "load_map",
+    "messages",
+    "save_map",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for by its name."""
+    if name == "messages":
+        return import_module(f"{__name__}.messages")
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """All names, imported yet or not."""
+    return sorted(__all__)

@@ -8,7 +8,7 @@ use pyo3::sync::PyOnceLock;
 
 use super::arrays::{shape, typed, vector};
 use super::pose::{Pose, PoseArgument};
-use super::whole_number;
+use super::{stream_number, whole_number};
 use crate::{Cell, GridOptions, Unknown};
 
 /// Occupancy of the plane in square cells, as nav_msgs/OccupancyGrid has it.
@@ -56,7 +56,7 @@ impl OccupancyGrid {
         };
         let threshold = match occupied_threshold {
             None => crate::OCCUPIED_THRESHOLD,
-            Some(value) => whole_number("occupied_threshold", value)?.min(i8::MAX as u64) as i8,
+            Some(value) => whole_number("occupied_threshold", value, "in 1..100")?.min(i8::MAX as u64) as i8,
         };
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells: Vec<i8> = cells.as_array().iter().copied().collect();
@@ -136,7 +136,7 @@ impl OccupancyGrid {
     /// raises: ValueError if there is no such place.
     #[pyo3(signature = (*, radius, seed))]
     fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
-        let seed = whole_number("seed", seed)?;
+        let seed = stream_number("seed", Some(seed))?;
         Ok(Pose(py.detach(|| self.core.draw_free_pose(radius, seed))?))
     }
 

@@ -24,21 +24,27 @@ impl From<Error> for PyErr {
     }
 }
 
-/// A Python `int` as a number of 64 bits.
-fn whole_number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+/// A Python integer of 64 bits; `needed` says which ones will do.
+fn whole_number(name: &str, value: &Bound<'_, PyAny>, needed: &str) -> PyResult<u64> {
     let number = value
         .call_method0("__index__")
         .map_err(|_| PyTypeError::new_err(format!("{name} must be an integer, got {}", arrays::type_name(value))))?;
-    number.extract().map_err(|_| PyValueError::new_err(format!("{name} must be in 0..2**64 - 1, got {number}")))
+    number.extract().map_err(|_| PyValueError::new_err(format!("{name} must be {needed}, got {number}")))
+}
+
+fn stream_number(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
+    value.map_or(Ok(0), |value| whole_number(name, value, "in 0..2**64 - 1"))
 }
 
 fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
-    let count = threads.map(|value| whole_number("threads", value)).transpose()?;
+    let count = threads.map(|value| whole_number("threads", value, "in 1..1024")).transpose()?;
     Ok(count.map(|count| count as usize))
 }
 
 #[pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::beam_model::BeamModel;
     #[pymodule_export]
@@ -51,4 +57,9 @@ mod _core {
     use super::raycast::cast_rays;
     #[pymodule_export]
     use super::scanner::LaserScanner;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

@@ -8,7 +8,7 @@ use super::arrays::{fill, rows, typed, vector};
 use super::beam_model::BeamModel;
 use super::grid::OccupancyGrid;
 use super::pose::{Pose, PoseArgument};
-use super::{thread_count, whole_number};
+use super::{stream_number, thread_count, whole_number};
 use crate::{NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner whose beams spread evenly over its field of view.
@@ -46,7 +46,7 @@ impl LaserScanner {
         max_range: f64,
         mount: PoseArgument,
     ) -> PyResult<Self> {
-        let beam_count = beam_count.map(|value| whole_number("beam_count", value)).transpose()?;
+        let beam_count = beam_count.map(|value| whole_number("beam_count", value, "in 1..1000000")).transpose()?;
         let beam_count = beam_count.map_or(default().beam_count, |count| count as usize);
         let options = ScannerOptions { fov, beam_count, min_range, max_range, mount: mount.0 };
         Ok(Self(crate::LaserScanner::new(options)?))
@@ -147,8 +147,7 @@ impl LaserScanner {
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (grid, poses, threads) = (grid.get().core(), rows("poses", poses)?, thread_count(threads)?);
-        let seed = seed.map_or(Ok(0), |value| whole_number("seed", value))?;
-        let first_index = first_index.map_or(Ok(0), |value| whole_number("first_index", value))?;
+        let (seed, first_index) = (stream_number("seed", seed)?, stream_number("first_index", first_index)?);
         let noise = noise.map(|model| Noise { model: model.0, seed, first_index });
         fill(py, out, &[poses.len(), self.beam_count()], |readings| {
             self.0.scan_batch(grid, &poses, noise, threads, readings)

@@ -1,0 +1,181 @@
+"""LaserScannerSimulator: transforms and a map in, laser scans out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from . import messages
+from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
+from .map_node import from_message
+from .messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
+from .node_interface import Client, Node, QoS
+from .parameters import LaserParameters
+from .transforms import TransformBuffer
+
+NO_INTENSITIES = np.zeros(0, np.float32)
+
+
+class LaserScannerSimulator:
+    """A laser scanner that sees the map from where tf says it is.
+
+    Scans at `laser_frequency`, from the pose at the scan's own stamp: on the arc through the last two transforms, so that it
+    never waits for one. The map is asked of `map_service`, again each second until it is there; before that, and before the
+    scanner's pose is known, there are no scans. The scanner's mount is its transform from the robot's base if tf knows it,
+    else `laser_mount`. If the map frame is not known to tf, the frame that the robot's base hangs from stands for it.
+
+    node: what to publish and subscribe through. grid: the map, if it need not be asked of a service.
+    """
+
+    def __init__(self, node: Node, parameters: LaserParameters | None = None, *, grid: OccupancyGrid | None = None) -> None:
+        self._node = node
+        self._grid = grid
+        self._transforms = TransformBuffer()
+        self._index = 0
+        self._stop: Callable[[], None] | None = None
+        self._use(parameters or LaserParameters())
+
+    @property
+    def parameters(self) -> LaserParameters:
+        """The parameters in use."""
+        return self._parameters
+
+    @property
+    def scanner(self) -> LaserScanner:
+        """The scanner as it is mounted."""
+        return self._scanner
+
+    def set_laser_params(self, **values: Any) -> None:
+        """Change parameters of the scanner by their names, from the next start on.
+
+        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
+        """
+        self._use(self._parameters.changed(values))
+
+    def set_noise_params(self, **values: Any) -> None:
+        """Change parameters of the noise by their names, from the next scan on.
+
+        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
+        """
+        self._use(self._parameters.changed(values))
+
+    def start(self) -> None:
+        """Scan from now on."""
+        if self._stop is not None:
+            return
+        node, parameters = self._node, self._parameters
+        self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
+        publishers: list[Any] = [self._scans]
+        subscriptions = [
+            node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT),
+            node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED),
+        ]
+        timers = [node.create_timer(1.0 / parameters.laser_frequency, self._scan)]
+        client = node.create_client(GetMap, parameters.map_service)
+        if self._grid is None:
+            self._ask_for_map(client)
+            timers.append(node.create_timer(1.0, lambda: self._ask_for_map(client)))
+        if parameters.laser_mount is not None and parameters.laser_frame_id != parameters.base_link_frame:
+            static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
+            publishers.append(static)
+            transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
+            header = Header(Time.from_nanoseconds(self._now()), parameters.base_link_frame)
+            static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
+
+        def stop() -> None:
+            for timer in timers:
+                node.destroy_timer(timer)
+            for subscription in subscriptions:
+                node.destroy_subscription(subscription)
+            for publisher in publishers:
+                node.destroy_publisher(publisher)
+            node.destroy_client(client)
+
+        self._stop = stop
+
+    def stop(self) -> None:
+        """Scan no more; `start` goes on from here."""
+        if self._stop is not None:
+            self._stop()
+            self._stop = None
+
+    def _use(self, parameters: LaserParameters) -> None:
+        self._parameters = parameters
+        self._scanner = self._mounted(Pose(*(parameters.laser_mount or (0.0, 0.0, 0.0))))
+        weights = {name: getattr(parameters, name) for name in ("z_hit", "z_short", "z_max", "z_rand")}
+        self._noise = BeamModel(sigma_hit=parameters.sigma_hit, lambda_short=parameters.lambda_short, **weights)
+        if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
+            shares = {name: round(getattr(self._noise, name), 6) for name in weights}
+            self._node.get_logger().warning(f"the noise's weights must sum to 1, got {weights}; normalised to {shares}")
+
+    def _mounted(self, mount: Pose) -> LaserScanner:
+        parameters = self._parameters
+        return LaserScanner(
+            fov=min(parameters.laser_fov, math.tau),
+            beam_count=parameters.laser_beam_count,
+            min_range=parameters.laser_min_range,
+            max_range=parameters.laser_max_range,
+            mount=mount,
+        )
+
+    def _now(self) -> int:
+        return self._node.get_clock().now().nanoseconds
+
+    def _take_transforms(self, message: TFMessage) -> None:
+        self._add(message, static=False)
+
+    def _take_static_transforms(self, message: TFMessage) -> None:
+        self._add(message, static=True)
+
+    def _add(self, message: TFMessage, *, static: bool) -> None:
+        for transform in message.transforms:
+            try:
+                self._transforms.add(transform, static=static)
+            except ValueError as error:
+                self._node.get_logger().warning(f"transform of {transform.child_frame_id} refused: {error}")
+
+    def _ask_for_map(self, client: Client) -> None:
+        if self._grid is None and client.service_is_ready():
+            client.call_async(GetMap.Request()).add_done_callback(lambda future: self._take_map(future.result().map))
+
+    def _take_map(self, message: messages.OccupancyGrid) -> None:
+        try:
+            self._grid = from_message(message, unknown=self._parameters.unknown)
+        except ValueError as error:
+            self._node.get_logger().warning(f"map refused: {error}")
+
+    def _scan(self) -> None:
+        now, parameters = self._now(), self._parameters
+        base, frame = parameters.base_link_frame, parameters.laser_frame_id
+        map_from_base = self._transforms.lookup_or_root(parameters.map_frame_id, base, now)
+        if self._grid is None or map_from_base is None:
+            return
+        mount = self._transforms.lookup(base, frame, now) if frame != base else None
+        if mount is not None and mount != self._scanner.mount:
+            self._scanner = self._mounted(mount)
+        scanner = self._scanner
+        readings = scanner.scan_batch(
+            self._grid,
+            np.array([tuple(map_from_base)]),
+            noise=self._noise if parameters.apply_noise else None,
+            seed=parameters.seed,
+            first_index=self._index,
+            threads=1,
+        )[0]
+        self._index += 1
+        self._scans.publish(
+            LaserScan(
+                Header(Time.from_nanoseconds(now), frame),
+                angle_min=scanner.angle_min,
+                angle_max=scanner.angle_max,
+                angle_increment=scanner.angle_increment,
+                scan_time=1.0 / parameters.laser_frequency,
+                range_min=scanner.min_range,
+                range_max=scanner.max_range,
+                ranges=scanner.mark_invalid(readings, no_return=parameters.no_return),
+                intensities=NO_INTENSITIES,
+            )
+        )

@@ -1,0 +1,204 @@
+"""Parameters of the two nodes: names, defaults, units and checks; from YAML files and command lines, and back to YAML."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+T = TypeVar("T", bound="Parameters")
+
+
+def _no_bool(value: object) -> object:
+    """Refuse a truth value, which Python would take for 0 or 1."""
+    if isinstance(value, bool):
+        raise ValueError("Input should be a number")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_no_bool), Field(allow_inf_nan=False)]
+Rate = Annotated[Number, Field(gt=0.0, le=1e6)]
+Weight = Annotated[Number, Field(ge=0.0)]
+Count = Annotated[int, BeforeValidator(_no_bool)]
+Name = Annotated[str, Field(min_length=1)]
+
+
+class Parameters(BaseModel):
+    """Parameters of a node, checked together."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    node_name: ClassVar[str]
+
+    @classmethod
+    def checked(cls: type[T], values: Mapping[str, Any]) -> T:
+        """Parameters of these values, defaults where there is none.
+
+        raises: ValueError that names the parameter, its value and what was needed.
+        """
+        try:
+            return cls.model_validate(dict(values))
+        except ValidationError as error:
+            raise ValueError(_explain(error, cls.model_fields)) from None
+
+    def changed(self: T, values: Mapping[str, Any]) -> T:
+        """The same with some values changed, checked again."""
+        return type(self).checked({**self.model_dump(), **values})
+
+
+class RobotParameters(Parameters):
+    """Parameters of `MobileRobotSimulator`."""
+
+    node_name = "mobile_robot_simulator_node"
+
+    publish_map_transform: bool = Field(False, description="whether to publish map -> odom, and to take /initialpose")
+    publish_rate: Rate = Field(10.0, description="rate of odometry, transforms and clock, Hz")
+    velocity_topic: Name = Field("/cmd_vel", description="topic of velocity commands")
+    odometry_topic: Name = Field("/odom", description="topic of the odometry")
+    base_link_frame: Name = Field("base_link", description="frame of the robot, child frame of the odometry")
+    odom_frame_id: Name = Field("odom", description="frame of the odometry")
+    map_frame_id: Name = Field("map", description="frame of the map")
+    cmd_vel_stamped: bool = Field(False, description="take TwistStamped rather than Twist; on ROS 2 the default is true")
+    speed_factor: Annotated[Rate, Field(le=1e3)] = Field(1.0, description="simulated time over wall time when paced")
+    velocity_timeout: Annotated[Number, Field(ge=0.0)] = Field(
+        0.5, description="a command is held for so long, s; 0 holds it for ever"
+    )
+
+
+class LaserParameters(Parameters):
+    """Parameters of `LaserScannerSimulator`; the defaults are roughly a SICK S300's."""
+
+    node_name = "laser_scanner_simulator_node"
+
+    laser_topic: Name = Field("/scan", description="topic of the scans")
+    map_service: Name = Field("/static_map", description="service that the map is asked of")
+    laser_frame_id: Name = Field("base_link", description="frame of the scanner; its mount is taken from tf if tf knows it")
+    laser_mount: tuple[Number, Number, Number] | None = Field(
+        None, description="pose of the scanner on the robot [x, y, yaw], m and rad, published to /tf_static if given"
+    )
+    laser_fov: Annotated[Number, Field(gt=0.0, le=2.0 * math.pi + 1e-6)] = Field(4.71, description="field of view, rad")
+    laser_beam_count: Annotated[Count, Field(ge=1, le=1_000_000)] = Field(541, description="number of beams and of ranges")
+    laser_max_range: Annotated[Number, Field(gt=0.0)] = Field(30.0, description="largest range, m")
+    laser_min_range: Annotated[Number, Field(ge=0.0)] = Field(0.05, description="smallest valid range, m")
+    laser_frequency: Rate = Field(10.0, description="rate of the scans, Hz")
+    apply_noise: bool = Field(True, description="whether ranges are noisy")
+    sigma_hit: Annotated[Number, Field(gt=0.0)] = Field(0.005, description="standard deviation of a range, m")
+    lambda_short: Annotated[Number, Field(gt=0.0)] = Field(2.0, description="rate of unexpected objects, 1/m")
+    z_hit: Weight = Field(0.995, description="weight of correct ranges")
+    z_short: Weight = Field(0.0, description="weight of unexpected objects")
+    z_max: Weight = Field(0.005, description="weight of failures, readings of the largest range")
+    z_rand: Weight = Field(0.0, description="weight of unexplained readings")
+    no_return: Literal["inf", "max"] = Field(
+        "inf", description="what a missing return reads: inf (REP-117) or max, the largest range"
+    )
+    unknown: Literal["free", "occupied"] = Field("free", description="what unknown cells are to beams: free or occupied")
+    seed: Annotated[Count, Field(ge=0, lt=2**64)] = Field(0, description="seed of the noise")
+    base_link_frame: Name = Field("base_link", description="frame of the robot")
+    map_frame_id: Name = Field("map", description="frame of the map, that the scanner is looked up in")
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> LaserParameters:
+        if self.laser_min_range >= self.laser_max_range:
+            raise ValueError(
+                f"laser_min_range must be less than laser_max_range {self.laser_max_range}, got {self.laser_min_range}"
+            )
+        if self.z_hit + self.z_short + self.z_max + self.z_rand == 0.0:
+            raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")
+        return self
+
+
+NODES: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
+
+
+def check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES) -> None:
+    """Check that every name is a parameter of one of the nodes.
+
+    raises: ValueError that suggests the nearest name.
+    """
+    known = sorted({name for model in models for name in model.model_fields})
+    for name in names:
+        if name not in known:
+            raise ValueError(_unknown(name, known))
+
+
+def for_node(model: type[T], values: Mapping[str, Any]) -> T:
+    """A node's parameters out of values for all nodes."""
+    return model.checked({name: value for name, value in values.items() if name in model.model_fields})
+
+
+def read_file(path: str | Path) -> dict[str, Any]:
+    """Values out of a ROS 2 parameter file: `ros__parameters` under `/**` or under a node's name, the latter first.
+
+    raises: OSError for a file that can't be read; ValueError for another shape, unknown nodes and unknown parameters.
+    """
+    text = Path(path).read_text(encoding="utf-8")
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError(f"{path} is not YAML: {error}") from None
+    if not isinstance(content, dict):
+        raise ValueError(f"{path} must hold nodes with their ros__parameters, got {type(content).__name__}")
+    nodes = {f"{model.node_name}": model for model in NODES}
+    values: dict[str, Any] = {}
+    for key in sorted(content, key=lambda key: key != "/**"):
+        node = str(key).lstrip("/")
+        if node not in (*nodes, "**"):
+            raise ValueError(f"{path}: {_unknown(str(key), ['/**', *nodes], what='node')}")
+        section = content[key]
+        parameters = section.get("ros__parameters") if isinstance(section, dict) else None
+        if not isinstance(parameters, dict):
+            raise ValueError(f"{path}: {key} must hold a mapping ros__parameters, got {section!r}")
+        check_names(map(str, parameters), NODES if node == "**" else (nodes[node],))
+        values.update(parameters)
+    return values
+
+
+def read_assignment(text: str) -> tuple[str, Any]:
+    """Name and value out of `name:=value`, the value in YAML."""
+    name, separator, value = text.partition(":=")
+    if not separator or not name:
+        raise ValueError(f"a parameter must be given as name:=value, got {text!r}")
+    check_names([name])
+    try:
+        return name, yaml.safe_load(value)
+    except yaml.YAMLError:
+        raise ValueError(f"the value of {name} must be YAML, got {value!r}") from None
+
+
+def to_yaml(values: Mapping[str, Any] | None = None) -> str:
+    """All parameters with their meanings, in the shape that `read_file` reads; defaults where no value is given."""
+    lines = []
+    for model in NODES:
+        parameters = for_node(model, values or {})
+        lines += [f"{model.node_name}:", "  ros__parameters:"]
+        for name, info in model.model_fields.items():
+            value = yaml.safe_dump(getattr(parameters, name), default_flow_style=True).removesuffix("...\n").strip()
+            value = f"[{', '.join(map(str, getattr(parameters, name)))}]" if value.startswith("!!python/tuple") else value
+            lines.append(f"    {name}: {value}".ljust(46) + f"  # {info.description}")
+    return "\n".join(lines) + "\n"
+
+
+def _unknown(name: str, known: Iterable[str], what: str = "parameter") -> str:
+    known = list(known)
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    return f"unknown {what} {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}")
+
+
+def _explain(error: ValidationError, known: Iterable[str]) -> str:
+    """What was wrong, one line for each parameter."""
+    lines = []
+    for detail in error.errors(include_url=False):
+        where = ".".join(str(part) for part in detail["loc"])
+        message = detail["msg"].removeprefix("Value error, ")
+        if detail["type"] == "extra_forbidden":
+            lines.append(_unknown(where, known))
+        elif where:
+            needed = message.removeprefix("Input should be ")
+            lines.append(f"{where} must be {needed}, got {detail['input']!r}")
+        else:
+            lines.append(message)
+    return "; ".join(lines)
