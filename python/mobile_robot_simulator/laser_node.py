@@ -19,6 +19,26 @@ from .transforms import TransformBuffer
 NO_INTENSITIES = np.zeros(0, np.float32)
 
 
+WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
+
+
+def scanner_of(parameters: LaserParameters, mount: Pose | None = None) -> LaserScanner:
+    """The scanner of these parameters, mounted as they say or as given."""
+    return LaserScanner(
+        fov=parameters.laser_fov,
+        beam_count=parameters.laser_beam_count,
+        min_range=parameters.laser_min_range,
+        max_range=parameters.laser_max_range,
+        mount=mount or Pose(*(parameters.laser_mount or (0.0, 0.0, 0.0))),
+    )
+
+
+def noise_of(parameters: LaserParameters) -> BeamModel:
+    """The noise of these parameters, weights normalised."""
+    weights = {name: getattr(parameters, name) for name in WEIGHTS}
+    return BeamModel(sigma_hit=parameters.sigma_hit, lambda_short=parameters.lambda_short, **weights)
+
+
 class LaserScannerSimulator:
     """A laser scanner that sees the map from where tf says it is.
 
@@ -104,22 +124,11 @@ class LaserScannerSimulator:
 
     def _use(self, parameters: LaserParameters) -> None:
         self._parameters = parameters
-        self._scanner = self._mounted(Pose(*(parameters.laser_mount or (0.0, 0.0, 0.0))))
-        weights = {name: getattr(parameters, name) for name in ("z_hit", "z_short", "z_max", "z_rand")}
-        self._noise = BeamModel(sigma_hit=parameters.sigma_hit, lambda_short=parameters.lambda_short, **weights)
+        self._scanner, self._noise = scanner_of(parameters), noise_of(parameters)
+        weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
             shares = {name: round(getattr(self._noise, name), 6) for name in weights}
             self._node.get_logger().warning(f"the noise's weights must sum to 1, got {weights}; normalised to {shares}")
-
-    def _mounted(self, mount: Pose) -> LaserScanner:
-        parameters = self._parameters
-        return LaserScanner(
-            fov=min(parameters.laser_fov, math.tau),
-            beam_count=parameters.laser_beam_count,
-            min_range=parameters.laser_min_range,
-            max_range=parameters.laser_max_range,
-            mount=mount,
-        )
 
     def _now(self) -> int:
         return self._node.get_clock().now().nanoseconds
@@ -155,7 +164,7 @@ class LaserScannerSimulator:
             return
         mount = self._transforms.lookup(base, frame, now) if frame != base else None
         if mount is not None and mount != self._scanner.mount:
-            self._scanner = self._mounted(mount)
+            self._scanner = scanner_of(parameters, mount)
         scanner = self._scanner
         readings = scanner.scan_batch(
             self._grid,

@@ -37,9 +37,9 @@ class MobileRobotSimulator:
     """A robot that does exactly what it is told.
 
     Takes velocity commands (Twist or TwistStamped) and holds each until the next, or until `velocity_timeout`. Publishes
-    odometry, the transform odom -> base_link and the clock at `publish_rate`, and, with `publish_map_transform`, map -> odom;
-    then it also takes /initialpose. The pose at any time is computed from the last command on, exactly, so that it does not
-    depend on the publishing rate.
+    odometry, the transform odom -> base_link and the clock at `publish_rate`, and, with `publish_map_transform`, the
+    transform map -> odom; then it also takes /initialpose. The pose at any time is computed from the last command on,
+    exactly, so that it does not depend on the publishing rate.
 
     node: what to publish and subscribe through. start_pose: where in the map frame the robot is at first.
     """
@@ -51,6 +51,7 @@ class MobileRobotSimulator:
         self._odom_from_start = Pose()
         self._twist = STANDING
         self._start_ns = node.get_clock().now().nanoseconds
+        self._driven_to_start = 0.0
         self._stop: Callable[[], None] | None = None
         if start_pose is not None:
             self.set_pose(start_pose)
@@ -69,6 +70,11 @@ class MobileRobotSimulator:
     def velocity(self) -> Velocity:
         """How the robot moves now: forward, leftward [m/s] and turning [rad/s]."""
         return self._twist if self._holds(self._now()) else STANDING
+
+    @property
+    def distance(self) -> float:
+        """Length of the way driven so far [m]."""
+        return self._driven(self._now())
 
     def set_pose(self, pose: Pose) -> None:
         """Put the robot somewhere in the map.
@@ -129,14 +135,21 @@ class MobileRobotSimulator:
         timeout = self._parameters.velocity_timeout
         return timeout == 0.0 or time_ns - self._start_ns < timeout * NANOSECONDS
 
-    def _odom_from_base(self, time_ns: int) -> Pose:
+    def _moving(self, time_ns: int) -> float:
+        """Seconds that the robot has moved under the last command."""
         elapsed = max(0.0, (time_ns - self._start_ns) / NANOSECONDS)
         timeout = self._parameters.velocity_timeout
-        moving = elapsed if timeout == 0.0 else min(elapsed, timeout)
-        return self._odom_from_start.integrate(self._twist, moving)
+        return elapsed if timeout == 0.0 else min(elapsed, timeout)
+
+    def _odom_from_base(self, time_ns: int) -> Pose:
+        return self._odom_from_start.integrate(self._twist, self._moving(time_ns))
+
+    def _driven(self, time_ns: int) -> float:
+        return self._driven_to_start + math.hypot(*self._twist[:2]) * self._moving(time_ns)
 
     def _move_to(self, odom_from_base: Pose, twist: Velocity, time_ns: int) -> None:
         """Be at a pose, and move on from there."""
+        self._driven_to_start = self._driven(time_ns)
         self._odom_from_start, self._twist, self._start_ns = odom_from_base.wrapped(), twist, time_ns
 
     def _command(self, twist: TwistMessage) -> None:
