@@ -1,0 +1,219 @@
+"""Images as map servers see them: 8-bit greys and opacity.
+
+The pixels are those that GraphicsMagick makes of an image, which is what Nav2 reads maps with.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from PIL.BmpImagePlugin import BmpImageFile
+from PIL.GifImagePlugin import GifImageFile
+from PIL.ImageFile import ImageFile
+from PIL.JpegImagePlugin import JpegImageFile
+from PIL.PngImagePlugin import PngImageFile
+from PIL.TiffImagePlugin import TiffImageFile
+
+_Grey = NDArray[np.uint8]
+_Sample = TypeVar("_Sample", bound=np.generic)
+
+# 32768 x 32768: at 5 cm a map of 1.6 km by 1.6 km. Past that a header is taken for a mistake, or for an attack.
+_MAX_PIXELS = 2**30
+
+# GraphicsMagick's PixelIntensityRec601, (306 R + 601 G + 117 B) // 1024. Pillow adds one half before it truncates.
+_LUMA = (306 / 1024, 601 / 1024, 117 / 1024, -0.5)
+
+# The readers are called by signature rather than through Image.open, whose limit on pixels is a global that is not ours
+# to change, and lies within the size of real maps.
+_PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
+    (b"\x89PNG\r\n\x1a\n", PngImageFile),
+    (b"\xff\xd8\xff", JpegImageFile),
+    (b"BM", BmpImageFile),
+    (b"II*\0", TiffImageFile),
+    (b"MM\0*", TiffImageFile),
+    (b"GIF8", GifImageFile),
+)
+
+# Netpbm's headers: fields apart by white space or comments, one white space (or a comment's end) before the samples.
+_GAP = rb"(?:\s|#[^\r\n]*[\r\n])"
+_WHITE_SPACE = b" \t\n\v\f\r"
+_BITMAP_HEADER = re.compile(rb"P[14]" + 2 * (_GAP + rb"+(\d{1,9})") + _GAP)
+_SAMPLES_HEADER = re.compile(rb"P[2356]" + 3 * (_GAP + rb"+(\d{1,9})") + _GAP)
+
+
+class MapImage(NamedTuple):
+    """An image as map servers see it, top row first."""
+
+    grey: _Grey
+    alpha: _Grey | None
+    """None where every pixel is opaque."""
+
+
+def read_image(path: Path, yaml_path: Path) -> MapImage:
+    """The image of a map that a YAML names.
+
+    raises: OSError, naming both files, if it cannot be read; ValueError if it is no image, or not a whole one.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise OSError(error.errno, f"{error.strerror} (image of the map {yaml_path})", str(path)) from error
+    try:
+        if data[:2] in (b"P1", b"P2", b"P3", b"P4", b"P5", b"P6"):
+            return _decode_pnm(data)
+        return _decode_with_pillow(data)
+    except MemoryError:
+        raise
+    except Exception as error:  # Pillow's decoders raise errors of many kinds on files that are broken.
+        raise ValueError(f"{path}: cannot read the image of the map {yaml_path}: {error}") from error
+
+
+def _decode_with_pillow(data: bytes) -> MapImage:
+    image = _open_with_pillow(data)
+    _check_size(*image.size)
+    if image.mode.startswith("I;16"):
+        alpha = _mask_of_transparent_grey(image)
+        return MapImage(_to_8_bits(np.asarray(image), 65535), alpha)
+    if image.mode in ("I", "F"):
+        raise ValueError(f"samples must have at most 16 bits, got 32 (Pillow's mode {image.mode})")
+    if not image.has_transparency_data:
+        return MapImage(_luma(image), None)
+    rgba = image.convert("RGBA")
+    return MapImage(_luma(rgba), np.asarray(rgba.getchannel("A")))
+
+
+def _open_with_pillow(data: bytes) -> ImageFile:
+    if not data:
+        raise ValueError("the file is empty")
+    for signature, reader in _PILLOW_READERS:
+        if data.startswith(signature):
+            image = reader(_WholeFile(data))
+            if isinstance(image, PngImageFile):
+                # Compares the checksums, which reading does not. An image that was verified cannot be read any more.
+                image.verify()
+                image = reader(_WholeFile(data))
+            return image
+    raise ValueError(f"must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that begins with {data[:8]!r}")
+
+
+class _WholeFile(io.BytesIO):
+    """A file whose end nobody may read past.
+
+    Where a file is cut short Pillow leaves the rest of the image black if ImageFile.LOAD_TRUNCATED_IMAGES is set, as
+    many set it for pictures. Half a map is no map, whatever that global says.
+    """
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        data = super().read(size)
+        if not data and size != 0:
+            raise EOFError("the file is truncated")
+        return data
+
+
+def _luma(image: Image.Image) -> _Grey:
+    """(H, W) uint8: Rec. 601 luma as GraphicsMagick computes it."""
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L"))
+    colours = image if image.mode == "RGB" else image.convert("RGB")
+    return np.asarray(colours.convert("L", _LUMA))
+
+
+def _mask_of_transparent_grey(image: ImageFile) -> _Grey | None:
+    """Alpha of a 16-bit PNG that names one grey as transparent, which Pillow's convert knows for 8 bits only."""
+    transparent = image.info.get("transparency")
+    if transparent is None:
+        return None
+    return np.where(np.asarray(image) == transparent, 0, 255).astype(np.uint8)
+
+
+def _to_8_bits(samples: NDArray[np.unsignedinteger], largest: int) -> _Grey:
+    """8-bit greys of samples that run from 0 to the largest; those above it are taken as the largest.
+
+    Rounded to 16 bits, then rounded down to 8, as GraphicsMagick does.
+    """
+    if largest == 255:
+        return samples.astype(np.uint8, copy=False)
+    levels = np.minimum(np.arange(np.iinfo(samples.dtype).max + 1), largest)
+    table = ((levels * 65535 + largest // 2) // largest // 257).astype(np.uint8)
+    greys: _Grey = table[samples]
+    return greys
+
+
+# --- Netpbm ---
+#
+# Most maps are PGM files. Pillow reads the plain ones right, but rounds samples of another largest value than 255 to
+# 8 bits where GraphicsMagick rounds down (229.5 is free or unknown at a free_thresh of 0.1), decodes those and ASCII
+# files number by number in Python, joins ASCII numbers that a comment stands between, and refuses a comment right after
+# the magic number.
+
+
+def _decode_pnm(data: bytes) -> MapImage:
+    kind = data[1:2]
+    header = (_BITMAP_HEADER if kind in b"14" else _SAMPLES_HEADER).match(data)
+    if header is None:
+        raise ValueError(f"the PNM header is broken: {data[:40]!r}")
+    width, height, largest = (*map(int, header.groups()), 1)[:3]
+    _check_size(width, height)
+    if not 1 <= largest <= 65535:
+        raise ValueError(f"the largest sample of a PNM image must be from 1 to 65535, got {largest}")
+    channels = 3 if kind in b"36" else 1
+    shape = (height, width * channels)
+    if kind in b"14":
+        read_bits = _ascii_bits if kind == b"1" else _packed_bits
+        return MapImage(np.where(read_bits(data, header.end(), shape), np.uint8(0), np.uint8(255)), None)
+    read_samples = _ascii_samples if kind in b"23" else _binary_samples
+    levels = _to_8_bits(read_samples(data, header.end(), shape, largest), largest)
+    if channels == 1:
+        return MapImage(levels, None)
+    return MapImage(_luma(Image.fromarray(levels.reshape(height, width, 3))), None)
+
+
+def _ascii_bits(data: bytes, start: int, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    digits = _without_comments(data, start, b"01").translate(None, _WHITE_SPACE)
+    return _taken(np.frombuffer(digits, np.uint8), shape) - ord("0")
+
+
+def _packed_bits(data: bytes, start: int, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    height, width = shape
+    rows = _taken(np.frombuffer(data, np.uint8, offset=start), (height, -(-width // 8)))
+    return np.unpackbits(rows, axis=1, count=width)
+
+
+def _ascii_samples(data: bytes, start: int, shape: tuple[int, int], largest: int) -> NDArray[np.uint16]:
+    samples = _taken(np.fromstring(_without_comments(data, start, b"0123456789"), np.int64, sep=" "), shape)
+    if samples.max() > largest:
+        raise ValueError(f"samples must be at most {largest}, got {samples.max()}")
+    return samples.astype(np.uint16)
+
+
+def _binary_samples(data: bytes, start: int, shape: tuple[int, int], largest: int) -> NDArray[np.unsignedinteger]:
+    dtype = np.dtype(">u2" if largest > 255 else "u1")
+    count = (len(data) - start) // dtype.itemsize
+    return _taken(np.frombuffer(data, dtype, count, start), shape)
+
+
+def _without_comments(data: bytes, start: int, digits: bytes) -> bytes:
+    text = re.sub(rb"#[^\r\n]*", b"", data[start:])
+    strange = text.translate(None, digits + _WHITE_SPACE)
+    if strange:
+        raise ValueError(f"ASCII samples must be numbers, got {strange[:8]!r}")
+    return text.strip()  # np.fromstring reads a zero out of white space alone.
+
+
+def _taken(samples: NDArray[_Sample], shape: tuple[int, int]) -> NDArray[_Sample]:
+    """First samples, in the given shape; what trails them in the file is passed over."""
+    count = shape[0] * shape[1]
+    if samples.size < count:
+        raise ValueError(f"the file is truncated: {samples.size} of {count} samples")
+    return samples[:count].reshape(shape)
+
+
+def _check_size(width: int, height: int) -> None:
+    if not 0 < width * height <= _MAX_PIXELS:
+        raise ValueError(f"an image must have from 1 to {_MAX_PIXELS} pixels, got {width} x {height}")
