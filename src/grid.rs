@@ -250,3 +250,96 @@ fn span(center: f64, radius: f64, count: usize) -> std::ops::Range<usize> {
 fn draw_below(count: usize, stream: &mut impl Rng) -> usize {
     ((u128::from(stream.next_u64()) * count as u128) >> 64) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    const OPTIONS: GridOptions =
+        GridOptions { resolution: 0.5, origin: Pose::new(1.0, 2.0, 0.0), occupied_threshold: 60, unknown: Unknown::Free };
+
+    fn grid(cells: &[i8], width: usize, options: GridOptions) -> OccupancyGrid {
+        OccupancyGrid::new(cells.to_vec(), width, options).expect("a good grid")
+    }
+
+    #[test]
+    fn points_fall_into_the_cell_that_covers_them() {
+        let grid = grid(&[0; 6], 3, OPTIONS);
+        let cell = |x, y| grid.cell_at(DVec2::new(x, y)).map(|cell| (cell.col, cell.row));
+        assert_eq!(cell(1.0, 2.0), Some((0, 0)));
+        assert_eq!(cell(1.49, 2.5), Some((0, 1)));
+        assert_eq!(cell(2.49, 2.99), Some((2, 1)));
+        for (x, y) in [(0.99, 2.0), (2.5, 2.0), (1.0, 3.0), (f64::NAN, 2.0), (1e300, 2.0)] {
+            assert_eq!(cell(x, y), None, "({x}, {y})");
+        }
+        assert_eq!(grid.center(Cell { col: 2, row: 1 }), DVec2::new(2.25, 2.75));
+    }
+
+    #[test]
+    fn the_yaw_of_the_origin_counts() {
+        let grid = grid(&[0; 6], 3, GridOptions { origin: Pose::new(1.0, 2.0, FRAC_PI_2), ..OPTIONS });
+        // The grid's x axis points along the map's y: three columns up, two rows to the left.
+        assert_eq!(grid.cell_at(DVec2::new(0.3, 3.2)), Some(Cell { col: 2, row: 1 }));
+        assert!((grid.center(Cell { col: 2, row: 1 }) - DVec2::new(0.25, 3.25)).length() < 1e-15);
+    }
+
+    #[test]
+    fn the_threshold_and_the_unknown_decide_what_blocks() {
+        let cells = [-1, 0, 59, 60, 100];
+        let blocking = |options| {
+            let grid = grid(&cells, 5, options);
+            (0..5).map(|col| grid.is_blocking(Cell { col, row: 0 })).collect::<Vec<_>>()
+        };
+        assert_eq!(blocking(OPTIONS), [false, false, false, true, true]);
+        assert_eq!(blocking(GridOptions { unknown: Unknown::Occupied, ..OPTIONS }), [true, false, false, true, true]);
+        assert_eq!(blocking(GridOptions { occupied_threshold: 59, ..OPTIONS }), [false, false, true, true, true]);
+    }
+
+    #[test]
+    fn a_disc_is_free_up_to_the_walls_it_touches() {
+        let mut cells = [0; 25];
+        cells[12] = 100;
+        let grid = grid(&cells, 5, GridOptions { resolution: 1.0, origin: Pose::default(), ..OPTIONS });
+        let free = |x, y, radius| grid.is_free_disc(DVec2::new(x, y), radius);
+        // The one wall is the square from (2, 2) to (3, 3).
+        assert!(free(0.5, 2.5, 1.5) && !free(0.5, 2.5, 1.5 + 1e-9));
+        let corner = 0.5 * 2f64.sqrt();
+        assert!(free(1.5, 1.5, corner - 1e-9) && !free(1.5, 1.5, corner + 1e-9));
+        assert!(!free(2.5, 2.5, 0.0) && free(3.0, 2.5, 0.0) && !free(2.0, 2.5, 0.0));
+        assert!(free(-3.0, 2.5, 5.0) && !free(-3.0, 2.5, 5.1));
+        assert!(!free(2.5, 100.0, 200.0));
+    }
+
+    #[test]
+    fn a_free_pose_is_known_free_and_the_same_for_the_same_seed() {
+        let mut cells = vec![-1; 900];
+        (0..900).filter(|index| index % 30 > 10).for_each(|index| cells[index] = if index % 7 == 0 { 100 } else { 0 });
+        let grid = grid(&cells, 30, OPTIONS);
+        for seed in 0..50 {
+            let pose = grid.draw_free_pose(0.3, seed).expect("a free place");
+            let cell = grid.cell_at(pose.position).expect("on the grid");
+            assert_eq!(grid.cells()[cell.row * 30 + cell.col], 0);
+            assert!(grid.is_free_disc(pose.position, 0.3));
+            assert_eq!(grid.draw_free_pose(0.3, seed), Ok(pose));
+        }
+        assert_ne!(grid.draw_free_pose(0.3, 0), grid.draw_free_pose(0.3, 1));
+        assert_eq!(grid.draw_free_pose(3.0, 0), Err(Error::NoFreePlace { radius: 3.0 }));
+    }
+
+    #[test]
+    fn bad_grids_are_refused_by_name() {
+        let error =
+            |cells: &[i8], width, options| OccupancyGrid::new(cells.to_vec(), width, options).unwrap_err().to_string();
+        assert_eq!(error(&[], 3, OPTIONS), "the number of cells must be at least 1, got 0");
+        assert_eq!(error(&[0; 5], 3, OPTIONS), "cells must have 6 elements, got 5");
+        assert_eq!(error(&[0; 65_536], 65_536, OPTIONS), "a side of the grid must be at most 65535 cells, got 65536");
+        assert_eq!(error(&[0, 0, 0, 101], 2, OPTIONS), "cells must be in -1..100, got 101 at row 1, column 1");
+        let options = GridOptions { resolution: 0.0, ..OPTIONS };
+        assert_eq!(error(&[0], 1, options), "resolution must be positive, got 0");
+        let options = GridOptions { occupied_threshold: 0, ..OPTIONS };
+        assert_eq!(error(&[0], 1, options), "occupied_threshold must be in 1..100, got 0");
+        let options = GridOptions { origin: Pose::new(0.0, 0.0, f64::NAN), ..OPTIONS };
+        assert_eq!(error(&[0], 1, options), "origin yaw must be finite, got NaN");
+    }
+}

@@ -14,6 +14,7 @@ import numpy as np
 from ._core import OccupancyGrid, Pose
 from .drivers import Commander, Script, Wander
 from .messages import LaserScan, Odometry
+from .plotting import plot_drive
 from .simulation import Simulation
 
 WANTED_CLEARANCE = 0.6
@@ -118,8 +119,6 @@ class Drive:
 
     def draw(self, file: Path) -> None:
         """Save a picture of the map, the way driven and the last scan."""
-        from .plotting import plot_drive
-
         simulation = self.simulation
         scan = simulation.latest(simulation.laser.parameters.laser_topic)
         pose = simulation.pose

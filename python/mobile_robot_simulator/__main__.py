@@ -1,0 +1,5 @@
+"""`python -m mobile_robot_simulator` is the command mobile-robot-simulator."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,164 @@
+//! Scanners: beam angles, batches, marking.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use mobile_robot_simulator::{
+    BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, OccupancyGrid, Pose,
+    ScannerOptions, Unknown,
+};
+
+const SEED: u64 = 11;
+
+/// A room of 10 m by 6 m with walls one cell of 0.1 m thick and a pillar.
+fn room() -> OccupancyGrid {
+    let (width, height) = (100, 60);
+    let wall = |col, row| col == 0 || row == 0 || col == width - 1 || row == height - 1;
+    let pillar = |col, row| (40..45).contains(&col) && (20..25).contains(&row);
+    let cells = (0..width * height)
+        .map(|index| (index % width, index / width))
+        .map(|(col, row)| if wall(col, row) || pillar(col, row) { 100 } else { 0 })
+        .collect();
+    let options = GridOptions {
+        resolution: 0.1,
+        origin: Pose::new(-1.0, 2.0, 0.3),
+        occupied_threshold: OCCUPIED_THRESHOLD,
+        unknown: Unknown::Free,
+    };
+    OccupancyGrid::new(cells, width, options).expect("a room")
+}
+
+fn scanner(options: ScannerOptions) -> LaserScanner {
+    LaserScanner::new(options).expect("a good scanner")
+}
+
+fn poses(count: usize) -> Vec<[f64; 3]> {
+    let grid = room();
+    (0..count as u64).map(|seed| grid.draw_free_pose(0.1, seed).expect("a free place").to_array()).collect()
+}
+
+#[test]
+fn beams_spread_over_the_field_of_view_ends_included() {
+    let laser = scanner(ScannerOptions { fov: PI, beam_count: 5, ..ScannerOptions::default() });
+    let angles: Vec<f64> = (0..5).map(|beam| laser.angle(beam)).collect();
+    assert_eq!(angles, [-FRAC_PI_2, -FRAC_PI_2 / 2.0, 0.0, FRAC_PI_2 / 2.0, FRAC_PI_2]);
+    assert_eq!((laser.angle_min(), laser.angle_max()), (-FRAC_PI_2, FRAC_PI_2));
+}
+
+#[test]
+fn a_full_turn_repeats_no_beam() {
+    for fov in [TAU, TAU - 1e-7, TAU + 1e-7] {
+        let laser = scanner(ScannerOptions { fov, beam_count: 8, ..ScannerOptions::default() });
+        assert_eq!(laser.angle_increment(), fov / 8.0);
+        assert_eq!(laser.angle_max(), laser.angle_min() + 7.0 * laser.angle_increment());
+    }
+    let nearly = scanner(ScannerOptions { fov: TAU - 1e-5, beam_count: 8, ..ScannerOptions::default() });
+    assert_eq!(nearly.angle_increment(), (TAU - 1e-5) / 7.0);
+}
+
+#[test]
+fn one_beam_looks_along_the_middle() {
+    let laser = scanner(ScannerOptions { beam_count: 1, ..ScannerOptions::default() });
+    assert_eq!((laser.angle_min(), laser.angle_max(), laser.angle_increment()), (0.0, 0.0, 0.0));
+}
+
+#[test]
+fn the_mount_moves_the_scanner() {
+    let grid = room();
+    let mount = Pose::new(0.4, -0.2, 1.1);
+    let base = Pose::new(2.0, 4.5, -0.4);
+    let (mut mounted, mut moved) = (vec![0.0; 541], vec![0.0; 541]);
+    scanner(ScannerOptions { mount, ..ScannerOptions::default() }).scan(&grid, base, &mut mounted);
+    scanner(ScannerOptions::default()).scan(&grid, base * mount, &mut moved);
+    assert_eq!(mounted, moved);
+}
+
+#[test]
+fn a_range_leads_to_a_wall() {
+    let grid = room();
+    let laser = scanner(ScannerOptions::default());
+    for pose in poses(20) {
+        let mut ranges = vec![0.0; 541];
+        laser.scan(&grid, pose.into(), &mut ranges);
+        for [x, y] in laser.end_points(pose.into(), &ranges).expect("as many ranges as beams") {
+            // The end is on the wall's surface to within a float32; a hair around it there is a wall.
+            assert!(!grid.is_free_disc([x, y].into(), 1e-5), "({x}, {y})");
+        }
+    }
+}
+
+#[test]
+fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
+    let (grid, laser, poses) = (room(), scanner(ScannerOptions::default()), poses(64));
+    let model = BeamModelOptions { z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1, ..BeamModelOptions::default() };
+    let model = BeamModel::new(model).expect("a good model");
+    for noisy in [false, true] {
+        let noise = |first_index| noisy.then_some(Noise { model, seed: SEED, first_index });
+        let batch = |threads, chunk: usize| {
+            let mut readings = vec![0.0; poses.len() * 541];
+            for (index, (poses, readings)) in poses.chunks(chunk).zip(readings.chunks_mut(chunk * 541)).enumerate() {
+                let first = 5 + (index * chunk) as u64;
+                laser.scan_batch(&grid, poses, noise(first), threads, readings).expect("a good batch");
+            }
+            readings
+        };
+        let whole = batch(Some(1), poses.len());
+        assert!(whole.iter().all(|reading| (0.0..=30.0).contains(reading)));
+        for (threads, chunk) in [(Some(2), 64), (Some(8), 64), (None, 64), (Some(1), 1), (Some(3), 7), (None, 33)] {
+            assert_eq!(batch(threads, chunk), whole, "{threads:?} threads, chunks of {chunk}");
+        }
+        if !noisy {
+            for (pose, ranges) in poses.iter().zip(whole.chunks(541)) {
+                let mut alone = vec![0.0; 541];
+                laser.scan(&grid, (*pose).into(), &mut alone);
+                assert_eq!(alone, ranges);
+            }
+        }
+    }
+}
+
+#[test]
+fn noise_is_named_by_seed_and_index() {
+    let (grid, laser, pose) = (room(), scanner(ScannerOptions::default()), poses(1));
+    let model = BeamModel::new(BeamModelOptions::default()).expect("a good model");
+    let scan = |seed, first_index| {
+        let mut readings = vec![0.0; 541];
+        laser.scan_batch(&grid, &pose, Some(Noise { model, seed, first_index }), None, &mut readings).expect("a good batch");
+        readings
+    };
+    assert_eq!(scan(1, u64::MAX), scan(1, u64::MAX));
+    assert_ne!(scan(1, 0), scan(1, 1));
+    assert_ne!(scan(1, 0), scan(2, 0));
+}
+
+#[test]
+fn readings_that_are_no_return_are_marked() {
+    let laser = scanner(ScannerOptions { beam_count: 4, min_range: 0.5, max_range: 8.0, ..ScannerOptions::default() });
+    let mut readings = [0.499, 0.5, 7.999, 8.0];
+    laser.mark_invalid(&mut readings, NoReturn::Inf);
+    assert_eq!(readings, [f32::NEG_INFINITY, 0.5, 7.999, f32::INFINITY]);
+    let mut readings = [0.0, 0.5, 7.999, 8.0];
+    laser.mark_invalid(&mut readings, NoReturn::Max);
+    assert_eq!(readings, [f32::NEG_INFINITY, 0.5, 7.999, 8.0]);
+}
+
+#[test]
+fn bad_scanners_and_batches_are_refused_by_name() {
+    let good = ScannerOptions::default();
+    let error = |options| LaserScanner::new(options).unwrap_err().to_string();
+    assert_eq!(error(ScannerOptions { fov: 0.0, ..good }), "fov must be in (0, 2π], got 0");
+    assert_eq!(error(ScannerOptions { fov: 6.3, ..good }), "fov must be in (0, 2π], got 6.3");
+    assert_eq!(error(ScannerOptions { beam_count: 0, ..good }), "beam_count must be in 1..1000000, got 0");
+    assert_eq!(error(ScannerOptions { min_range: -1.0, ..good }), "min_range must be at least 0, got -1");
+    assert_eq!(error(ScannerOptions { max_range: 0.05, ..good }), "max_range must be greater than min_range, got 0.05");
+    let mount = Pose::new(0.0, f64::INFINITY, 0.0);
+    assert_eq!(error(ScannerOptions { mount, ..good }), "mount y must be finite, got inf");
+
+    let (grid, laser) = (room(), scanner(good));
+    let batch = |poses: &[[f64; 3]], threads, count| {
+        laser.scan_batch(&grid, poses, None, threads, &mut vec![0.0; count]).unwrap_err().to_string()
+    };
+    let pose = [0.0, 0.0, 0.0];
+    assert_eq!(batch(&[pose, [0.0, f64::NAN, 0.0]], None, 1082), "poses must be finite, got [0.0, NaN, 0.0] in row 1");
+    assert_eq!(batch(&[pose], None, 540), "out must have 541 elements, got 540");
+    assert_eq!(batch(&[pose], Some(0), 541), "threads must be in 1..1024, got 0");
+}
