@@ -333,7 +333,7 @@ mod tests {
             |cells: &[i8], width, options| OccupancyGrid::new(cells.to_vec(), width, options).unwrap_err().to_string();
         assert_eq!(error(&[], 3, OPTIONS), "the number of cells must be at least 1, got 0");
         assert_eq!(error(&[0; 5], 3, OPTIONS), "cells must have 6 elements, got 5");
-        assert_eq!(error(&[0; 65_536], 65_536, OPTIONS), "a side of the grid must be at most 65535 cells, got 65536");
+        assert_eq!(error(&vec![0; 65_536], 65_536, OPTIONS), "a side of the grid must be at most 65535 cells, got 65536");
         assert_eq!(error(&[0, 0, 0, 101], 2, OPTIONS), "cells must be in -1..100, got 101 at row 1, column 1");
         let options = GridOptions { resolution: 0.0, ..OPTIONS };
         assert_eq!(error(&[0], 1, options), "resolution must be positive, got 0");

@@ -45,8 +45,8 @@ class Commander:
 class Wander:
     """Roams and keeps clear of what the scanner sees.
 
-    For each of some headings it looks how far a lane as wide as the robot is free, prefers those near a heading that it
-    draws anew every few seconds, turns there, and drives no faster than it can stop in its own lane.
+    For each of some headings it looks how far a lane as wide as the robot is free, and turns to the one that is freest and
+    nearest ahead; every few seconds it has a whim to turn. It drives no faster than it can stop in its own lane.
     """
 
     radius: float = 0.2
@@ -65,19 +65,23 @@ class Wander:
             nonlocal whim, whim_ends, turning
             now = node.get_clock().now().nanoseconds
             if now >= whim_ends:
-                whim, whim_ends = (draw() - 0.5) * 2.0, now + round((3.0 + 9.0 * draw()) * 1e9)
+                # A short turn, then straight on for longer: a lasting one would be a circle.
+                whim = 0.0 if whim else 3.0 * (draw() - 0.5)
+                whim_ends = now + round((1.0 if whim else 4.0 + 6.0 * draw()) * 1e9)
             count = len(scan.ranges)
             if count not in lanes:
                 angles = scan.angle_min + np.arange(count) * scan.angle_increment
                 offsets = angles[None, :] - headings[:, None]
                 lanes[count] = np.cos(offsets).astype(np.float32), np.sin(offsets).astype(np.float32)
-            free = self._free(np.clip(scan.ranges, 0.0, scan.range_max), *lanes[count])
+            free = self._free(scan, *lanes[count])
             ahead = float(free[len(headings) // 2]) - self.radius - self.margin
             if turning and ahead < 0.5:
                 # Go on turning the same way until there is room: a robot in a corner must not dither.
                 commander.command(0.0, 0.0, turning)
                 return
-            score = np.minimum(free, 4.0) - 0.35 * np.abs(headings - whim) - 0.25 * np.abs(headings)
+            # Where nothing returns there is nothing to roam: the open door of a building is no way to go.
+            appeal = np.where(free < scan.range_max, np.minimum(free, 4.0), 1.0)
+            score = appeal - 0.5 * np.abs(headings - whim)
             heading = float(headings[int(np.argmax(score))])
             if ahead < 0.1:
                 turning = math.copysign(self.turn_rate, heading or whim or 1.0)
@@ -89,11 +93,13 @@ class Wander:
 
         node.create_subscription(LaserScan, scan_topic, look, QoS.SENSOR_DATA)
 
-    def _free(self, ranges: NDArray[np.float32], cos: NDArray[np.float32], sin: NDArray[np.float32]) -> NDArray[np.float32]:
-        """How far the lane along each heading is free."""
+    def _free(self, scan: LaserScan, cos: NDArray[np.float32], sin: NDArray[np.float32]) -> NDArray[np.float32]:
+        """How far the lane along each heading is free, range_max where nothing returns."""
+        # Too close (-inf) is next to nothing; no return is nowhere.
+        ranges = np.where(scan.ranges < scan.range_max, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
         along, aside = ranges * cos, np.abs(ranges * sin)
         in_lane = (aside < self.radius + self.margin) & (along > 0.0)
-        free: NDArray[np.float32] = np.where(in_lane, along, ranges.max(initial=0.0)).min(axis=1)
+        free: NDArray[np.float32] = np.where(in_lane, along, np.float32(scan.range_max)).min(axis=1)
         return free
 
 
