@@ -10,15 +10,17 @@ import os
 import shutil
 import struct
 import tempfile
+import threading
+import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
 from operator import attrgetter, index
 from pathlib import Path
-from typing import Any, Literal, Protocol, TypeAlias, TypeVar, get_args
+from queue import SimpleQueue
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -38,7 +40,7 @@ except ImportError as error:
 __all__ = ["Format", "Recorder"]
 
 Format: TypeAlias = Literal["mcap", "bag", "sqlite3"]
-_Result = TypeVar("_Result")
+_Job: TypeAlias = tuple[Callable[[], None], list[BaseException | None], threading.Lock]
 
 # What a recording is called in its folder: a rosbag2 folder of this name, or a ROS 1 file with the suffix .bag.
 _NAME = "recording"
@@ -67,20 +69,18 @@ class Recorder:
     """
 
     def __init__(self, path: str | os.PathLike[str], *, format: Format = "mcap", overwrite: bool = False) -> None:
-        """Begin a recording."""
         if format not in get_args(Format):
             raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {format!r}")
         self._types: dict[str, str] = {}
         self._connections: dict[str, Connection] = {}
         self._pending: deque[tuple[str, int, memoryview]] = deque()
         self._closed = False
-        # Ctrl-C is raised in the main thread only, so a thread of the writer's own never leaves half a record.
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="recorder")
+        self._thread = _WriterThread()
         try:
             with _place(Path(path), overwrite=overwrite) as folder:
-                self._bag: _Bag = self._run(lambda: _Ros1Bag(folder) if format == "bag" else _Ros2Bag(folder, format))
+                self._thread.run(lambda: self._begin(folder, format))
         except BaseException:
-            self._thread.shutdown()
+            self._thread.stop()
             raise
 
     @property
@@ -106,33 +106,25 @@ class Recorder:
             raise ValueError(f"topic {topic} carries {ros_type}, got {message.ros_type}")
         self._pending.append((topic, time_ns, self._bag.encode(message)))
         if len(self._pending) >= _BATCH:
-            self._run(self._write_pending)
+            self._thread.run(self._write_pending)
 
     def close(self) -> None:
         """Write what is left, and the index. The second time, nothing happens."""
         if self._closed:
             return
-        self._closed = True
         try:
-            self._run(self._finish)
+            self._thread.run(self._finish)
         finally:
-            self._thread.shutdown()
+            self._thread.stop()
 
     def __enter__(self) -> Recorder:
-        """The recording itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close, whatever happened."""
         self.close()
 
-    def _run(self, work: Callable[[], _Result]) -> _Result:
-        """Result of work in the writer's thread; who is interrupted here still waits for it."""
-        future = self._thread.submit(work)
-        try:
-            return future.result()
-        finally:
-            wait([future])
+    def _begin(self, folder: Path, format: Format) -> None:
+        self._bag = _Ros1Bag(folder) if format == "bag" else _Ros2Bag(folder, format)
 
     def _write_pending(self) -> None:
         while self._pending:
@@ -142,6 +134,7 @@ class Recorder:
             self._bag.write(self._connections[topic], time_ns, data)
 
     def _finish(self) -> None:
+        self._closed = True
         try:
             self._write_pending()
             self._bag.close()
@@ -150,18 +143,47 @@ class Recorder:
             raise
 
 
+class _WriterThread:
+    """A thread that does one piece of work after another, each to its end.
+
+    Ctrl-C is raised in the main thread only, so that work done elsewhere never leaves half a record. Interrupted at a bad
+    moment, a wait by concurrent.futures or threading.Event keeps its lock for ever; hence bare locks and queues.
+    """
+
+    def __init__(self) -> None:
+        self._queue: SimpleQueue[_Job | None] = SimpleQueue()
+        threading.Thread(target=_work_off, args=[self._queue], name="recorder", daemon=True).start()
+
+    def run(self, work: Callable[[], None]) -> None:
+        """Do work there and wait; who is interrupted meanwhile waits all the same."""
+        ended = threading.Lock()
+        ended.acquire()
+        outcome: list[BaseException | None] = []
+        self._queue.put((work, outcome, ended))
+        try:
+            ended.acquire()
+        finally:
+            while not outcome:
+                time.sleep(0.001)
+        if outcome[0] is not None:
+            raise outcome[0]
+
+    def stop(self) -> None:
+        """End the thread when all is done."""
+        self._queue.put(None)
+
+
+def _work_off(queue: SimpleQueue[_Job | None]) -> None:
+    for work, outcome, ended in iter(queue.get, None):
+        try:
+            work()
+            outcome.append(None)
+        except BaseException as error:
+            outcome.append(error)
+        ended.release()
+
+
 # --- The two kinds of bag ---
-
-
-class _Bag(Protocol):
-    path: Path
-    end_of_time: int
-
-    def encode(self, message: Message) -> memoryview: ...
-    def connect(self, topic: str, ros_type: str) -> Connection: ...
-    def write(self, connection: Connection, time_ns: int, data: memoryview) -> None: ...
-    def close(self) -> None: ...
-    def abort(self) -> None: ...
 
 
 class _Ros2Bag:
