@@ -1,0 +1,131 @@
+"""Furniture: what stands in a room without shutting any of it off."""
+
+from __future__ import annotations
+
+from .dice import Dice
+from .plan import Box, Plan
+
+_PASSAGE = 0.9  # between any two pieces, or a piece and a wall that it does not stand at [m]
+
+
+class _Room:
+    """A room that fills with furniture; every place to stand stays within reach."""
+
+    def __init__(self, plan: Plan, floor: Box, keep_clear: list[Box]) -> None:
+        self.plan, self.floor = plan, floor
+        self._taken = list(keep_clear)
+        self._passage = plan.count(_PASSAGE)
+
+    def place(self, piece: Box) -> bool:
+        """Put down a piece if there is room: at walls with nothing in between, else a passage away from everything."""
+        floor, passage = self.floor, self._passage
+        gaps = (
+            piece.left - floor.left,
+            floor.right - piece.right,
+            piece.bottom - floor.bottom,
+            floor.top - piece.top,
+        )
+        if any(gap != 0 and gap < passage for gap in gaps):
+            return False
+        if any(piece.grown(passage).touches(other) for other in self._taken):
+            return False
+        self.plan.block(piece)
+        self._taken.append(piece)
+        return True
+
+    def round(self, col: int, row: int, radius: float) -> bool:
+        """Put up a pillar, or a plant, if there is room."""
+        size = self.plan.count(radius)
+        piece = Box(col - size, row - size, col + size + 1, row + size + 1)
+        if any(piece.grown(self._passage).touches(other) for other in self._taken):
+            return False
+        if not self.floor.grown(-self._passage).holds(piece):
+            return False
+        self.plan.pillar(col, row, radius)
+        self._taken.append(piece)
+        return True
+
+
+def furnish_room(plan: Plan, dice: Dice, floor: Box, door: Box, side: int) -> None:
+    """Furnish an office, a meeting room or an open plan, by its size; the way in stays clear."""
+    room = _Room(plan, floor, [door.grown(plan.count(0.3))])
+    area = floor.width * floor.height * plan.resolution**2
+    if area > 34.0 or (area > 20.0 and dice.chance(0.3)):
+        if dice.chance(0.5):
+            _islands(room, dice)
+        else:
+            _meeting(room, dice)
+    else:
+        _desks(room, dice, side)
+    _shelves(room, dice)
+
+
+def furnish_lobby(plan: Plan, dice: Dice, floor: Box, side: int) -> None:
+    """Put a counter, round pillars and benches into a lobby."""
+    room = _Room(plan, floor, [])
+    at = (floor.left + floor.right) // 2 + plan.count(dice.between(0.01, 1.0))
+    back = floor.top - plan.count(2.2) if side > 0 else floor.bottom + plan.count(1.6)
+    room.place(Box(at - plan.count(1.4), back, at + plan.count(1.4), back + plan.count(0.6)))
+    for share in (0.22, 0.78):
+        row = (floor.bottom + floor.top) // 2 - side * plan.count(0.8)
+        room.round(floor.left + round(floor.width * share), row, 0.3)
+    bench = plan.count(1.8)
+    for left in (floor.left, floor.right - plan.count(0.5)):
+        if dice.chance(0.7):
+            bottom = floor.bottom + (floor.height - bench) // 2
+            room.place(Box(left, bottom, left + plan.count(0.5), bottom + bench))
+
+
+def _desks(room: _Room, dice: Dice, side: int) -> None:
+    """Desks along the outer wall or a side wall."""
+    plan, floor = room.plan, room.floor
+    long, deep = plan.count(1.6), plan.count(0.8)
+    back = floor.top - deep if side > 0 else floor.bottom
+    for left in dice.shuffled([floor.left, floor.right - long]):
+        room.place(Box(left, back, left + long, back + deep))
+    if dice.chance(0.5):
+        left = floor.left if dice.chance(0.5) else floor.right - deep
+        bottom = floor.bottom + round((floor.height - long) * dice.between(0.35, 0.65))
+        room.place(Box(left, bottom, left + deep, bottom + long))
+
+
+def _meeting(room: _Room, dice: Dice) -> None:
+    """A long table in the middle."""
+    plan, floor = room.plan, room.floor
+    space = 2 * plan.count(1.25)
+    width, height = floor.width - space, floor.height - space
+    along_x = width >= height
+    width = min(width, plan.count(4.0 if along_x else 1.3))
+    height = min(height, plan.count(1.3 if along_x else 4.0))
+    if min(width, height) >= plan.count(0.6):
+        left, bottom = (floor.left + floor.right - width) // 2, (floor.bottom + floor.top - height) // 2
+        room.place(Box(left, bottom, left + width, bottom + height))
+
+
+def _islands(room: _Room, dice: Dice) -> None:
+    """Islands of four desks, in a row or two."""
+    plan, floor = room.plan, room.floor
+    width, height, way = plan.count(dice.between(1.6, 2.0)), plan.count(1.6), plan.count(1.3)
+    cols, rows = (floor.width - way) // (width + way), (floor.height - way) // (height + way)
+    for col in range(cols):
+        for row in range(rows):
+            left = floor.left + way + (floor.width - way) * col // cols
+            bottom = floor.bottom + way + (floor.height - way) * row // rows
+            if dice.chance(0.9):
+                room.place(Box(left, bottom, left + width, bottom + height))
+
+
+def _shelves(room: _Room, dice: Dice) -> None:
+    """Shelves flat at side walls, and a plant in a corner."""
+    plan, floor = room.plan, room.floor
+    deep = plan.count(0.4)
+    for left in (floor.left, floor.right - deep):
+        long = plan.count(dice.between(0.9, 2.4))
+        bottom = floor.bottom + round((floor.height - long) * dice.between(0.0, 1.0))
+        if dice.chance(0.6) and long < floor.height:
+            room.place(Box(left, bottom, left + deep, bottom + long))
+    plant = plan.count(0.4)
+    corners = [(left, bottom) for left in (floor.left, floor.right - plant) for bottom in (floor.bottom, floor.top - plant)]
+    left, bottom = dice.one_of(corners)
+    if dice.chance(0.5):
+        room.place(Box(left, bottom, left + plant, bottom + plant))

@@ -1,0 +1,103 @@
+"""The sheet that floor plans are drawn on, in cells."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+UNKNOWN, FREE, WALL = -1, 0, 100
+
+
+class Box(NamedTuple):
+    """The cells of columns [left, right) and rows [bottom, top)."""
+
+    left: int
+    bottom: int
+    right: int
+    top: int
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return self.top - self.bottom
+
+    def grown(self, by: int) -> Box:
+        """The box with so many cells more on every side."""
+        return Box(self.left - by, self.bottom - by, self.right + by, self.top + by)
+
+    def touches(self, other: Box) -> bool:
+        """Whether they share a cell."""
+        return self.left < other.right and other.left < self.right and self.bottom < other.top and other.bottom < self.top
+
+    def holds(self, other: Box) -> bool:
+        """Whether the other is all inside."""
+        return (
+            self.left <= other.left and other.right <= self.right and self.bottom <= other.bottom and other.top <= self.top
+        )
+
+
+@dataclass
+class Plan:
+    """A sheet of cells, unknown at first, with a pen for boxes and discs."""
+
+    width: int
+    height: int
+    resolution: float
+
+    def __post_init__(self) -> None:
+        self.cells = np.full((self.height, self.width), UNKNOWN, np.int8)
+        self.wall = max(2, self.count(0.12))
+        self.outer_wall = max(3, self.count(0.25))
+        self.door = max(2, math.ceil(0.9 / self.resolution - 1e-9))
+
+    @property
+    def inside(self) -> Box:
+        """All but an outer wall."""
+        return Box(0, 0, self.width, self.height).grown(-self.outer_wall)
+
+    def count(self, metres: float) -> int:
+        """Number of cells in a length, at least one."""
+        return max(1, round(metres / self.resolution))
+
+    def fill(self, box: Box, value: int) -> None:
+        """Give all cells of a box a value."""
+        self.cells[max(box.bottom, 0) : max(box.top, 0), max(box.left, 0) : max(box.right, 0)] = value
+
+    def carve(self, box: Box) -> None:
+        """Free a box."""
+        self.fill(box, FREE)
+
+    def block(self, box: Box) -> None:
+        """Wall off a box."""
+        self.fill(box, WALL)
+
+    def pillar(self, col: int, row: int, radius: float) -> None:
+        """Put up something round."""
+        reach = radius / self.resolution
+        size = math.ceil(reach)
+        rows, cols = np.ogrid[-size : size + 1, -size : size + 1]
+        bottom, left = max(row - size, 0), max(col - size, 0)
+        around = self.cells[bottom : row + size + 1, left : col + size + 1]
+        round_ = (rows * rows + cols * cols <= reach * reach)[bottom - row + size :, left - col + size :]
+        around[round_[: around.shape[0], : around.shape[1]]] = WALL
+
+    def enclose(self) -> None:
+        """Put an outer wall around all that is free and touches the unknown."""
+        free = self.cells == FREE
+        for axis in (0, 1):
+            spread = free.copy()
+            for step in range(1, self.outer_wall + 1):
+                ahead, behind = [slice(None)] * 2, [slice(None)] * 2
+                ahead[axis], behind[axis] = slice(step, None), slice(None, -step)
+                spread[tuple(ahead)] |= free[tuple(behind)]
+                spread[tuple(behind)] |= free[tuple(ahead)]
+            free = spread
+        self.cells[free & (self.cells == UNKNOWN)] = WALL
