@@ -11,6 +11,7 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+CORE := python/mobile_robot_simulator/_core.abi3.so
 
 export VIRTUAL_ENV := $(CURDIR)/.venv
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -19,7 +20,7 @@ unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 .DELETE_ON_ERROR:
 .PHONY: build demo test lint test-rust test-python wheel lock clean
 
-build: .venv/built
+build: $(CORE)
 
 .venv/tools: requirements-dev.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "CPython 3.10 or later is needed, $(PYTHON) is " + sys.version)'
@@ -27,13 +28,12 @@ build: .venv/built
 	$(BIN)/python -m pip install --quiet --requirement requirements-dev.txt
 	@touch $@
 
-.venv/built: .venv/tools pyproject.toml Cargo.toml Cargo.lock $(shell find src -name '*.rs')
+$(CORE): .venv/tools pyproject.toml Cargo.toml Cargo.lock $(shell find src -name '*.rs')
 	PIP_QUIET=1 $(BIN)/maturin develop --release --locked
 	@touch $@
 
 demo: build
-	$(BIN)/mobile-robot-simulator floor-plan demo/office.yaml --seed 1
-	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
+	$(BIN)/python examples/demo.py
 
 test: lint test-rust test-python
 
@@ -64,4 +64,4 @@ lock: .venv/tools
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv target dist demo
+	rm -rf .venv target dist demo $(CORE)

@@ -57,6 +57,8 @@ impl BeamModel {
             return Err(Error::Weights([z_hit, z_short, z_max, z_rand]));
         }
         check_number("the sum of the weights", sum, "finite", |_| true)?;
+        // Weights that sum to 1 but for rounding stay as they are, so that a copy of a model is the same model.
+        let sum = if (sum - 1.0).abs() < 1e-14 { 1.0 } else { sum };
         let options = BeamModelOptions {
             z_hit: z_hit / sum,
             z_short: z_short / sum,
@@ -141,7 +143,7 @@ impl BeamModel {
         let mut density = options.z_rand / max_range;
         if let Some(range) = hit {
             let deviation = (reading - range) / options.sigma_hit;
-            let inside = normal::cdf((max_range - range) / options.sigma_hit) - normal::cdf(-range / options.sigma_hit);
+            let inside = normal::mass_around_mean(range / options.sigma_hit, (max_range - range) / options.sigma_hit);
             density += options.z_hit * normal::density(deviation) / (options.sigma_hit * inside);
         }
         if reading <= range && range > 0.0 {
@@ -154,7 +156,7 @@ impl BeamModel {
     /// [`likelihood`](Self::likelihood) of each reading, where a true range of `max_range` is a beam that hits nothing.
     ///
     /// # Errors
-    /// A `max_range` that is not positive.
+    /// A `max_range` that is not positive, a true range that is not a number or negative.
     pub fn likelihoods(
         &self,
         readings: impl IntoIterator<Item = f32>,
@@ -166,8 +168,11 @@ impl BeamModel {
         let max = f64::from(max_range as f32);
         let each = |(reading, range): (f32, f32)| {
             let range = f64::from(range);
-            self.likelihood(reading.into(), (range < max).then_some(range), max)
+            if range.is_nan() || range < 0.0 {
+                return Err(Error::Number { name: "true_ranges", value: range, needed: "at least 0" });
+            }
+            Ok(self.likelihood(reading.into(), (range < max).then_some(range), max))
         };
-        Ok(readings.into_iter().zip(ranges).map(each).collect())
+        readings.into_iter().zip(ranges).map(each).collect()
     }
 }

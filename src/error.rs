@@ -55,6 +55,18 @@ pub enum Error {
         /// The value given.
         value: i8,
     },
+    /// A cell that the grid does not have.
+    #[error("row and column must be below {height} and {width}, got {row} and {col}")]
+    OffGrid {
+        /// Row of the cell.
+        row: usize,
+        /// Column of the cell.
+        col: usize,
+        /// Rows of the grid.
+        height: usize,
+        /// Columns of the grid.
+        width: usize,
+    },
     /// Beam model weights of which none is positive.
     #[error("at least one of z_hit, z_short, z_max, z_rand must be positive, got {0:?}")]
     Weights([f64; 4]),

@@ -159,8 +159,15 @@ impl OccupancyGrid {
     }
 
     /// The centre of a cell in the map frame.
-    #[must_use]
-    pub fn center(&self, cell: Cell) -> DVec2 {
+    ///
+    /// # Errors
+    /// A cell that the grid does not have.
+    pub fn checked_center(&self, cell: Cell) -> Result<DVec2, Error> {
+        let (Cell { col, row }, width, height) = (cell, self.width, self.height);
+        if col < width && row < height { Ok(self.center(cell)) } else { Err(Error::OffGrid { row, col, height, width }) }
+    }
+
+    fn center(&self, cell: Cell) -> DVec2 {
         let corner = DVec2::new(cell.col as f64, cell.row as f64);
         self.options.origin.transform_point((corner + 0.5) * self.resolution())
     }
@@ -178,10 +185,19 @@ impl OccupancyGrid {
     /// Whether no blocking cell reaches into a disc around a point of the map frame. Off the grid is free.
     ///
     /// Exact: each cell near the disc is a square, and a square that touches the disc's edge from outside does not reach in.
-    #[must_use]
-    pub fn is_free_disc(&self, center: DVec2, radius: f64) -> bool {
+    ///
+    /// # Errors
+    /// A centre that is not finite, a radius that is not finite or negative.
+    pub fn is_free_disc(&self, center: DVec2, radius: f64) -> Result<bool, Error> {
+        check_number("x", center.x, "finite", |_| true)?;
+        check_number("y", center.y, "finite", |_| true)?;
+        check_radius(radius)?;
+        Ok(self.is_free(center, radius))
+    }
+
+    fn is_free(&self, center: DVec2, radius: f64) -> bool {
         let center = self.to_cells(center);
-        let radius = (radius / self.resolution()).max(0.0);
+        let radius = radius / self.resolution();
         if self.block_at(center) {
             return false;
         }
@@ -200,7 +216,7 @@ impl OccupancyGrid {
     /// # Errors
     /// [`Error::NoFreePlace`] if there is none.
     pub fn draw_free_pose(&self, radius: f64, seed: u64) -> Result<Pose, Error> {
-        check_number("radius", radius, "not negative", |value| value >= 0.0)?;
+        check_radius(radius)?;
         let mut candidates: Vec<usize> = (0..self.cells.len())
             .filter(|&index| self.cells[index] >= 0 && !self.options.blocks(self.cells[index]))
             .collect();
@@ -208,7 +224,7 @@ impl OccupancyGrid {
         while !candidates.is_empty() {
             let index = candidates.swap_remove(draw_below(candidates.len(), &mut stream));
             let position = self.center(Cell { col: index % self.width, row: index / self.width });
-            if self.is_free_disc(position, radius) {
+            if self.is_free(position, radius) {
                 let yaw = (stream.random::<f64>() - 0.5) * std::f64::consts::TAU;
                 return Ok(Pose { position, yaw });
             }
@@ -231,6 +247,10 @@ impl GridOptions {
     pub fn blocks(&self, value: i8) -> bool {
         value >= self.occupied_threshold || (value < 0 && self.unknown == Unknown::Occupied)
     }
+}
+
+fn check_radius(radius: f64) -> Result<f64, Error> {
+    check_number("radius", radius, "at least 0", |value| value >= 0.0)
 }
 
 /// A whole number as an index, if it lies in `0..count`.
@@ -273,7 +293,9 @@ mod tests {
         for (x, y) in [(0.99, 2.0), (2.5, 2.0), (1.0, 3.0), (f64::NAN, 2.0), (1e300, 2.0)] {
             assert_eq!(cell(x, y), None, "({x}, {y})");
         }
-        assert_eq!(grid.center(Cell { col: 2, row: 1 }), DVec2::new(2.25, 2.75));
+        assert_eq!(grid.checked_center(Cell { col: 2, row: 1 }), Ok(DVec2::new(2.25, 2.75)));
+        let error = grid.checked_center(Cell { col: 3, row: 1 }).unwrap_err();
+        assert_eq!(error.to_string(), "row and column must be below 2 and 3, got 1 and 3");
     }
 
     #[test]
@@ -301,7 +323,7 @@ mod tests {
         let mut cells = [0; 25];
         cells[12] = 100;
         let grid = grid(&cells, 5, GridOptions { resolution: 1.0, origin: Pose::default(), ..OPTIONS });
-        let free = |x, y, radius| grid.is_free_disc(DVec2::new(x, y), radius);
+        let free = |x, y, radius| grid.is_free_disc(DVec2::new(x, y), radius).expect("a disc");
         // The one wall is the square from (2, 2) to (3, 3).
         assert!(free(0.5, 2.5, 1.5) && !free(0.5, 2.5, 1.5 + 1e-9));
         let corner = 0.5 * 2f64.sqrt();
@@ -320,7 +342,7 @@ mod tests {
             let pose = grid.draw_free_pose(0.3, seed).expect("a free place");
             let cell = grid.cell_at(pose.position).expect("on the grid");
             assert_eq!(grid.cells()[cell.row * 30 + cell.col], 0);
-            assert!(grid.is_free_disc(pose.position, 0.3));
+            assert_eq!(grid.is_free_disc(pose.position, 0.3), Ok(true));
             assert_eq!(grid.draw_free_pose(0.3, seed), Ok(pose));
         }
         assert_ne!(grid.draw_free_pose(0.3, 0), grid.draw_free_pose(0.3, 1));

@@ -51,7 +51,7 @@ pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
 /// [`integrate`] for each row of a batch, `poses[i]` under `twists[i]`.
 ///
 /// # Errors
-/// Batches of different lengths, rows or a duration that are not finite.
+/// Batches of different lengths, rows or a duration that are not finite, poses reached that are not.
 pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -> Result<Vec<[f64; 3]>, Error> {
     if poses.len() != twists.len() {
         return Err(Error::Length { name: "twists", value: twists.len(), needed: poses.len() });
@@ -60,7 +60,9 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     check_rows("twists", twists.iter().copied())?;
     check_number("dt", duration, "finite", |_| true)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
-    Ok(poses.iter().zip(twists).map(step).collect())
+    let reached: Vec<_> = poses.iter().zip(twists).map(step).collect();
+    check_rows("the poses reached", reached.iter().copied())?;
+    Ok(reached)
 }
 
 /// The pose on the arc through `start` (at fraction 0) and `end` (at fraction 1); fractions beyond them continue the arc.

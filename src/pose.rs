@@ -98,9 +98,13 @@ pub fn wrap_angle(angle: f64) -> f64 {
 /// The heading of a rotation given as a quaternion, of any length but zero.
 ///
 /// Roll and pitch are passed over, as robots of the plane do.
-#[must_use]
-pub fn yaw_from_quaternion(x: f64, y: f64, z: f64, w: f64) -> f64 {
-    libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+///
+/// # Errors
+/// A quaternion of length zero, or one that is not finite.
+pub fn yaw_from_quaternion(x: f64, y: f64, z: f64, w: f64) -> Result<f64, Error> {
+    let length = libm::sqrt(x * x + y * y + z * z + w * w);
+    check_number("the length of a quaternion", length, "positive and finite", |value| value > 0.0)?;
+    Ok(libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
 }
 
 #[cfg(test)]
@@ -136,9 +140,18 @@ mod tests {
     fn quaternions_go_there_and_back() {
         for yaw in [-3.0, -1.0, 0.0, 0.3, 3.1] {
             let (z, w) = Pose::new(0.0, 0.0, yaw).to_quaternion();
-            assert!((yaw_from_quaternion(0.0, 0.0, z, w) - yaw).abs() < 1e-15);
-            assert!((yaw_from_quaternion(0.0, 0.0, 2.0 * z, 2.0 * w) - yaw).abs() < 1e-15);
+            for length in [1.0, 2.0] {
+                let found = yaw_from_quaternion(0.0, 0.0, length * z, length * w).expect("a rotation");
+                assert!((found - yaw).abs() < 1e-15);
+            }
         }
+    }
+
+    #[test]
+    fn a_quaternion_without_a_length_is_no_rotation() {
+        let error = |w| yaw_from_quaternion(0.0, 0.0, 0.0, w).unwrap_err().to_string();
+        assert_eq!(error(0.0), "the length of a quaternion must be positive and finite, got 0");
+        assert_eq!(error(f64::NAN), "the length of a quaternion must be positive and finite, got NaN");
     }
 
     #[test]

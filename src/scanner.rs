@@ -87,6 +87,7 @@ impl LaserScanner {
         }
         check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
         check_number("max_range", max_range, "greater than min_range", |value| value > min_range)?;
+        check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
         check_number("mount x", mount.position.x, "finite", |_| true)?;
         check_number("mount y", mount.position.y, "finite", |_| true)?;
         check_number("mount yaw", mount.yaw, "finite", |_| true)?;

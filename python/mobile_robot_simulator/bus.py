@@ -1,16 +1,19 @@
 """Topics, timers and services in one process, on a virtual clock: ordered, repeatable, and without sleeping.
 
 Everything that happens is an event at a time. Events of one moment come in a fixed order: messages and service calls in the
-order in which they were sent, then timers in the order in which they were created. A message is delivered after the callback
-that sent it has returned. Messages are handed on as they are, not copied: whoever gets one leaves it unchanged.
+order in which they were sent, then timers in the order in which they were created. A message goes to those who are
+subscribed when it is sent, after the callback that sent it has returned. Messages are handed on as they are, not copied:
+whoever gets one leaves it unchanged.
 """
 
 from __future__ import annotations
 
 import heapq
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Generic
 
 from .messages import Message, Time
@@ -20,8 +23,8 @@ Tap = Callable[[str, Message, int], None]
 
 NANOSECONDS = 1_000_000_000
 
-EVENTS_PER_MOMENT = 100_000
-"""More events than this without time going on are taken for a loop that never ends."""
+LONGEST_CHAIN, MOST_ANSWERS = 10_000, 100_000
+"""More messages at one moment, each sent upon the one before, or upon any other, are taken for an endless loop."""
 
 
 class Bus:
@@ -30,7 +33,8 @@ class Bus:
     def __init__(self) -> None:
         self.time_ns = 0
         self.taps: list[Tap] = []
-        self._events: list[tuple[int, int, int, Callable[[], None]]] = []
+        self._events: list[tuple[int, int, int, Callable[[], None], int]] = []
+        self._chain, self._answers = 0, 0
         self._sent = 0
         self._timers = 0
         self._running = False
@@ -53,20 +57,19 @@ class Bus:
             raise RuntimeError("the bus is running already: a callback must not run it")
         self._running = True
         try:
-            moment, count = self.time_ns, 0
             while self._events and self._events[0][0] <= time_ns:
-                self.time_ns, _, _, happen = heapq.heappop(self._events)
-                count = count + 1 if self.time_ns == moment else 1
-                moment = self.time_ns
-                if count > EVENTS_PER_MOMENT:
+                before = self.time_ns
+                self.time_ns, _, _, happen, self._chain = heapq.heappop(self._events)
+                self._answers = self._answers + (self._chain > 1) if self.time_ns == before else 0
+                if self._chain > LONGEST_CHAIN or self._answers > MOST_ANSWERS:
                     raise RuntimeError(
-                        f"time stands still at {self.time_ns / NANOSECONDS} s: {EVENTS_PER_MOMENT} events at one moment; "
-                        "do callbacks answer each other's messages without end?"
+                        f"time stands still at {self.time_ns / NANOSECONDS} s: "
+                        "callbacks answer each other's messages without end"
                     )
                 happen()
             self.time_ns = time_ns
         finally:
-            self._running = False
+            self._running, self._chain = False, 0
 
     def topic_names(self) -> list[str]:
         """Names of all topics, sorted."""
@@ -85,11 +88,12 @@ class Bus:
     def schedule(self, time_ns: int, happen: Callable[[], None]) -> None:
         """Have something happen at a time, in the order of sending."""
         self._sent += 1
-        heapq.heappush(self._events, (time_ns, 0, self._sent, happen))
+        chain = self._chain + 1 if time_ns == self.time_ns else 0
+        heapq.heappush(self._events, (time_ns, 0, self._sent, happen, chain))
 
     def schedule_timer(self, time_ns: int, order: int, happen: Callable[[], None]) -> None:
         """Have a timer fire at a time, after all messages, in the order of the timers."""
-        heapq.heappush(self._events, (time_ns, 1, order, happen))
+        heapq.heappush(self._events, (time_ns, 1, order, happen, 0))
 
     def next_timer_order(self) -> int:
         """The place of a new timer among the others."""
@@ -113,14 +117,14 @@ class Bus:
         return service
 
     def publish(self, topic: Topic, message: Message) -> None:
-        """Send a message to all who are subscribed when it arrives."""
+        """Send a message to all who are subscribed now."""
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
         topic.latest, topic.latest_ns = message, self.time_ns
         for tap in self.taps:
             tap(topic.name, message, self.time_ns)
-        if topic.subscriptions:
-            self.schedule(self.time_ns, lambda: topic.deliver(message))
+        for subscription in topic.subscriptions:
+            self.schedule(self.time_ns, partial(subscription.hand, message))
 
 
 def absolute(name: str) -> str:
@@ -128,6 +132,11 @@ def absolute(name: str) -> str:
     if not name.strip("/"):
         raise ValueError(f"a topic or service must have a name, got {name!r}")
     return name if name.startswith("/") else f"/{name}"
+
+
+def _check_callback(callback: object) -> None:
+    if not callable(callback):
+        raise TypeError(f"a callback must be callable, got {callback!r}")
 
 
 @dataclass(eq=False)
@@ -155,11 +164,6 @@ class Topic:
     latest_ns: int = 0
     latched: bool = False
 
-    def deliver(self, message: Message) -> None:
-        """Hand a message to all subscriptions, in the order in which they were made."""
-        for subscription in tuple(self.subscriptions):
-            subscription.hand(message)
-
 
 @dataclass(eq=False)
 class Publisher(Generic[M]):
@@ -177,8 +181,9 @@ class Timer:
     """Fires at multiples of its period after its start: rounded to nanoseconds, without drift."""
 
     def __init__(self, bus: Bus, period: float, callback: Callable[[], None]) -> None:
-        if not period * NANOSECONDS >= 1:
-            raise ValueError(f"a timer's period must be at least a nanosecond, got {period} s")
+        if not 1 <= period * NANOSECONDS < math.inf:
+            raise ValueError(f"a timer's period must be at least a nanosecond, and finite, got {period} s")
+        _check_callback(callback)
         self._bus, self._period, self._callback = bus, period, callback
         self._start_ns, self._order, self._fired = bus.time_ns, bus.next_timer_order(), 0
         self._cancelled = False
@@ -326,11 +331,12 @@ class BusNode:
     ) -> Subscription[M]:
         """Have every message of a topic handed to the callback; of a latched one also the last message there was."""
         found = self._bus.topic(topic, msg_type)
+        _check_callback(callback)
         subscription = Subscription(found, callback)
         found.subscriptions.append(subscription)
         if found.latched and found.latest is not None:
             message = found.latest
-            self._bus.schedule(self._bus.time_ns, lambda: subscription.hand(message))
+            self._bus.schedule(self._bus.time_ns, partial(subscription.hand, message))
         return subscription
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
@@ -340,6 +346,7 @@ class BusNode:
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]) -> Service:
         """Answer requests with what the callback makes of the request and an empty response."""
         service = self._bus.service(srv_name, srv_type)
+        _check_callback(callback)
         if service.handler is not None:
             raise ValueError(f"{service.name} is answered already")
         service.handler = callback
@@ -353,9 +360,10 @@ class BusNode:
         """Take a publisher away."""
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription away: messages on their way no longer reach it."""
-        subscription.active = False
-        subscription.topic.subscriptions.remove(subscription)
+        """Take a subscription away: messages on their way no longer reach it. The second time, nothing happens."""
+        if subscription.active:
+            subscription.active = False
+            subscription.topic.subscriptions.remove(subscription)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Take a timer away."""

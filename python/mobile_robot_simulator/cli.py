@@ -237,7 +237,8 @@ def generate_floor_plan(
 def _values(assignments: list[str] | None, file: Path | None) -> dict[str, Any]:
     """Parameters from the file, and over them those of the command line."""
     values = read_file(file) if file is not None else {}
-    return {**values, **dict(map(read_assignment, assignments or []))}
+    assigned = dict(map(read_assignment, assignments or []))
+    return {**{key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}, **assigned}
 
 
 def _load(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:

@@ -10,14 +10,25 @@ import numpy as np
 
 from . import messages
 from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
-from .map_node import from_message
-from .messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
+from .map_node import from_message, with_unknown
+from .messages import GetMap, Header, LaserScan, Odometry, TFMessage, Time, TransformStamped
 from .node_interface import Client, Node, QoS
 from .parameters import LaserParameters
 from .transforms import TransformBuffer
 
 NO_INTENSITIES = np.zeros(0, np.float32)
 
+
+SET_UP = (
+    "laser_topic",
+    "odometry_topic",
+    "map_service",
+    "laser_frame_id",
+    "laser_mount",
+    "laser_frequency",
+    "base_link_frame",
+)
+"""Parameters that what `start` sets up hangs on."""
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
 
@@ -42,10 +53,11 @@ def noise_of(parameters: LaserParameters) -> BeamModel:
 class LaserScannerSimulator:
     """A laser scanner that sees the map from where tf says it is.
 
-    Scans at `laser_frequency`, from the pose at the scan's own stamp: on the arc through the last two transforms, so that it
-    never waits for one. The map is asked of `map_service`, again each second until it is there; before that, and before the
-    scanner's pose is known, there are no scans. The scanner's mount is its transform from the robot's base if tf knows it,
-    else `laser_mount`. If the map frame is not known to tf, the frame that the robot's base hangs from stands for it.
+    Scans at `laser_frequency`, from the pose at the scan's own stamp: the last transform, carried on by the twist of the
+    last odometry, so that it never waits for one. The map is asked of `map_service`, again each second until it is there;
+    before that, and before the scanner's pose is known, there are no scans. The scanner's mount is its transform from the
+    robot's base if tf knows it, else `laser_mount`. If the map frame is not known to tf, the frame that the
+    robot's base hangs from stands for it.
 
     node: what to publish and subscribe through. grid: the map, if it need not be asked of a service.
     """
@@ -69,18 +81,21 @@ class LaserScannerSimulator:
         return self._scanner
 
     def set_laser_params(self, **values: Any) -> None:
-        """Change parameters of the scanner by their names, from the next start on.
+        """Change parameters by their names, from the next scan on.
 
         raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
         """
-        self._use(self._parameters.changed(values))
+        before, after = self._parameters, self._parameters.changed(values)
+        self._use(after)
+        if self._grid is not None and after.unknown != before.unknown:
+            self._grid = with_unknown(self._grid, after.unknown)
+        if self._stop is not None and any(getattr(before, name) != getattr(after, name) for name in SET_UP):
+            self.stop()
+            self.start()
 
     def set_noise_params(self, **values: Any) -> None:
-        """Change parameters of the noise by their names, from the next scan on.
-
-        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
-        """
-        self._use(self._parameters.changed(values))
+        """As `set_laser_params`."""
+        self.set_laser_params(**values)
 
     def start(self) -> None:
         """Scan from now on."""
@@ -91,6 +106,7 @@ class LaserScannerSimulator:
         publishers: list[Any] = [self._scans]
         subscriptions = [
             node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT),
+            node.create_subscription(Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT),
             node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED),
         ]
         timers = [node.create_timer(1.0 / parameters.laser_frequency, self._scan)]
@@ -98,7 +114,7 @@ class LaserScannerSimulator:
         if self._grid is None:
             self._ask_for_map(client)
             timers.append(node.create_timer(1.0, lambda: self._ask_for_map(client)))
-        if parameters.laser_mount is not None and parameters.laser_frame_id != parameters.base_link_frame:
+        if parameters.laser_mount is not None:
             static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
             publishers.append(static)
             transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
@@ -123,8 +139,8 @@ class LaserScannerSimulator:
             self._stop = None
 
     def _use(self, parameters: LaserParameters) -> None:
-        self._parameters = parameters
-        self._scanner, self._noise = scanner_of(parameters), noise_of(parameters)
+        scanner, noise = scanner_of(parameters), noise_of(parameters)
+        self._parameters, self._scanner, self._noise = parameters, scanner, noise
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
             shares = {name: round(getattr(self._noise, name), 6) for name in weights}

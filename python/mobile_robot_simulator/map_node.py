@@ -24,11 +24,24 @@ def from_message(message: messages.OccupancyGrid, *, unknown: Literal["free", "o
 
     raises: ValueError for data that does not fill the map, or that no grid can hold.
     """
-    info, data = message.info, np.asarray(message.data, np.int8)
+    info, data = message.info, np.asarray(message.data)
+    if data.dtype.kind not in "iu" or data.min(initial=0) < -1 or data.max(initial=0) > 100:
+        raise ValueError(f"a map's data must be integers in -1..100, got {data.dtype} values such as {data.ravel()[:4]}")
     if data.size != info.width * info.height:
         raise ValueError(f"a map of {info.width}x{info.height} cells must have as many values, got {data.size}")
-    cells = data.reshape(info.height, info.width)
+    cells = data.astype(np.int8, copy=False).reshape(info.height, info.width)
     return OccupancyGrid(cells, resolution=info.resolution, origin=info.origin.to_planar(), unknown=unknown)
+
+
+def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> OccupancyGrid:
+    """The same grid with another reading of its unknown cells."""
+    return OccupancyGrid(
+        grid.cells,
+        resolution=grid.resolution,
+        origin=grid.origin,
+        occupied_threshold=grid.occupied_threshold,
+        unknown=unknown,
+    )
 
 
 class MapServer:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 T = TypeVar("T", bound="Parameters")
 
@@ -18,6 +18,12 @@ def _no_bool(value: object) -> object:
     """Refuse a truth value, which Python would take for 0 or 1."""
     if isinstance(value, bool):
         raise ValueError("Input should be a number")
+    return value
+
+
+def _seed(value: int) -> int:
+    if not 0 <= value < 2**64:
+        raise ValueError("Input should be in 0..2**64 - 1")
     return value
 
 
@@ -55,14 +61,18 @@ class RobotParameters(Parameters):
 
     node_name = "mobile_robot_simulator_node"
 
-    publish_map_transform: bool = Field(False, description="whether to publish map -> odom, and to take /initialpose")
+    publish_map_transform: bool = Field(
+        False, description="publish map -> odom, and take /initialpose; Simulation and run: true unless set"
+    )
     publish_rate: Rate = Field(10.0, description="rate of odometry, transforms and clock, Hz")
     velocity_topic: Name = Field("/cmd_vel", description="topic of velocity commands")
     odometry_topic: Name = Field("/odom", description="topic of the odometry")
     base_link_frame: Name = Field("base_link", description="frame of the robot, child frame of the odometry")
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
-    cmd_vel_stamped: bool = Field(False, description="take TwistStamped rather than Twist; on ROS 2 the default is true")
+    cmd_vel_stamped: bool = Field(
+        True, description="take TwistStamped rather than Twist; Simulation and run: false unless set"
+    )
     speed_factor: Annotated[Rate, Field(le=1e3)] = Field(1.0, description="simulated time over wall time when paced")
     velocity_timeout: Annotated[Number, Field(ge=0.0)] = Field(
         0.5, description="a command is held for so long, s; 0 holds it for ever"
@@ -75,6 +85,7 @@ class LaserParameters(Parameters):
     node_name = "laser_scanner_simulator_node"
 
     laser_topic: Name = Field("/scan", description="topic of the scans")
+    odometry_topic: Name = Field("/odom", description="topic of the odometry, whose twist carries the robot from tf to tf")
     map_service: Name = Field("/static_map", description="service that the map is asked of")
     laser_frame_id: Name = Field("base_link", description="frame of the scanner; its mount is taken from tf if tf knows it")
     laser_mount: tuple[Number, Number, Number] | None = Field(
@@ -82,7 +93,7 @@ class LaserParameters(Parameters):
     )
     laser_fov: Annotated[Number, Field(gt=0.0, le=2.0 * math.pi + 1e-6)] = Field(4.71, description="field of view, rad")
     laser_beam_count: Annotated[Count, Field(ge=1, le=1_000_000)] = Field(541, description="number of beams and of ranges")
-    laser_max_range: Annotated[Number, Field(gt=0.0)] = Field(30.0, description="largest range, m")
+    laser_max_range: Annotated[Number, Field(gt=0.0, le=1e30)] = Field(30.0, description="largest range, m")
     laser_min_range: Annotated[Number, Field(ge=0.0)] = Field(0.05, description="smallest valid range, m")
     laser_frequency: Rate = Field(10.0, description="rate of the scans, Hz")
     apply_noise: bool = Field(True, description="whether ranges are noisy")
@@ -96,7 +107,7 @@ class LaserParameters(Parameters):
         "inf", description="what a missing return reads: inf (REP-117) or max, the largest range"
     )
     unknown: Literal["free", "occupied"] = Field("free", description="what unknown cells are to beams: free or occupied")
-    seed: Annotated[Count, Field(ge=0, lt=2**64)] = Field(0, description="seed of the noise")
+    seed: Annotated[Count, AfterValidator(_seed)] = Field(0, description="seed of the noise")
     base_link_frame: Name = Field("base_link", description="frame of the robot")
     map_frame_id: Name = Field("map", description="frame of the map, that the scanner is looked up in")
 
@@ -105,6 +116,10 @@ class LaserParameters(Parameters):
         if self.laser_min_range >= self.laser_max_range:
             raise ValueError(
                 f"laser_min_range must be less than laser_max_range {self.laser_max_range}, got {self.laser_min_range}"
+            )
+        if self.laser_mount is not None and self.laser_frame_id == self.base_link_frame:
+            raise ValueError(
+                f"laser_mount needs a laser_frame_id of its own, got {self.laser_mount} for {self.laser_frame_id}"
             )
         if self.z_hit + self.z_short + self.z_max + self.z_rand == 0.0:
             raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")
@@ -119,26 +134,37 @@ def check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES
 
     raises: ValueError that suggests the nearest name.
     """
+    models = tuple(models)
     known = sorted({name for model in models for name in model.model_fields})
-    for name in names:
-        if name not in known:
-            raise ValueError(_unknown(name, known))
+    for key in names:
+        node, separator, name = key.rpartition(":")
+        own = [model for model in models if model.node_name == node]
+        if separator and not own:
+            raise ValueError(_unknown(node, [model.node_name for model in models], what="node"))
+        if name not in (own[0].model_fields if own else known):
+            raise ValueError(_unknown(name, own[0].model_fields if own else known))
 
 
 def for_node(model: type[T], values: Mapping[str, Any]) -> T:
-    """A node's parameters out of values for all nodes."""
-    return model.checked({name: value for name, value in values.items() if name in model.model_fields})
+    """A node's parameters out of values for all nodes: `name`, or before that `node:name`."""
+    own = {name: values[name] for name in model.model_fields if name in values}
+    for name in model.model_fields:
+        if (key := f"{model.node_name}:{name}") in values:
+            own[name] = values[key]
+    return model.checked(own)
 
 
 def read_file(path: str | Path) -> dict[str, Any]:
-    """Values out of a ROS 2 parameter file: `ros__parameters` under `/**` or under a node's name, the latter first.
+    """Values out of a ROS 2 parameter file: `ros__parameters` under `/**` or under a node's name.
+
+    What stands under a node's name is for that node alone, and goes before the rest: its key is `node:name`.
 
     raises: OSError for a file that can't be read; ValueError for another shape, unknown nodes and unknown parameters.
     """
-    text = Path(path).read_text(encoding="utf-8")
+    data = Path(path).read_bytes()
     try:
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+        content = yaml.safe_load(data)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is not YAML: {error}") from None
     if not isinstance(content, dict):
         raise ValueError(f"{path} must hold nodes with their ros__parameters, got {type(content).__name__}")
@@ -153,12 +179,12 @@ def read_file(path: str | Path) -> dict[str, Any]:
         if not isinstance(parameters, dict):
             raise ValueError(f"{path}: {key} must hold a mapping ros__parameters, got {section!r}")
         check_names(map(str, parameters), NODES if node == "**" else (nodes[node],))
-        values.update(parameters)
+        values.update(parameters if node == "**" else {f"{node}:{name}": value for name, value in parameters.items()})
     return values
 
 
 def read_assignment(text: str) -> tuple[str, Any]:
-    """Name and value out of `name:=value`, the value in YAML."""
+    """Key and value out of `name:=value`, or of `node:name:=value` for one node alone; the value in YAML."""
     name, separator, value = text.partition(":=")
     if not separator or not name:
         raise ValueError(f"a parameter must be given as name:=value, got {text!r}")
@@ -171,6 +197,7 @@ def read_assignment(text: str) -> tuple[str, Any]:
 
 def to_yaml(values: Mapping[str, Any] | None = None) -> str:
     """All parameters with their meanings, in the shape that `read_file` reads; defaults where no value is given."""
+    check_names(values or {})
     lines = []
     for model in NODES:
         parameters = for_node(model, values or {})
@@ -184,7 +211,7 @@ def to_yaml(values: Mapping[str, Any] | None = None) -> str:
 
 def _unknown(name: str, known: Iterable[str], what: str = "parameter") -> str:
     known = list(known)
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)
     return f"unknown {what} {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}")
 
 

@@ -16,6 +16,9 @@ from .parameters import RobotParameters
 
 NANOSECONDS = 1e9
 
+FOREVER = 2**62
+"""A time in nanoseconds that is never reached."""
+
 FASTEST = 1e3
 """Commands beyond this [m/s, rad/s] are no robot's, and are refused."""
 
@@ -50,7 +53,7 @@ class MobileRobotSimulator:
         self._map_from_odom = Pose()
         self._odom_from_start = Pose()
         self._twist = STANDING
-        self._start_ns = node.get_clock().now().nanoseconds
+        self._start_ns = self._until_ns = node.get_clock().now().nanoseconds
         self._driven_to_start = 0.0
         self._stop: Callable[[], None] | None = None
         if start_pose is not None:
@@ -69,7 +72,7 @@ class MobileRobotSimulator:
     @property
     def velocity(self) -> Velocity:
         """How the robot moves now: forward, leftward [m/s] and turning [rad/s]."""
-        return self._twist if self._holds(self._now()) else STANDING
+        return self._twist if self._now() < self._until_ns else STANDING
 
     @property
     def distance(self) -> float:
@@ -87,7 +90,7 @@ class MobileRobotSimulator:
         if self._parameters.publish_map_transform:
             self._map_from_odom = (pose * odom_from_base.inverse()).wrapped()
         else:
-            self._move_to(pose, self.velocity, now)
+            self._move_to(pose, now)
 
     def start(self) -> None:
         """Take commands and publish from now on."""
@@ -125,21 +128,15 @@ class MobileRobotSimulator:
             self._stop()
             self._stop = None
             now = self._now()
-            self._move_to(self._odom_from_base(now), STANDING, now)
+            self._move_to(self._odom_from_base(now), now)
+            self._twist = STANDING
 
     def _now(self) -> int:
         return self._node.get_clock().now().nanoseconds
 
-    def _holds(self, time_ns: int) -> bool:
-        """Whether the last command still holds."""
-        timeout = self._parameters.velocity_timeout
-        return timeout == 0.0 or time_ns - self._start_ns < timeout * NANOSECONDS
-
     def _moving(self, time_ns: int) -> float:
-        """Seconds that the robot has moved under the last command."""
-        elapsed = max(0.0, (time_ns - self._start_ns) / NANOSECONDS)
-        timeout = self._parameters.velocity_timeout
-        return elapsed if timeout == 0.0 else min(elapsed, timeout)
+        """Seconds that the robot has moved under the last command since it was at its last known pose."""
+        return max(0, min(time_ns, self._until_ns) - self._start_ns) / NANOSECONDS
 
     def _odom_from_base(self, time_ns: int) -> Pose:
         return self._odom_from_start.integrate(self._twist, self._moving(time_ns))
@@ -147,10 +144,10 @@ class MobileRobotSimulator:
     def _driven(self, time_ns: int) -> float:
         return self._driven_to_start + math.hypot(*self._twist[:2]) * self._moving(time_ns)
 
-    def _move_to(self, odom_from_base: Pose, twist: Velocity, time_ns: int) -> None:
-        """Be at a pose, and move on from there."""
+    def _move_to(self, odom_from_base: Pose, time_ns: int) -> None:
+        """Be at a pose, and move on from there as before."""
         self._driven_to_start = self._driven(time_ns)
-        self._odom_from_start, self._twist, self._start_ns = odom_from_base.wrapped(), twist, time_ns
+        self._odom_from_start, self._start_ns = odom_from_base.wrapped(), time_ns
 
     def _command(self, twist: TwistMessage) -> None:
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
@@ -160,7 +157,9 @@ class MobileRobotSimulator:
             )
             return
         now = self._now()
-        self._move_to(self._odom_from_base(now), velocity, now)
+        self._move_to(self._odom_from_base(now), now)
+        timeout = self._parameters.velocity_timeout
+        self._twist, self._until_ns = velocity, now + round(min(timeout * NANOSECONDS, FOREVER)) if timeout else FOREVER
 
     def _take_pose(self, message: PoseWithCovarianceStamped) -> None:
         frame, logger = message.header.frame_id.removeprefix("/"), self._node.get_logger()

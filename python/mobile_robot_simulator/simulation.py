@@ -5,12 +5,12 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 from ._core import OccupancyGrid, Pose
 from .bus import NANOSECONDS, Bus, BusNode, Subscription, Tap, absolute
 from .laser_node import LaserScannerSimulator
-from .map_node import MapServer
+from .map_node import MapServer, with_unknown
 from .messages import Message
 from .node_interface import M
 from .parameters import LaserParameters, RobotParameters, check_names, for_node
@@ -20,9 +20,9 @@ from .robot_node import MobileRobotSimulator
 class Simulation:
     """A robot with a laser scanner in a map, on a virtual clock that starts at 0.
 
-    grid: the map. parameters: values of the nodes' parameters by name; the map transform is published unless they say
-    otherwise. seed: seed of the noise, before the parameter of that name. start: pose (x, y, yaw) of the robot in the map
-    frame at first.
+    grid: the map. parameters: values of the nodes' parameters by name; unless they say otherwise, the map transform is
+    published and commands are plain Twist. seed: seed of the noise, before the parameter of that name.
+    start: pose (x, y, yaw) of the robot in the map frame at first.
 
     The same arguments and the same calls give the same messages, byte by byte.
 
@@ -37,14 +37,14 @@ class Simulation:
         seed: int | None = None,
         start: Pose | tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
-        values = {"publish_map_transform": True, **(parameters or {})}
+        values = {"publish_map_transform": True, "cmd_vel_stamped": False, **(parameters or {})}
         if seed is not None:
             values["seed"] = seed
         check_names(values)
         robot, laser = for_node(RobotParameters, values), for_node(LaserParameters, values)
-        if "unknown" in values and laser.unknown != grid.unknown:
-            grid = _with_unknown(grid, laser.unknown)
-        pose = Pose(*start)
+        if any(key.rpartition(":")[2] == "unknown" for key in values) and laser.unknown != grid.unknown:
+            grid = with_unknown(grid, laser.unknown)
+        pose = start if isinstance(start, Pose) else _pose(start)
         if not grid.is_free_disc(pose.x, pose.y, 0.0):
             raise ValueError(f"start must not be inside a wall, got ({pose.x}, {pose.y}, {pose.yaw})")
         self._grid = grid
@@ -139,11 +139,9 @@ class Simulation:
             raise ValueError(f"unknown topic {name!r}; {hint}")
 
 
-def _with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> OccupancyGrid:
-    return OccupancyGrid(
-        grid.cells,
-        resolution=grid.resolution,
-        origin=grid.origin,
-        occupied_threshold=grid.occupied_threshold,
-        unknown=unknown,
-    )
+def _pose(numbers: tuple[float, float, float]) -> Pose:
+    try:
+        x, y, yaw = map(float, numbers)
+    except (TypeError, ValueError):
+        raise ValueError(f"start must be three numbers (x, y, yaw), got {numbers!r}") from None
+    return Pose(x, y, yaw)

@@ -1,38 +1,54 @@
-"""Transforms between frames over time: a small tf buffer that never waits."""
+"""Transforms between frames: a small tf buffer that never waits."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
+import math
+from dataclasses import dataclass, replace
 
 from ._core import Pose
-from .messages import TransformStamped
+from .messages import Odometry, TransformStamped
 
-KEPT = 64
-"""Transforms kept of each frame."""
+Velocity = tuple[float, float, float]
 
-EXTRAPOLATION_NS = 1_000_000_000
-"""How far past its last transform a frame is taken to go on as it did."""
+LONGEST_CARRY_NS = 1_000_000_000
+"""How long after its last transform, or before, a frame is taken to move as its odometry says."""
 
 
 class TransformBuffer:
-    """The latest transforms of each frame to its parent."""
+    """The last transform of each frame to its parent, and the twist that carries the frame on from there.
+
+    Between map and odom there is no motion, only correction: frames above the robot's stay where their last transform says.
+    """
 
     def __init__(self) -> None:
-        self._frames: dict[str, _Frame] = {}
+        self._links: dict[str, _Link] = {}
+        self._twists: dict[str, Velocity] = {}
 
     def add(self, transform: TransformStamped, *, static: bool = False) -> None:
-        """Take in a transform. A child that gets another parent, or a time before its last, starts anew."""
+        """Take in a transform.
+
+        raises: ValueError for one that is no pose.
+        """
         child, parent = _bare(transform.child_frame_id), _bare(transform.header.frame_id)
-        frame = self._frames.get(child)
-        stamp = transform.header.stamp.nanoseconds
-        if frame is None or frame.parent != parent or frame.static != static or (static or stamp < frame.stamps[-1]):
-            frame = self._frames[child] = _Frame(parent, static)
-        frame.add(stamp, transform.transform.to_planar())
+        stamp, pose = transform.header.stamp.nanoseconds, transform.transform.to_planar()
+        before = self._links.get(child)
+        if before is not None and before.stamp == stamp:
+            before = before.before
+        if before is not None and (before.parent != parent or before.stamp > stamp):
+            before = None
+        self._links[child] = _Link(parent, stamp, pose, static, before and replace(before, before=None))
+
+    def add_twist(self, odometry: Odometry) -> None:
+        """Take in how the child frame of an odometry moves; a twist that is not finite is no motion."""
+        twist = odometry.twist.twist
+        velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
+        self._twists[_bare(odometry.child_frame_id)] = velocity if all(map(math.isfinite, velocity)) else (0.0, 0.0, 0.0)
 
     def lookup(self, target: str, source: str, time_ns: int) -> Pose | None:
         """The pose of the source frame in the target frame at a time, None if that is not known.
 
-        Between two transforms a frame moves along the arc through them, and on along it for up to a second past the last.
+        A frame with odometry moves on from its last transform under its last twist, for up to a second. Of the frames on
+        the way, the first that is not static is taken for the robot's: without odometry it moves on as it did before.
         """
         up_from_source = self._ancestors(_bare(source), time_ns)
         up_from_target = self._ancestors(_bare(target), time_ns)
@@ -50,14 +66,15 @@ class TransformBuffer:
         return ancestors[-1] if len(ancestors) > 1 else None
 
     def _knows(self, frame: str) -> bool:
-        return frame in self._frames or any(link.parent == frame for link in self._frames.values())
+        return frame in self._links or any(link.parent == frame for link in self._links.values())
 
     def _ancestors(self, frame: str, time_ns: int) -> dict[str, Pose]:
         """The pose of a frame in itself, its parent, its parent's parent and so on."""
-        pose = Pose()
+        pose, is_robot = Pose(), True
         found = {frame: pose}
-        while (link := self._frames.get(frame)) is not None:
-            parent_from_frame = link.at(time_ns)
+        while (link := self._links.get(frame)) is not None:
+            parent_from_frame = link.at(time_ns, self._twists.get(frame), is_robot)
+            is_robot &= link.static
             if parent_from_frame is None or link.parent in found:
                 break
             frame, pose = link.parent, parent_from_frame * pose
@@ -65,35 +82,28 @@ class TransformBuffer:
         return found
 
 
-class _Frame:
-    """One frame in its parent, over time."""
+@dataclass(frozen=True)
+class _Link:
+    """One frame in its parent, and where it was before."""
 
-    def __init__(self, parent: str, static: bool) -> None:
-        self.parent, self.static = parent, static
-        self.stamps: list[int] = []
-        self.poses: list[Pose] = []
+    parent: str
+    stamp: int
+    pose: Pose
+    static: bool
+    before: _Link | None
 
-    def add(self, stamp: int, pose: Pose) -> None:
-        if self.stamps and stamp == self.stamps[-1]:
-            self.poses[-1] = pose
-            return
-        self.stamps.append(stamp)
-        self.poses.append(pose)
-        del self.stamps[:-KEPT], self.poses[:-KEPT]
-
-    def at(self, time_ns: int) -> Pose | None:
-        if self.static:
-            return self.poses[-1]
-        after = bisect_right(self.stamps, time_ns)
-        if after and self.stamps[after - 1] == time_ns:
-            return self.poses[after - 1]
-        if after == 0 or time_ns - self.stamps[-1] > EXTRAPOLATION_NS:
+    def at(self, time_ns: int, twist: Velocity | None, is_robot: bool) -> Pose | None:
+        elapsed = time_ns - self.stamp
+        if self.static or elapsed == 0 or (twist is None and not is_robot):
+            return self.pose
+        if abs(elapsed) > LONGEST_CARRY_NS:
             return None
-        first = min(after, len(self.stamps) - 1) - 1
-        if first < 0:
-            return self.poses[0]
-        fraction = (time_ns - self.stamps[first]) / (self.stamps[first + 1] - self.stamps[first])
-        return self.poses[first].interpolate(self.poses[first + 1], fraction)
+        if twist is not None:
+            return self.pose.integrate(twist, elapsed / 1e9)
+        if self.before is None:
+            return self.pose
+        gap = self.stamp - self.before.stamp
+        return self.before.pose.interpolate(self.pose, (elapsed + gap) / gap)
 
 
 def _bare(frame: str) -> str:

@@ -67,9 +67,9 @@ fn sample_tail(stream: &mut impl Rng) -> f64 {
     }
 }
 
-/// The distribution function Φ.
-pub fn cdf(x: f64) -> f64 {
-    0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
+/// The probability between `below` under the mean and `above` over it, Φ(above) - Φ(-below), without cancellation.
+pub fn mass_around_mean(below: f64, above: f64) -> f64 {
+    0.5 * (libm::erf(below * FRAC_1_SQRT_2) + libm::erf(above * FRAC_1_SQRT_2))
 }
 
 /// The density φ.

@@ -21,8 +21,8 @@ pub fn rows(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
 
 /// An array of this element type, checked by name.
 pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
-    check_dtype::<T>(name, array)?;
-    array.extract()
+    let array = check_dtype::<T>(name, array)?;
+    if is_aligned(array)? { array.extract() } else { array.call_method0("copy")?.extract() }
 }
 
 /// The result of `work` on a float32 array of this shape: a new one, or `out` if the caller gave one.
@@ -50,6 +50,9 @@ pub fn fill<'py>(
     if !array.is_c_contiguous() {
         return Err(PyValueError::new_err("out must be in C order, got an array that is not C-contiguous"));
     }
+    if !is_aligned(array)? {
+        return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
+    }
     let mut array = out
         .cast::<numpy::PyArrayDyn<f32>>()?
         .try_readwrite()
@@ -57,6 +60,11 @@ pub fn fill<'py>(
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)
+}
+
+/// Whether every element lies where its type may lie; fields of packed records do not.
+fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> PyResult<bool> {
+    array.getattr("flags")?.getattr("aligned")?.extract()
 }
 
 /// A new array of one dimension.

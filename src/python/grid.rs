@@ -56,7 +56,7 @@ impl OccupancyGrid {
         };
         let threshold = match occupied_threshold {
             None => crate::OCCUPIED_THRESHOLD,
-            Some(value) => whole_number("occupied_threshold", value, "in 1..100")?.min(i8::MAX as u64) as i8,
+            Some(value) => whole_number("occupied_threshold", value, "in 1..100")?,
         };
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells: Vec<i8> = cells.as_array().iter().copied().collect();
@@ -121,13 +121,18 @@ impl OccupancyGrid {
     }
 
     /// Centre (x, y) of a cell in the map frame [m].
-    fn center(&self, row: usize, col: usize) -> (f64, f64) {
-        self.core.center(Cell { col, row }).into()
+    ///
+    /// raises: ValueError for a cell that the grid does not have.
+    fn center(&self, row: &Bound<'_, PyAny>, col: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
+        let (row, col) = (whole_number("row", row, "at least 0")?, whole_number("col", col, "at least 0")?);
+        Ok(self.core.checked_center(Cell { col, row })?.into())
     }
 
     /// Whether no blocking cell reaches into a disc around a point of the map frame [m], exactly. Off the grid is free.
-    fn is_free_disc(&self, x: f64, y: f64, radius: f64) -> bool {
-        self.core.is_free_disc(DVec2::new(x, y), radius)
+    ///
+    /// raises: ValueError for numbers that are not finite or a negative radius.
+    fn is_free_disc(&self, x: f64, y: f64, radius: f64) -> PyResult<bool> {
+        Ok(self.core.is_free_disc(DVec2::new(x, y), radius)?)
     }
 
     /// A pose drawn from the known free cells' centres, where a disc of this radius [m] is free.

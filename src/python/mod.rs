@@ -24,8 +24,8 @@ impl From<Error> for PyErr {
     }
 }
 
-/// A Python integer of 64 bits; `needed` says which ones will do.
-fn whole_number(name: &str, value: &Bound<'_, PyAny>, needed: &str) -> PyResult<u64> {
+/// A Python integer as a Rust one; `needed` says which ones will do.
+fn whole_number<'py, T: FromPyObjectOwned<'py>>(name: &str, value: &Bound<'py, PyAny>, needed: &str) -> PyResult<T> {
     let number = value
         .call_method0("__index__")
         .map_err(|_| PyTypeError::new_err(format!("{name} must be an integer, got {}", arrays::type_name(value))))?;
@@ -37,8 +37,7 @@ fn stream_number(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<u64> 
 }
 
 fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
-    let count = threads.map(|value| whole_number("threads", value, "in 1..1024")).transpose()?;
-    Ok(count.map(|count| count as usize))
+    threads.map(|value| whole_number("threads", value, "in 1..1024")).transpose()
 }
 
 #[pymodule]

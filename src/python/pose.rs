@@ -1,6 +1,6 @@
 //! `Pose` for Python.
 
-use pyo3::exceptions::{PyIndexError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -26,10 +26,12 @@ impl Pose {
     }
 
     /// The pose at (x, y) whose heading is that of a quaternion of any length but zero; roll and pitch are passed over.
+    ///
+    /// raises: ValueError for a quaternion of length zero and numbers that are not finite.
     #[staticmethod]
     #[pyo3(signature = (x, y, *, qx, qy, qz, qw))]
     fn from_quaternion(x: f64, y: f64, qx: f64, qy: f64, qz: f64, qw: f64) -> PyResult<Self> {
-        Self::new(x, y, yaw_from_quaternion(qx, qy, qz, qw))
+        Self::new(x, y, yaw_from_quaternion(qx, qy, qz, qw)?)
     }
 
     /// Position along x [m].
@@ -57,8 +59,8 @@ impl Pose {
     }
 
     /// The pose of the parent frame in this one.
-    fn inverse(&self) -> Self {
-        Self(self.0.inverse())
+    fn inverse(&self) -> PyResult<Self> {
+        Ok(Self(self.0.inverse().checked()?))
     }
 
     /// The same pose with its yaw in (-π, π].
@@ -76,16 +78,16 @@ impl Pose {
         Ok(Self(interpolate(self.0, other.0, fraction).checked()?))
     }
 
-    fn __mul__(&self, inner: PoseArgument) -> Self {
-        Self(self.0 * inner.0)
+    fn __mul__(&self, inner: PoseArgument) -> PyResult<Self> {
+        Ok(Self((self.0 * inner.0).checked()?))
     }
 
     fn __len__(&self) -> usize {
         3
     }
 
-    fn __getitem__(&self, index: usize) -> PyResult<f64> {
-        self.0.to_array().get(index).copied().ok_or_else(|| PyIndexError::new_err("a pose has elements 0 to 2"))
+    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
+        self.__getnewargs__(py)?.as_any().get_item(index)
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -47,7 +47,7 @@ impl LaserScanner {
         mount: PoseArgument,
     ) -> PyResult<Self> {
         let beam_count = beam_count.map(|value| whole_number("beam_count", value, "in 1..1000000")).transpose()?;
-        let beam_count = beam_count.map_or(default().beam_count, |count| count as usize);
+        let beam_count = beam_count.unwrap_or(default().beam_count);
         let options = ScannerOptions { fov, beam_count, min_range, max_range, mount: mount.0 };
         Ok(Self(crate::LaserScanner::new(options)?))
     }

@@ -62,6 +62,7 @@ pub fn cast_rays(
 ) -> Result<(), Error> {
     check_rows("rays", rays.iter().copied())?;
     check_number("max_range", max_range, "positive", |value| value > 0.0)?;
+    check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
     if ranges.len() != rays.len() {
         return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
     }

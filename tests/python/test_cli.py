@@ -145,7 +145,11 @@ def test_info_describes_a_map(room):
 
 def test_parameters_come_back_from_what_was_printed(room, tmp_path):
     file = tmp_path / "parameters.yaml"
-    file.write_text(command("parameters", "-p", "laser_beam_count:=17", "-p", "laser_mount:=[0.1, 0.0, 1.5]").stdout)
+    file.write_text(
+        command(
+            "parameters", "-p", "laser_beam_count:=17", "-p", "laser_mount:=[0.1, 0.0, 1.5]", "-p", "laser_frame_id:=laser"
+        ).stdout
+    )
     again = command("parameters", "--ros-args", "--params-file", file)
     assert again.stdout == file.read_text()
     content = yaml.safe_load(again.stdout)
@@ -169,7 +173,7 @@ def test_floor_plan_is_a_map(tmp_path):
         (["run", "{room}", "--radius", "9"], "no known free place for a disc of radius 9 m"),
         (["run", "{room}", "--start", "0.01", "0.01", "0"], "start must not be inside a wall, got (0.01, 0.01, 0.0)"),
         (["run", "{room}", "--start", "nan", "1", "0"], "x must be finite, got NaN"),
-        (["run", "{room}", "--seed", "-1"], "seed must be greater than or equal to 0, got -1"),
+        (["run", "{room}", "--seed", "-1"], "seed must be in 0..2**64 - 1, got -1"),
         (["run", "{room}", "--commands", "nowhere.csv"], "nowhere.csv"),
         (["run", "{room}", "-p", "laser_beams:=3"], "did you mean 'laser_beam_count'"),
         (["run", "{room}", "-p", "laser_beam_count=3"], "name:=value"),

@@ -1,0 +1,138 @@
+"""messages: ROS field names, sensible defaults, equality by value, and planar poses there and back."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator import messages
+
+# Fields as the ROS definitions have them, in their order.
+FIELDS = {
+    "Time": ("builtin_interfaces/msg/Time", "sec nanosec"),
+    "Header": ("std_msgs/msg/Header", "stamp frame_id"),
+    "Vector3": ("geometry_msgs/msg/Vector3", "x y z"),
+    "Point": ("geometry_msgs/msg/Point", "x y z"),
+    "Quaternion": ("geometry_msgs/msg/Quaternion", "x y z w"),
+    "Pose": ("geometry_msgs/msg/Pose", "position orientation"),
+    "Transform": ("geometry_msgs/msg/Transform", "translation rotation"),
+    "PoseWithCovariance": ("geometry_msgs/msg/PoseWithCovariance", "pose covariance"),
+    "PoseWithCovarianceStamped": ("geometry_msgs/msg/PoseWithCovarianceStamped", "header pose"),
+    "Twist": ("geometry_msgs/msg/Twist", "linear angular"),
+    "TwistStamped": ("geometry_msgs/msg/TwistStamped", "header twist"),
+    "TwistWithCovariance": ("geometry_msgs/msg/TwistWithCovariance", "twist covariance"),
+    "TransformStamped": ("geometry_msgs/msg/TransformStamped", "header child_frame_id transform"),
+    "TFMessage": ("tf2_msgs/msg/TFMessage", "transforms"),
+    "Odometry": ("nav_msgs/msg/Odometry", "header child_frame_id pose twist"),
+    "LaserScan": (
+        "sensor_msgs/msg/LaserScan",
+        "header angle_min angle_max angle_increment time_increment scan_time range_min range_max ranges intensities",
+    ),
+    "MapMetaData": ("nav_msgs/msg/MapMetaData", "map_load_time resolution width height origin"),
+    "OccupancyGrid": ("nav_msgs/msg/OccupancyGrid", "header info data"),
+    "Clock": ("rosgraph_msgs/msg/Clock", "clock"),
+    "GetMapRequest": ("nav_msgs/srv/GetMap_Request", ""),
+    "GetMapResponse": ("nav_msgs/srv/GetMap_Response", "map"),
+}
+
+
+@pytest.mark.parametrize(("name", "ros_type", "names"), [(name, *rest) for name, rest in FIELDS.items()])
+def test_fields_and_types_are_those_of_ros(name: str, ros_type: str, names: str) -> None:
+    message_type = getattr(messages, name)
+    assert message_type.ros_type == ros_type
+    assert [field.name for field in fields(message_type)] == names.split()
+    assert message_type() == message_type()
+
+
+def test_every_message_is_in_the_table() -> None:
+    classes = {
+        name
+        for name, value in vars(messages).items()
+        if isinstance(value, type) and issubclass(value, messages.Message) and value is not messages.Message
+    }
+    assert classes == set(FIELDS)
+
+
+def test_an_orientation_is_none_at_first() -> None:
+    assert (messages.Quaternion().w, messages.Pose().to_planar()) == (1.0, mrs.Pose())
+
+
+def test_no_two_messages_share_a_default() -> None:
+    one, other = messages.Odometry(), messages.Odometry()
+    one.pose.covariance[0] = 1.0
+    one.pose.pose.position.x = 1.0
+    one.header.stamp.sec = 5
+    assert other == messages.Odometry()
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        (mrs.Twist(), mrs.Twist(linear=mrs.Vector3(x=1.0))),
+        (mrs.LaserScan(ranges=np.zeros(3, np.float32)), mrs.LaserScan(ranges=np.zeros(4, np.float32))),
+        (mrs.LaserScan(ranges=np.array([1, math.inf])), mrs.LaserScan(ranges=np.array([1, -math.inf]))),
+        (mrs.TFMessage([mrs.TransformStamped()]), mrs.TFMessage()),
+        (mrs.Vector3(), mrs.Point()),
+        (mrs.Vector3(), 5),
+    ],
+)
+def test_unequal_messages_are_unequal(left: Any, right: Any) -> None:
+    assert left != right
+    assert not left == right
+
+
+def test_equal_messages_are_equal() -> None:
+    ranges = np.array([1.0, math.inf, -math.inf, math.nan], np.float32)
+    assert mrs.LaserScan(ranges=ranges) == mrs.LaserScan(ranges=ranges.copy())
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda message: pickle.loads(pickle.dumps(message))])
+@pytest.mark.parametrize("name", FIELDS)
+def test_copies_are_equal(name: str, duplicate: Any) -> None:
+    message = getattr(messages, name)()
+    assert duplicate(message) == message
+
+
+def test_an_unknown_field_is_refused() -> None:
+    with pytest.raises(AttributeError):
+        mrs.Twist().speed = 1.0
+    with pytest.raises(TypeError, match="speed"):
+        mrs.Twist(speed=1.0)
+
+
+@pytest.mark.parametrize("nanoseconds", [0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234])
+def test_times_go_there_and_back(nanoseconds: int) -> None:
+    time = mrs.Time.from_nanoseconds(nanoseconds)
+    assert (time.sec, time.nanosec) == (nanoseconds // 10**9, nanoseconds % 10**9)
+    assert time.nanoseconds == nanoseconds
+
+
+@pytest.mark.parametrize("yaw", [-3.0, -0.5, 0.0, 1.0, math.pi])
+def test_planar_poses_go_there_and_back(yaw: float) -> None:
+    pose = mrs.Pose(1.0, -2.0, yaw)
+    message = messages.Pose.from_planar(pose)
+    assert (message.position.x, message.position.y, message.position.z) == (1.0, -2.0, 0.0)
+    assert (message.orientation.x, message.orientation.y) == (0.0, 0.0)
+    assert (message.orientation.z, message.orientation.w) == pytest.approx((math.sin(yaw / 2), math.cos(yaw / 2)), abs=1e-15)
+    transform = messages.Transform.from_planar(pose)
+    assert (transform.translation.x, transform.translation.y, transform.translation.z) == (1.0, -2.0, 0.0)
+    assert transform.rotation == message.orientation
+    for back in (message.to_planar(), transform.to_planar()):
+        assert tuple(back) == pytest.approx(tuple(pose), abs=1e-15)
+
+
+def test_messages_are_where_scripts_look_for_them() -> None:
+    for name in FIELDS:
+        if name not in ("Pose", "OccupancyGrid", "MapMetaData", "Transform", "GetMapRequest", "GetMapResponse"):
+            assert getattr(mrs, name) is getattr(messages, name)
+    assert mrs.messages is messages
+    assert set(mrs.__all__) <= set(dir(mrs))
+    with pytest.raises(AttributeError, match="Twists"):
+        mrs.Twists  # noqa: B018

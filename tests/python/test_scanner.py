@@ -1,0 +1,593 @@
+"""scanner: beams, one scan, batches of scans, and the marks that messages carry."""
+
+from __future__ import annotations
+
+import copy
+import math
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+import mobile_robot_simulator as mrs
+import reference
+
+PI = math.pi
+POSES_SEED = 11
+NOISE_SEED = 7
+NOISY = mrs.BeamModel(sigma_hit=0.05, lambda_short=0.5, z_hit=0.6, z_short=0.2, z_max=0.1, z_rand=0.1)
+
+
+def poses_in(grid: mrs.OccupancyGrid, count: int, seed: int = POSES_SEED) -> NDArray[np.float64]:
+    """Poses on and around a grid that is not turned."""
+    rng = np.random.default_rng(seed)
+    size = np.array(grid.shape[::-1]) * grid.resolution
+    positions = np.array([grid.origin.x, grid.origin.y]) + rng.uniform(-0.1, 1.1, (count, 2)) * size
+    return np.column_stack([positions, rng.uniform(-7.0, 7.0, count)])
+
+
+# --- beams ------------------------------------------------------------------------------------------------------------
+
+
+def test_defaults_are_roughly_a_sick_s300() -> None:
+    laser = mrs.LaserScanner()
+    assert (laser.fov, laser.beam_count, laser.min_range, laser.max_range) == (4.71, 541, 0.05, 30.0)
+    assert laser.mount == mrs.Pose()
+
+
+@pytest.mark.parametrize(
+    ("fov", "beam_count", "increment"),
+    [
+        (4.71, 541, 4.71 / 540),
+        (PI, 2, PI),
+        (1.0, 3, 0.5),
+        (1e-3, 1_000, 1e-3 / 999),
+        (2 * PI, 360, 2 * PI / 360),
+        (2 * PI, 2, PI),
+        (2 * PI - 0.9e-6, 4, (2 * PI - 0.9e-6) / 4),
+        (2 * PI - 1.1e-6, 4, (2 * PI - 1.1e-6) / 3),
+    ],
+)
+def test_beams_spread_evenly_over_the_field_of_view(fov: float, beam_count: int, increment: float) -> None:
+    laser = mrs.LaserScanner(fov=fov, beam_count=beam_count)
+    assert laser.angle_increment == pytest.approx(increment, rel=1e-15)
+    assert laser.angle_min == -fov / 2
+    assert laser.angle_max == laser.angle_min + (beam_count - 1) * laser.angle_increment
+    assert laser.angles.shape == (beam_count,)
+    assert laser.angles.dtype == np.float64
+    assert np.array_equal(laser.angles, laser.angle_min + np.arange(beam_count) * laser.angle_increment)
+    assert laser.scan(mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0), (0.0, 0.0, 0.0)).shape == (beam_count,)
+
+
+def test_both_ends_of_the_field_of_view_have_a_beam() -> None:
+    laser = mrs.LaserScanner(fov=3.0, beam_count=7)
+    assert laser.angles[[0, -1]] == pytest.approx([-1.5, 1.5], abs=1e-15)
+
+
+@pytest.mark.parametrize("beam_count", [2, 3, 360, 1081])
+def test_no_beam_of_a_full_circle_is_repeated(beam_count: int) -> None:
+    angles = mrs.LaserScanner(fov=2 * PI, beam_count=beam_count).angles
+    assert angles[0] + 2 * PI == pytest.approx(angles[-1] + 2 * PI / beam_count, abs=1e-12)
+
+
+@pytest.mark.parametrize("fov", [0.1, 4.71, 2 * PI])
+def test_a_single_beam_looks_ahead(post: mrs.OccupancyGrid, fov: float) -> None:
+    laser = mrs.LaserScanner(fov=fov, beam_count=1)
+    assert laser.angles.tolist() == [0.0]
+    assert laser.scan(post, (0.5, 2.5, 0.0)).tolist() == [1.5]
+
+
+@pytest.mark.parametrize("fov", [0.5, 4.71, 6.0])
+@pytest.mark.parametrize("beam_count", [2, 181, 541])
+def test_slam_toolbox_counts_the_beams_right(fov: float, beam_count: int) -> None:
+    laser = mrs.LaserScanner(fov=fov, beam_count=beam_count)
+    assert round((laser.angle_max - laser.angle_min) / laser.angle_increment) + 1 == beam_count
+
+
+# --- ranges -----------------------------------------------------------------------------------------------------------
+
+
+def test_beams_go_counter_clockwise(post: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(fov=PI, beam_count=3, max_range=9.0)
+    assert laser.scan(post, (2.5, 0.5, PI / 2)).tolist() == [9.0, 1.5, 9.0]
+    assert laser.scan(post, (2.5, 0.5, 0.0)).tolist() == [9.0, 9.0, 1.5]
+    assert laser.scan(post, (2.5, 0.5, PI)).tolist() == [1.5, 9.0, 9.0]
+
+
+def test_the_mount_moves_and_turns_the_beams(post: mrs.OccupancyGrid) -> None:
+    ahead = mrs.LaserScanner(fov=1.0, beam_count=1, max_range=9.0, mount=(0.5, 0.0, 0.0))
+    assert ahead.scan(post, (0.5, 2.5, 0.0)).tolist() == [1.0]
+    aside = mrs.LaserScanner(fov=1.0, beam_count=1, max_range=9.0, mount=(0.25, 2.0, -PI / 2))
+    assert aside.scan(post, (2.5, 2.5, 0.0)).tolist() == [1.5]
+    assert aside.scan(post, (2.5, 2.5, PI)).tolist() == [1.5]
+    assert aside.scan(post, (4.5, 2.5, PI / 2)).tolist() == [0.0]
+
+
+def test_in_a_wall_all_ranges_are_zero(post: mrs.OccupancyGrid) -> None:
+    assert not mrs.LaserScanner(fov=2 * PI, beam_count=64).scan(post, (2.5, 2.5, 0.3)).any()
+
+
+def test_min_range_changes_no_range(post: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(fov=1.0, beam_count=1, min_range=2.0, max_range=9.0)
+    assert laser.scan(post, (0.5, 2.5, 0.0)).tolist() == [1.5]
+
+
+@pytest.mark.parametrize("mount", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.5)])
+@pytest.mark.parametrize("origin", [(-10.0, -8.0, 0.0), (2.0, 3.0, 0.9), (0.0, 0.0, -3.0)])
+def test_scans_agree_with_the_reference(
+    room: mrs.OccupancyGrid, origin: tuple[float, float, float], mount: tuple[float, float, float]
+) -> None:
+    grid = mrs.OccupancyGrid(room.cells, resolution=0.1, origin=origin)
+    laser = mrs.LaserScanner(beam_count=91, max_range=12.0, mount=mount)
+    for pose in poses_in(grid, 10).tolist():
+        bounds = reference.cast(grid, reference.scanner_rays(laser, tuple(pose)), 12.0)
+        reference.assert_ranges(laser.scan(grid, tuple(pose)), bounds)
+
+
+@pytest.mark.parametrize(
+    ("name", "file"),
+    [("nav2_tb3_sandbox", "map.yaml"), ("radish_intel", "map_logframe.yaml"), ("mit_basement_fixed", "map.yaml")],
+)
+def test_scans_of_real_maps_agree_with_the_reference(
+    shared_map: Callable[..., mrs.OccupancyGrid], name: str, file: str
+) -> None:
+    grid = shared_map(name, file)
+    laser = mrs.LaserScanner(fov=2 * PI, beam_count=24, max_range=30.0)
+    poses = [grid.draw_free_pose(radius=0.1, seed=seed) for seed in range(3)]
+    ranges = laser.scan_batch(grid, np.array([tuple(pose) for pose in poses]))
+    assert (ranges < 30.0).mean() > 0.5
+    for pose, row in zip(poses, ranges, strict=True):
+        reference.assert_ranges(row, reference.cast(grid, reference.scanner_rays(laser, pose), 30.0))
+
+
+def test_a_turned_world_gives_the_same_scan(room: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(beam_count=541)
+    turned = mrs.OccupancyGrid(room.cells, resolution=0.1, origin=mrs.Pose(3.0, 4.0, 1.0) * room.origin)
+    for pose in poses_in(room, 20).tolist():
+        there = mrs.Pose(3.0, 4.0, 1.0) * mrs.Pose(*pose)
+        same = np.isclose(laser.scan(turned, there), laser.scan(room, tuple(pose)), rtol=1e-6, atol=1e-6)
+        assert same.mean() > 0.99
+
+
+def test_a_scan_is_its_rays(room: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(beam_count=181, mount=(0.2, 0.1, 0.3))
+    pose = (1.0, -2.0, 0.4)
+    rays = np.array(reference.scanner_rays(laser, pose))
+    assert np.allclose(laser.scan(room, pose), mrs.cast_rays(room, rays, laser.max_range), rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "pose", [(1e300, 0.0, 0.0), (0.0, -1.7e308, 3.0), (0.0, 0.0, 1.7e308), (1.7e308, 1.7e308, -1.7e308)]
+)
+def test_huge_poses_are_scanned(room: mrs.OccupancyGrid, pose: tuple[float, float, float]) -> None:
+    for mount in ((0.0, 0.0, 0.0), (1e308, -1e308, 1.7e308)):
+        laser = mrs.LaserScanner(beam_count=31, mount=mount)
+        for noise in (None, NOISY):
+            ranges = laser.scan_batch(room, np.array([pose]), noise=noise)
+            assert ((ranges >= 0.0) & (ranges <= 30.0)).all()
+
+
+# --- batches ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mount", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.5)])
+def test_a_batch_is_a_loop(room: mrs.OccupancyGrid, mount: tuple[float, float, float]) -> None:
+    laser = mrs.LaserScanner(beam_count=101, mount=mount)
+    poses = poses_in(room, 64)
+    batch = laser.scan_batch(room, poses)
+    assert (batch.shape, batch.dtype, batch.flags.c_contiguous) == ((64, 101), np.float32, True)
+    assert np.array_equal(batch, [laser.scan(room, tuple(pose)) for pose in poses.tolist()])
+
+
+def test_no_poses_have_no_scans(room: mrs.OccupancyGrid) -> None:
+    ranges = mrs.LaserScanner(beam_count=7).scan_batch(room, np.zeros((0, 3)), noise=NOISY)
+    assert (ranges.shape, ranges.dtype) == ((0, 7), np.float32)
+
+
+@pytest.mark.parametrize("noise", [None, NOISY], ids=["exact", "noisy"])
+@pytest.mark.parametrize("threads", [1, 2, 8, None])
+@pytest.mark.parametrize("chunks", [1, 3, 50])
+def test_threads_and_chunks_change_no_byte(
+    room: mrs.OccupancyGrid, noise: mrs.BeamModel | None, threads: int | None, chunks: int
+) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=181), poses_in(room, 200)
+    whole = laser.scan_batch(room, poses, noise=noise, seed=NOISE_SEED, first_index=5, threads=1)
+    parts, index = [], 5
+    for part in np.array_split(poses, chunks):
+        parts.append(laser.scan_batch(room, part, noise=noise, seed=NOISE_SEED, first_index=index, threads=threads))
+        index += len(part)
+    assert np.concatenate(parts).tobytes() == whole.tobytes()
+
+
+def test_nothing_but_seed_and_index_names_a_stream(room: mrs.OccupancyGrid) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 8)
+    batch = laser.scan_batch(room, poses, noise=NOISY, seed=NOISE_SEED)
+    others = poses.copy()
+    others[:5] = 0.0
+    assert np.array_equal(laser.scan_batch(room, others, noise=NOISY, seed=NOISE_SEED)[5:], batch[5:])
+    assert np.array_equal(laser.scan_batch(room, poses[3:4], noise=NOISY, seed=NOISE_SEED, first_index=3)[0], batch[3])
+
+
+@pytest.mark.parametrize(
+    "change", [{"seed": NOISE_SEED + 1}, {"first_index": 1}, {"seed": 2**64 - 1}, {"first_index": 2**64 - 1}]
+)
+def test_another_seed_or_index_is_another_stream(room: mrs.OccupancyGrid, change: dict[str, int]) -> None:
+    laser, pose = mrs.LaserScanner(beam_count=200), np.zeros((1, 3))
+    one = laser.scan_batch(room, pose, noise=NOISY, **{"seed": NOISE_SEED, "first_index": 0})
+    other = laser.scan_batch(room, pose, noise=NOISY, **{"seed": NOISE_SEED, "first_index": 0, **change})
+    assert (one != other).mean() > 0.7
+
+
+def test_seed_and_index_are_zero_unless_given(room: mrs.OccupancyGrid) -> None:
+    laser, pose = mrs.LaserScanner(beam_count=50), np.zeros((1, 3))
+    plain = laser.scan_batch(room, pose, noise=NOISY)
+    assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=0, first_index=0))
+    assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=np.uint64(0), first_index=None))
+
+
+def test_python_goes_on_during_a_batch(room: mrs.OccupancyGrid) -> None:
+    """Another thread's steps while a batch runs lie closer together than the batch is long."""
+    laser, poses = mrs.LaserScanner(beam_count=541), poses_in(room, 8_000)
+    span: list[float] = []
+
+    def scan() -> None:
+        span.append(time.perf_counter())
+        laser.scan_batch(room, poses, noise=NOISY, threads=1)
+        span.append(time.perf_counter())
+
+    worker = threading.Thread(target=scan)
+    steps = []
+    worker.start()
+    while worker.is_alive():
+        steps.append(time.perf_counter())
+    worker.join()
+    begin, end = span
+    assert sum(begin < step < end for step in steps) > 100
+    assert max(np.diff([begin, *(step for step in steps if begin < step < end), end])) < 0.5 * (end - begin)
+
+
+def test_many_threads_may_scan_one_grid_at_first_use() -> None:
+    cells = (np.random.default_rng(POSES_SEED).random((300, 300)) < 0.02).astype(np.int8) * 100
+    laser, barrier = mrs.LaserScanner(beam_count=91), threading.Barrier(4)
+
+    def scan(grid: mrs.OccupancyGrid, found: dict[int, NDArray[np.float32]], worker: int) -> None:
+        barrier.wait()
+        found[worker] = laser.scan_batch(grid, poses_in(grid, 50), threads=2)
+
+    for _ in range(5):
+        grid = mrs.OccupancyGrid(cells, resolution=0.1)
+        found: dict[int, NDArray[np.float32]] = {}
+        workers = [threading.Thread(target=scan, args=(grid, found, worker)) for worker in range(4)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        assert all(np.array_equal(ranges, found[0]) for ranges in found.values())
+
+
+FORK = """
+import multiprocessing, os, sys
+import numpy as np
+import mobile_robot_simulator as mrs
+
+cells = np.zeros((100, 100), np.int8)
+cells[[0, -1], :] = cells[:, [0, -1]] = 100
+grid = mrs.OccupancyGrid(cells, resolution=0.1)
+laser = mrs.LaserScanner()
+poses = np.random.default_rng(1).uniform(1.0, 9.0, (500, 3))
+
+def scan(threads):
+    return laser.scan_batch(grid, poses, noise=mrs.BeamModel(), seed=1, threads=threads).tobytes()
+
+expected = scan(2)
+assert scan(None) == expected
+if sys.argv[1] == "fork":
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if all(scan(threads) == expected for threads in (2, None, 3, 1)) else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+else:
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map(scan, [2, None, 3, 1]) == [expected] * 4
+assert scan(2) == expected
+print("done")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+@pytest.mark.parametrize("way", ["fork", "pool"])
+def test_a_forked_process_scans_too(way: str) -> None:
+    """The child of a process that used threads has none of them."""
+    done = subprocess.run([sys.executable, "-c", FORK, way], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "done\n"), done.stderr
+
+
+# --- out --------------------------------------------------------------------------------------------------------------
+
+
+def test_out_is_written_in_place_and_returned(room: mrs.OccupancyGrid) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 12)
+    whole = np.full((14, 31), -7.0, np.float32)
+    out = whole[1:13]
+    assert laser.scan_batch(room, poses, out=out) is out
+    assert np.array_equal(out, laser.scan_batch(room, poses))
+    assert (whole[[0, -1]] == -7.0).all()
+
+
+def test_out_may_be_given_again(room: mrs.OccupancyGrid) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 12)
+    out = np.empty((12, 31), np.float32)
+    first = laser.scan_batch(room, poses, noise=NOISY, out=out).copy()
+    assert np.array_equal(laser.scan_batch(room, poses, noise=NOISY, out=out), first)
+
+
+def test_out_may_lie_over_the_poses(room: mrs.OccupancyGrid) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=6), poses_in(room, 40)
+    expected = laser.scan_batch(room, poses)
+    assert np.array_equal(laser.scan_batch(room, poses, out=poses.view(np.float32)), expected)
+
+
+def locked(array: NDArray[Any]) -> NDArray[Any]:
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize(
+    ("out", "error", "words"),
+    [
+        (np.zeros((2, 5), np.float32), ValueError, "out must have shape (2, 4), got (2, 5)"),
+        (np.zeros((4, 2), np.float32), ValueError, "out must have shape (2, 4), got (4, 2)"),
+        (np.zeros(8, np.float32), ValueError, "out must have shape (2, 4), got (8,)"),
+        (np.zeros((1, 2, 4), np.float32), ValueError, "out must have shape (2, 4), got (1, 2, 4)"),
+        (np.zeros((2, 4)), TypeError, "out must have dtype float32, got float64"),
+        (np.zeros((2, 4), ">f4"), TypeError, "out must have dtype float32, got >f4"),
+        (np.zeros((2, 4), np.int32), TypeError, "out must have dtype float32, got int32"),
+        (np.zeros((4, 2), np.float32).T, ValueError, "out must be in C order"),
+        (np.zeros((2, 8), np.float32)[:, ::2], ValueError, "out must be in C order"),
+        (np.zeros((2, 4), np.float32)[::-1], ValueError, "out must be in C order"),
+        (locked(np.zeros((2, 4), np.float32)), ValueError, "out must be writeable"),
+        (np.broadcast_to(np.zeros(4, np.float32), (2, 4)), ValueError, "out must be"),
+        (np.frombuffer(bytearray(33), np.float32, offset=1).reshape(2, 4), ValueError, "out must be aligned"),
+        ([[0.0] * 4] * 2, TypeError, "out must be a NumPy array of float32, got list"),
+        (bytearray(32), TypeError, "out must be a NumPy array of float32, got bytearray"),
+    ],
+)
+def test_bad_outs_are_refused(post: mrs.OccupancyGrid, out: Any, error: type[Exception], words: str) -> None:
+    with pytest.raises(error) as caught:
+        mrs.LaserScanner(beam_count=4).scan_batch(post, np.zeros((2, 3)), out=out)
+    assert words in reference.said(caught.value)
+
+
+def test_refused_poses_leave_out_alone(post: mrs.OccupancyGrid) -> None:
+    out = np.full((2, 4), -7.0, np.float32)
+    with pytest.raises(ValueError, match="finite"):
+        mrs.LaserScanner(beam_count=4).scan_batch(post, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, math.nan]]), out=out)
+    assert (out == -7.0).all()
+
+
+# --- marks and points -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("no_return", "missing"), [("inf", math.inf), ("max", 30.0)])
+def test_marks_of_rep_117(no_return: str, missing: float) -> None:
+    laser = mrs.LaserScanner(min_range=0.5)
+    readings = np.array([0.0, 0.25, np.nextafter(np.float32(0.5), np.float32(0)), 0.5, 1.0, 29.5, 30.0], np.float32)
+    marked = laser.mark_invalid(readings, no_return=no_return)
+    assert marked.dtype == np.float32
+    assert marked.tolist() == [-math.inf, -math.inf, -math.inf, 0.5, 1.0, 29.5, missing]
+    assert readings[0] == 0.0
+
+
+def test_a_missing_return_is_infinite_unless_told() -> None:
+    laser = mrs.LaserScanner(max_range=0.3, min_range=0.1)
+    readings = np.array([[0.1, 0.3], [0.3, 0.2]], np.float32)
+    assert np.array_equal(laser.mark_invalid(readings), np.array([[0.1, np.inf], [np.inf, 0.2]], np.float32))
+
+
+def test_scans_marked_have_a_range_or_an_infinity(room: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(min_range=1.0, max_range=7.0)
+    ranges = laser.scan_batch(room, poses_in(room, 50), noise=NOISY)
+    marked = laser.mark_invalid(ranges)
+    assert np.array_equal(np.isposinf(marked), ranges == 7.0)
+    assert np.array_equal(np.isneginf(marked), ranges < 1.0)
+    assert np.isposinf(marked).any() and np.isneginf(marked).any() and np.isfinite(marked).any()
+
+
+def test_every_memory_layout_is_marked_right() -> None:
+    laser = mrs.LaserScanner(min_range=0.5)
+    readings = np.random.default_rng(1).uniform(0.0, 30.0, (4, 6)).astype(np.float32)
+    records = np.zeros(4, [("label", "i1"), ("ranges", "f4", (6,))])
+    records["ranges"] = readings
+    for view in (readings, np.asfortranarray(readings), readings[::-1][::-1], records["ranges"]):
+        assert np.array_equal(laser.mark_invalid(view), laser.mark_invalid(readings))
+
+
+def test_end_points_lie_where_the_beams_end(post: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(fov=PI, beam_count=3, max_range=9.0, mount=(0.5, 0.0, 0.0))
+    ranges = laser.scan(post, (2.5, 0.0, PI / 2))
+    assert laser.end_points((2.5, 0.0, PI / 2), ranges) == pytest.approx(np.array([[2.5, 2.0]]))
+    assert laser.end_points((2.5, 0.0, PI / 2), laser.mark_invalid(ranges)) == pytest.approx(np.array([[2.5, 2.0]]))
+    for no_return in ("inf", "max"):
+        nothing = laser.mark_invalid(np.array([9.0, 0.01, 9.0], np.float32), no_return=no_return)
+        assert laser.end_points((0.0, 0.0, 0.0), nothing).shape == (0, 2)
+
+
+# --- what is refused --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"fov": 0.0}, ValueError, "fov must be in (0, 2π], got 0"),
+        ({"fov": -1.0}, ValueError, "fov must be in (0, 2π], got -1"),
+        ({"fov": 6.3}, ValueError, "fov must be in (0, 2π], got 6.3"),
+        ({"fov": 2 * PI + 2e-6}, ValueError, "fov must be in (0, 2π]"),
+        ({"fov": math.nan}, ValueError, "fov must be in (0, 2π], got NaN"),
+        ({"fov": math.inf}, ValueError, "fov must be in (0, 2π], got inf"),
+        ({"fov": "4.71"}, TypeError, "fov"),
+        ({"fov": None}, TypeError, "fov"),
+        ({"beam_count": 0}, ValueError, "beam_count must be in 1..1000000, got 0"),
+        ({"beam_count": -5}, ValueError, "beam_count must be in 1..1000000, got -5"),
+        ({"beam_count": 1_000_001}, ValueError, "beam_count must be in 1..1000000, got 1000001"),
+        ({"beam_count": 2**64 + 1}, ValueError, f"beam_count must be in 1..1000000, got {2**64 + 1}"),
+        ({"beam_count": 541.0}, TypeError, "beam_count must be an integer, got float"),
+        ({"beam_count": "541"}, TypeError, "beam_count must be an integer, got str"),
+        ({"min_range": -0.1}, ValueError, "min_range must be at least 0, got -0.1"),
+        ({"min_range": math.nan}, ValueError, "min_range"),
+        ({"min_range": 30.0}, ValueError, "max_range must be greater than min_range"),
+        ({"min_range": 31.0}, ValueError, "max_range must be greater than min_range"),
+        ({"max_range": 0.0}, ValueError, "max_range"),
+        ({"max_range": -1.0}, ValueError, "max_range"),
+        ({"max_range": math.nan}, ValueError, "max_range"),
+        ({"max_range": math.inf}, ValueError, "max_range"),
+        ({"max_range": 1e39}, ValueError, "max_range"),
+        ({"mount": (0.0, 0.0)}, TypeError, "three numbers"),
+        ({"mount": (0.0, math.nan, 0.0)}, ValueError, "mount"),
+        ({"mount": "front"}, TypeError, "three numbers (x, y, yaw), got str: 'front'"),
+        ({"mount": None}, TypeError, "mount"),
+        ({"beams": 5}, TypeError, "beams"),
+    ],
+)
+def test_bad_scanners_are_refused(options: dict[str, Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error) as caught:
+        mrs.LaserScanner(**options)
+    assert words in reference.said(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"poses": np.zeros((2, 4))}, ValueError, "poses must have shape (N, 3), got (2, 4)"),
+        ({"poses": np.zeros((3, 7))}, ValueError, "poses must have shape (N, 3), got (3, 7)"),
+        ({"poses": np.zeros(3)}, ValueError, "poses must have shape (N, 3), got (3,)"),
+        ({"poses": np.zeros((2, 3), np.float32)}, TypeError, "poses must have dtype float64, got float32"),
+        ({"poses": [(0.0, 0.0, 0.0)]}, TypeError, "poses must be a NumPy array of float64, got list"),
+        ({"poses": np.array([[0.0, math.nan, 0.0]])}, ValueError, "poses must be finite, got [0.0, NaN, 0.0] in row 0"),
+        ({"poses": np.array([[0.0] * 3, [0.0, 0.0, -math.inf]])}, ValueError, "in row 1"),
+        ({"noise": 0.1}, TypeError, "noise"),
+        ({"noise": {"sigma_hit": 0.1}}, TypeError, "noise"),
+        ({"seed": -1}, ValueError, "seed must be in 0..2**64 - 1, got -1"),
+        ({"seed": 2**64}, ValueError, f"seed must be in 0..2**64 - 1, got {2**64}"),
+        ({"seed": 1.0}, TypeError, "seed must be an integer, got float"),
+        ({"first_index": -1}, ValueError, "first_index must be in 0..2**64 - 1, got -1"),
+        ({"first_index": "0"}, TypeError, "first_index must be an integer, got str"),
+        ({"threads": 0}, ValueError, "threads must be in 1..1024, got 0"),
+        ({"threads": 10**6}, ValueError, "threads must be in 1..1024, got 1000000"),
+        ({"threads": "all"}, TypeError, "threads must be an integer, got str"),
+        ({"grid": np.zeros((3, 3), np.int8)}, TypeError, "grid"),
+    ],
+)
+def test_bad_batches_are_refused(
+    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], words: str
+) -> None:
+    given = {"grid": post, "poses": np.zeros((1, 3)), **arguments}
+    with pytest.raises(error) as caught:
+        mrs.LaserScanner(beam_count=4).scan_batch(given.pop("grid"), given.pop("poses"), **given)
+    assert words in reference.said(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("pose", "error", "words"),
+    [
+        ((0.0, 0.0, math.nan), ValueError, "yaw must be finite, got NaN"),
+        ((math.inf, 0.0, 0.0), ValueError, "x must be finite, got inf"),
+        ((0.0, 0.0), TypeError, "three numbers (x, y, yaw), got tuple: (0.0, 0.0)"),
+        (np.zeros((1, 3)), TypeError, "three numbers"),
+        ("xyz", TypeError, "three numbers"),
+        (None, TypeError, "three numbers"),
+    ],
+)
+def test_bad_poses_are_refused(post: mrs.OccupancyGrid, pose: Any, error: type[Exception], words: str) -> None:
+    for call in (
+        lambda: mrs.LaserScanner().scan(post, pose),
+        lambda: mrs.LaserScanner().end_points(pose, np.zeros(541, np.float32)),
+    ):
+        with pytest.raises(error) as caught:
+            call()
+        assert words in reference.said(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda laser: laser.mark_invalid(np.zeros(541)), TypeError, "readings must have dtype float32, got float64"),
+        (lambda laser: laser.mark_invalid([0.0]), TypeError, "readings must be a NumPy array of float32, got list"),
+        (
+            lambda laser: laser.mark_invalid(np.zeros(5, np.float32), no_return="nan"),
+            ValueError,
+            "'inf' or 'max', got 'nan'",
+        ),
+        (
+            lambda laser: laser.end_points((0, 0, 0), np.zeros(5, np.float32)),
+            ValueError,
+            "readings must have 541 elements, got 5",
+        ),
+        (
+            lambda laser: laser.end_points((0, 0, 0), np.zeros(541)),
+            TypeError,
+            "readings must have dtype float32, got float64",
+        ),
+    ],
+)
+def test_bad_readings_are_refused(call: Callable[[mrs.LaserScanner], Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error) as caught:
+        call(mrs.LaserScanner())
+    assert words in reference.said(caught.value)
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda laser: pickle.loads(pickle.dumps(laser))])
+def test_copies_are_the_same_scanner(room: mrs.OccupancyGrid, duplicate: Any) -> None:
+    laser = mrs.LaserScanner(fov=1.1, beam_count=17, min_range=0.2, max_range=7.3, mount=(0.1, 0.2, 0.3))
+    other = duplicate(laser)
+    for name in ("fov", "beam_count", "min_range", "max_range", "mount", "angle_min", "angle_increment"):
+        assert getattr(other, name) == getattr(laser, name)
+    assert np.array_equal(other.scan(room, (0.0, 1.0, 2.0)), laser.scan(room, (0.0, 1.0, 2.0)))
+    assert (
+        repr(other)
+        == repr(laser)
+        == "LaserScanner(fov=1.1, beam_count=17, min_range=0.2, max_range=7.3, mount=(0.1, 0.2, 0.3))"
+    )
+
+
+anything = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-(2**65), 2**65),
+    st.floats(),
+    st.text(max_size=3),
+    st.lists(st.one_of(st.floats(), st.integers(-9, 9)), max_size=4),
+    st.sampled_from(
+        [np.zeros((2, 3)), np.zeros((0, 3)), np.zeros((2, 4), np.float32), np.full((1, 3), 1e308), np.array(None)]
+    ),
+)
+
+
+@given(
+    options=st.dictionaries(st.sampled_from(["fov", "beam_count", "min_range", "max_range", "mount"]), anything, min_size=1),
+    batch=st.dictionaries(st.sampled_from(["noise", "seed", "first_index", "threads", "out"]), anything),
+    poses=anything,
+)
+def test_no_argument_makes_a_panic(options: dict[str, Any], batch: dict[str, Any], poses: Any) -> None:
+    grid = mrs.OccupancyGrid(np.eye(4, dtype=np.int8) * 100, resolution=0.5)
+    try:
+        laser = mrs.LaserScanner(**{"beam_count": 4, **options})
+    except (ValueError, TypeError):
+        laser = mrs.LaserScanner(beam_count=4)
+    if laser.beam_count > 1000:
+        return
+    for call in (lambda: laser.scan_batch(grid, poses, **batch), lambda: laser.scan(grid, poses)):
+        try:
+            ranges = call()
+        except (ValueError, TypeError):
+            continue
+        assert ((ranges >= 0.0) & (ranges <= np.float32(laser.max_range))).all()
