@@ -76,6 +76,14 @@ pub enum Error {
         /// Radius of the robot in metres.
         radius: f64,
     },
+    /// A name that is not one of the kernels that this machine can run.
+    #[error("MOBILE_ROBOT_SIMULATOR_KERNEL must be one of {available} on this machine, got {value:?}")]
+    Kernel {
+        /// The name given.
+        value: String,
+        /// The names of those that can run.
+        available: String,
+    },
     /// The operating system gave no threads.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

@@ -9,7 +9,7 @@ use crate::error::{Error, check_number, check_rows};
 use crate::grid::OccupancyGrid;
 use crate::pose::Pose;
 use crate::random;
-use crate::raycast::Caster;
+use crate::raycast::{Caster, Fan, GROUP, Group, Kernel};
 use crate::threads;
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
@@ -66,8 +66,11 @@ pub struct LaserScanner {
     options: ScannerOptions,
     angle_min: f64,
     angle_increment: f64,
-    /// Unit vectors of the beams in the scanner's frame.
-    directions: Vec<DVec2>,
+    /// Cosines of the beams' angles.
+    cos: Vec<Group>,
+    /// Sines of the beams' angles.
+    sin: Vec<Group>,
+    kernel: Option<Kernel>,
 }
 
 impl LaserScanner {
@@ -93,13 +96,13 @@ impl LaserScanner {
         check_number("mount yaw", mount.yaw, "finite", |_| true)?;
         let gaps = if (fov - TAU).abs() < FULL_TURN_TOLERANCE { beam_count } else { beam_count - 1 };
         let (angle_min, angle_increment) = if beam_count == 1 { (0.0, 0.0) } else { (-0.5 * fov, fov / gaps as f64) };
-        let directions = (0..beam_count)
-            .map(|beam| {
-                let (sin, cos) = libm::sincos(angle_min + beam as f64 * angle_increment);
-                DVec2::new(cos, sin)
-            })
-            .collect();
-        Ok(Self { options, angle_min, angle_increment, directions })
+        let groups = beam_count.div_ceil(GROUP);
+        let (mut cos, mut sin) = (vec![[1.0; GROUP]; groups], vec![[0.0; GROUP]; groups]);
+        for beam in 0..beam_count {
+            let (group, place) = (beam / GROUP, beam % GROUP);
+            (sin[group][place], cos[group][place]) = libm::sincos(angle_min + beam as f64 * angle_increment);
+        }
+        Ok(Self { options, angle_min, angle_increment, cos, sin, kernel: None })
     }
 
     /// The parameters.
@@ -136,9 +139,13 @@ impl LaserScanner {
     ///
     /// # Panics
     /// If `ranges` does not have an element for each beam.
-    pub fn scan(&self, grid: &OccupancyGrid, map_from_base: Pose, ranges: &mut [f32]) {
+    ///
+    /// # Errors
+    /// A kernel asked for by the environment that this machine does not have.
+    pub fn scan(&self, grid: &OccupancyGrid, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let max_range = self.options.max_range;
-        self.cast(grid, map_from_base, ranges, |hit| hit.unwrap_or(max_range));
+        self.cast(self.kernel()?, grid, map_from_base, ranges, |range| range.min(max_range));
+        Ok(())
     }
 
     /// Readings \[m\] from each robot's pose, `[x, y, yaw]` in the map frame: as many for each as there are beams, one pose after
@@ -160,13 +167,17 @@ impl LaserScanner {
             return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
         }
         let max_range = self.options.max_range;
+        let kernel = self.kernel()?;
+        grid.clearance();
         threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
             let pose = poses[scan].into();
             if let Some(noise) = noise {
                 let mut stream = random::stream(noise.seed, noise.first_index.wrapping_add(scan as u64));
-                self.cast(grid, pose, readings, |hit| noise.model.sample(hit, max_range, &mut stream));
+                self.cast(kernel, grid, pose, readings, |range| {
+                    noise.model.sample((range < max_range).then_some(range), max_range, &mut stream)
+                });
             } else {
-                self.scan(grid, pose, readings);
+                self.cast(kernel, grid, pose, readings, |range| range.min(max_range));
             }
         })
     }
@@ -189,34 +200,57 @@ impl LaserScanner {
     /// # Errors
     /// Not one reading for each beam.
     pub fn end_points(&self, map_from_base: Pose, readings: &[f32]) -> Result<Vec<[f64; 2]>, Error> {
-        if readings.len() != self.directions.len() {
-            return Err(Error::Length { name: "readings", value: readings.len(), needed: self.directions.len() });
+        if readings.len() != self.options.beam_count {
+            return Err(Error::Length { name: "readings", value: readings.len(), needed: self.options.beam_count });
         }
         let map_from_laser = map_from_base * self.options.mount;
         let valid = self.options.min_range as f32..self.options.max_range as f32;
-        let returns = readings.iter().zip(&self.directions).filter(|(reading, _)| valid.contains(reading));
-        let point = |(reading, direction): (&f32, &DVec2)| {
-            map_from_laser.transform_point(*direction * f64::from(*reading)).to_array()
+        let returns = readings
+            .iter()
+            .zip(self.cos.as_flattened().iter().zip(self.sin.as_flattened()))
+            .filter(|(reading, _)| valid.contains(reading));
+        let point = |(&reading, (&cos, &sin)): (&f32, (&f64, &f64))| {
+            map_from_laser.transform_point(DVec2::new(cos, sin) * f64::from(reading)).to_array()
         };
         Ok(returns.map(point).collect())
     }
 
-    /// Casts every beam in order, and stores what `read` makes of it.
+    /// The same scanner, casting by this kernel.
+    #[must_use]
+    pub fn with_kernel(self, kernel: Kernel) -> Self {
+        Self { kernel: Some(kernel), ..self }
+    }
+
+    fn kernel(&self) -> Result<Kernel, Error> {
+        self.kernel.map_or_else(Kernel::chosen, Ok)
+    }
+
+    /// Casts every beam in order, and stores what `read` makes of its range, which is infinite where there is no return.
     fn cast(
         &self,
+        kernel: Kernel,
         grid: &OccupancyGrid,
         map_from_base: Pose,
         readings: &mut [f32],
-        mut read: impl FnMut(Option<f64>) -> f64,
+        mut read: impl FnMut(f64) -> f64,
     ) {
-        assert_eq!(readings.len(), self.directions.len(), "one reading per beam");
+        assert_eq!(readings.len(), self.options.beam_count, "one reading per beam");
         let grid_from_laser = grid.pose_in_grid(map_from_base * self.options.mount);
-        let origin = grid_from_laser.position / grid.resolution();
         let (sin, cos) = libm::sincos(grid_from_laser.yaw);
-        let heading = DVec2::new(cos, sin);
-        let caster = Caster::new(grid, self.options.max_range);
-        for (reading, direction) in readings.iter_mut().zip(&self.directions) {
-            *reading = read(caster.cast(origin, heading.rotate(*direction))) as f32;
-        }
+        let fan = Fan {
+            origin: grid_from_laser.position / grid.resolution(),
+            cell: (0, 0),
+            heading: DVec2::new(cos, sin),
+            cos: &self.cos,
+            sin: &self.sin,
+            count: self.options.beam_count,
+        };
+        Caster::new(grid, self.options.max_range, kernel).cast_fan(fan, |group, ranges| {
+            let readings = &mut readings[group * GROUP..];
+            let count = readings.len().min(GROUP);
+            for (reading, range) in readings[..count].iter_mut().zip(ranges) {
+                *reading = read(*range) as f32;
+            }
+        });
     }
 }

@@ -17,7 +17,7 @@ use crate::{Cell, GridOptions, Unknown};
 /// resolution: side of a cell [m]. origin: pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
 /// occupied_threshold: cells of this value and above block beams, 1..100. unknown: "free" or "occupied", what unknown cells
 /// are to beams. Off the grid is free.
-/// What casting needs is built at the first cast, 4 bytes a cell, and kept.
+/// What casting needs is built at the first cast, 8 bytes a cell, and kept.
 ///
 /// raises: ValueError for a value out of its range; TypeError for cells that are not int8.
 #[pyclass(frozen, module = "mobile_robot_simulator")]

@@ -118,10 +118,7 @@ impl LaserScanner {
         pose: PoseArgument,
     ) -> PyResult<Bound<'py, PyAny>> {
         let grid = grid.get().core();
-        fill(py, None, &[self.beam_count()], |ranges| {
-            self.0.scan(grid, pose.0, ranges);
-            Ok(())
-        })
+        fill(py, None, &[self.beam_count()], |ranges| self.0.scan(grid, pose.0, ranges))
     }
 
     /// Ranges measured from each pose.

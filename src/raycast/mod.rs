@@ -1,51 +1,85 @@
 //! From a ray to a range: the boundary at which it enters the first blocking cell.
 
+mod block;
 mod clearance;
-pub mod kernel;
+mod kernel;
 mod ray;
+mod sector;
+mod source;
+mod track;
 mod traversal;
+
+use std::cell::RefCell;
 
 use glam::DVec2;
 
-pub use clearance::{Clearance, Quadrant};
+pub use clearance::Clearance;
+pub use kernel::{KERNEL_VARIABLE, Kernel, Sink};
 pub use ray::Ray;
+pub use sector::Sector;
+pub use source::{Fan, GROUP, Group, RayGroup, Rays, Source};
 pub use traversal::traverse;
 
 use crate::error::{Error, check_number, check_rows};
 use crate::grid::OccupancyGrid;
 use crate::pose::Pose;
 use crate::threads;
+use block::Block;
 
 /// Casts rays over one grid up to one range.
 #[derive(Debug, Clone, Copy)]
 pub struct Caster<'grid> {
     grid: &'grid OccupancyGrid,
-    clearance: &'grid Clearance,
+    kernel: Kernel,
     max_range: f64,
     limit: f64,
 }
 
 impl<'grid> Caster<'grid> {
-    /// A caster over `grid` up to `max_range` metres; builds what it needs of the grid if that was not done yet.
+    /// A caster over `grid` up to `max_range` metres.
     #[must_use]
-    pub fn new(grid: &'grid OccupancyGrid, max_range: f64) -> Self {
+    pub fn new(grid: &'grid OccupancyGrid, max_range: f64, kernel: Kernel) -> Self {
         // One cell more than the range asks for: what counts is decided on the range in metres alone.
         let limit = max_range / grid.resolution() + 1.0;
-        Self { grid, clearance: grid.clearance(), max_range, limit }
+        Self { grid, kernel, max_range, limit }
     }
 
-    /// The range in metres, or `None` if there is no return within the maximum.
-    ///
-    /// `origin` in cells from the grid's corner, `direction` a unit vector in the grid's frame.
-    #[must_use]
-    pub fn cast(&self, origin: DVec2, direction: DVec2) -> Option<f64> {
-        let ray = Ray::entering(self.clearance.width(), self.clearance.height(), origin, direction)?;
-        if ray.gap > self.limit {
-            return None;
+    /// Hands over, group by group, ranges in metres, infinite where there is no return within the maximum.
+    pub fn cast(&self, source: impl Source, mut sink: impl Sink) {
+        thread_local! {
+            static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
         }
-        let distance = kernel::portable::cast(self.clearance, &ray, self.limit - ray.gap);
-        let range = (ray.gap + distance.max(0.0)) * self.grid.resolution();
-        (range < self.max_range).then_some(range)
+        let (resolution, max_range) = (self.grid.resolution(), self.max_range);
+        BLOCK.with_borrow_mut(|block| {
+            kernel::cast(self.kernel, self.grid, source, self.limit, block, |group, distances: &[f64; GROUP]| {
+                let metres = distances.map(|distance| {
+                    let metres = distance * resolution;
+                    if metres < max_range { metres } else { f64::INFINITY }
+                });
+                sink(group, &metres);
+            });
+        });
+    }
+
+    /// [`cast`](Self::cast) of a fan that may start off the grid.
+    pub fn cast_fan(&self, fan: Fan<'_>, sink: impl Sink) {
+        if let Some(cell) = self.grid.clearance().cell_at(fan.origin) {
+            return self.cast(Fan { cell, ..fan }, sink);
+        }
+        let mut groups = vec![RayGroup::ASTRAY; fan.cos.len()];
+        for (group, rays) in groups.iter_mut().enumerate() {
+            for place in 0..GROUP {
+                self.enter(rays, place, fan.origin, fan.ray(group, place).direction);
+            }
+        }
+        self.cast(Rays { groups: &groups, count: fan.count }, sink);
+    }
+
+    /// Puts the ray from `origin` along `direction` at a place of a group of rays astray, from where it enters the grid on.
+    fn enter(&self, rays: &mut RayGroup, place: usize, origin: DVec2, direction: DVec2) {
+        if let Some(ray) = Ray::entering(self.grid.width(), self.grid.height(), origin, direction) {
+            rays.set(place, &ray);
+        }
     }
 }
 
@@ -66,16 +100,24 @@ pub fn cast_rays(
     if ranges.len() != rays.len() {
         return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
     }
-    let caster = Caster::new(grid, max_range);
+    let caster = Caster::new(grid, max_range, Kernel::chosen()?);
+    grid.clearance();
     threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
-        for (range, ray) in ranges.iter_mut().zip(&rays[chunk * CHUNK..]) {
-            let ray = grid.pose_in_grid(Pose::from(*ray));
-            let (sin, cos) = libm::sincos(ray.yaw);
-            let hit = caster.cast(ray.position / grid.resolution(), DVec2::new(cos, sin));
-            *range = hit.unwrap_or(max_range) as f32;
+        let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
+        for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
+            for (place, ray) in rays.iter().enumerate() {
+                let ray = grid.pose_in_grid(Pose::from(*ray));
+                let (sin, cos) = libm::sincos(ray.yaw);
+                caster.enter(group, place, ray.position / grid.resolution(), DVec2::new(cos, sin));
+            }
         }
+        caster.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
+            for (range, metres) in ranges[group * GROUP..].iter_mut().zip(metres) {
+                *range = metres.min(max_range) as f32;
+            }
+        });
     })
 }
 
 /// Rays that one thread takes at a time.
-const CHUNK: usize = 512;
+const CHUNK: usize = 256;

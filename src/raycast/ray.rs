@@ -9,13 +9,11 @@ pub struct Ray {
     pub origin: DVec2,
     /// Unit vector.
     pub direction: DVec2,
-    /// One over the direction, by axis; infinite for an axis that the ray does not move along.
-    pub inverse: DVec2,
     /// Column of the first cell.
     pub col: i32,
     /// Row of the first cell.
     pub row: i32,
-    /// Distance travelled before the grid.
+    /// Distance travelled before the grid, infinite for a ray that never gets there.
     pub gap: f64,
 }
 
@@ -23,6 +21,13 @@ pub struct Ray {
 const NO_MOTION: f64 = 1e-300;
 
 impl Ray {
+    /// One over the direction, by axis; infinite for an axis that the ray does not move along.
+    #[inline(always)]
+    #[must_use]
+    pub fn inverse(&self) -> DVec2 {
+        DVec2::new(1.0 / self.direction.x, 1.0 / self.direction.y)
+    }
+
     /// The ray from `origin` along the unit vector `direction` over a grid of `width` by `height` cells, from its first cell on;
     /// `None` if it passes the grid by.
     ///
@@ -40,7 +45,7 @@ impl Ray {
         let inside = floor.x >= 0.0 && floor.y >= 0.0 && floor.x < size.x && floor.y < size.y;
         if inside {
             let (col, row) = (floor.x as i32, floor.y as i32);
-            return Some(Self { origin, direction, inverse, col, row, gap: 0.0 });
+            return Some(Self { origin, direction, col, row, gap: 0.0 });
         }
         let (enter_x, leave_x) = crossing(origin.x, direction.x, inverse.x, size.x)?;
         let (enter_y, leave_y) = crossing(origin.y, direction.y, inverse.y, size.y)?;
@@ -56,11 +61,12 @@ impl Ray {
         } else {
             ((entry.x, along(entry.x, size.x)), side(direction.y, size.y))
         };
-        Some(Self { origin: DVec2::new(x, y), direction, inverse, col, row, gap })
+        Some(Self { origin: DVec2::new(x, y), direction, col, row, gap })
     }
 }
 
-fn still(component: f64) -> f64 {
+#[inline(always)]
+pub(super) fn still(component: f64) -> f64 {
     if component.abs() < NO_MOTION { 0.0 } else { component }
 }
 

@@ -10,6 +10,7 @@ use crate::grid::{Cell, OccupancyGrid};
 /// A ray through a corner crosses the row's boundary first, so the path is 4-connected.
 #[must_use]
 pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
+    let inverse = ray.inverse();
     let (mut col, mut row) = (i64::from(ray.col), i64::from(ray.row));
     let mut distance = 0.0;
     loop {
@@ -21,8 +22,8 @@ pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
             return distance;
         }
         let (left, down) = (ray.direction.x < 0.0, ray.direction.y < 0.0);
-        let to_col = ((col + i64::from(!left)) as f64 - ray.origin.x) * ray.inverse.x;
-        let to_row = ((row + i64::from(!down)) as f64 - ray.origin.y) * ray.inverse.y;
+        let to_col = ((col + i64::from(!left)) as f64 - ray.origin.x) * inverse.x;
+        let to_row = ((row + i64::from(!down)) as f64 - ray.origin.y) * inverse.y;
         if to_col < to_row {
             distance = to_col;
             col += if left { -1 } else { 1 };

@@ -5,15 +5,16 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use glam::DVec2;
 use mobile_robot_simulator::OccupancyGrid;
 
-use crate::methods::{METHODS, by_every_square, check, drawn_grid, toward};
+use crate::methods::{by_every_square, cast, check, drawn_grid, kernels, toward};
 
 /// What every method makes of a ray from `(x, y)` at `angle`, the reference first.
 fn expect(grid: &OccupancyGrid, (x, y): (f64, f64), angle: f64, expected: f64) {
     let start = (DVec2::new(x, y), toward(angle));
     let (crossed, _) = by_every_square(grid, start);
     assert!(crossed == expected || (crossed - expected).abs() < 1e-9, "reference from {start:?}: {crossed}");
-    for (name, method) in METHODS {
-        let found = method(grid, start);
+    for kernel in kernels() {
+        let name = kernel.name();
+        let found = cast(kernel, grid, start);
         assert!(found == expected || (found - expected).abs() < 1e-12, "{name} from {start:?}: {found}, not {expected}");
     }
     check(grid, start);
@@ -70,8 +71,9 @@ fn walls_that_touch_at_a_corner_do_not_leak() {
         let start = DVec2::new(0.5 + offset, 0.5 - offset) + DVec2::new(0.5, 0.5);
         for angle in [FRAC_PI_4, FRAC_PI_4 + 1e-9, FRAC_PI_4 - 1e-9] {
             check(&falling, (start, toward(angle)));
-            for (name, method) in METHODS {
-                let found = method(&falling, (start, toward(angle)));
+            for kernel in kernels() {
+                let name = kernel.name();
+                let found = cast(kernel, &falling, (start, toward(angle)));
                 assert!(found < 2.2 || offset.abs() > 0.99, "{name} leaks from {start} at {angle}: {found}");
             }
         }
@@ -84,20 +86,22 @@ fn a_corner_is_passed_on_one_side_only() {
     // up, the lower one going down.
     let above = drawn_grid(".. #.");
     let beside = drawn_grid("#. ..");
-    for (name, method) in METHODS {
+    for kernel in kernels() {
+        let name = kernel.name();
         let corner = (DVec2::new(0.5, 0.5), DVec2::new(0.5f64.sqrt(), 0.5f64.sqrt()));
-        assert!(method(&beside, corner) < 0.71, "{name}: the row's boundary comes first");
-        assert_eq!(method(&above, (DVec2::new(1.5, 1.5), -corner.1)), 0.5 / 0.5f64.sqrt() + 0.0, "{name}");
+        assert!(cast(kernel, &beside, corner) < 0.71, "{name}: the row's boundary comes first");
+        assert_eq!(cast(kernel, &above, (DVec2::new(1.5, 1.5), -corner.1)), 0.5 / 0.5f64.sqrt() + 0.0, "{name}");
     }
 }
 
 #[test]
 fn a_range_is_never_negative_zero() {
     let grid = drawn_grid("#.#");
-    for (name, method) in METHODS {
+    for kernel in kernels() {
+        let name = kernel.name();
         for angle in [0.0, -0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             for x in [1.0, 2.0] {
-                let found = method(&grid, (DVec2::new(x, 0.0), toward(angle)));
+                let found = cast(kernel, &grid, (DVec2::new(x, 0.0), toward(angle)));
                 assert!(found.is_sign_positive(), "{name} from {x} at {angle}: {found}");
             }
         }
@@ -108,14 +112,16 @@ fn a_range_is_never_negative_zero() {
 fn both_zeros_and_all_that_is_as_good_as_zero_go_straight() {
     let grid = drawn_grid("....#");
     for zero in [0.0, -0.0, 6e-17, -6e-17, 1e-310, -1e-310] {
-        for (name, method) in METHODS {
-            assert_eq!(method(&grid, (DVec2::new(0.5, 0.5), DVec2::new(1.0, zero))), 3.5, "{name} {zero}");
+        for kernel in kernels() {
+            let name = kernel.name();
+            assert_eq!(cast(kernel, &grid, (DVec2::new(0.5, 0.5), DVec2::new(1.0, zero))), 3.5, "{name} {zero}");
         }
     }
     let upright = drawn_grid("# . . .");
     for zero in [0.0, -0.0, 1e-310, -1e-310] {
-        for (name, method) in METHODS {
-            assert_eq!(method(&upright, (DVec2::new(0.0, 0.5), DVec2::new(zero, 1.0))), 2.5, "{name} {zero}");
+        for kernel in kernels() {
+            let name = kernel.name();
+            assert_eq!(cast(kernel, &upright, (DVec2::new(0.0, 0.5), DVec2::new(zero, 1.0))), 2.5, "{name} {zero}");
         }
     }
 }
@@ -123,10 +129,11 @@ fn both_zeros_and_all_that_is_as_good_as_zero_go_straight() {
 #[test]
 fn far_starts_and_those_that_are_not_numbers_end() {
     let grid = drawn_grid("..#");
-    for (name, method) in METHODS {
-        assert_eq!(method(&grid, (DVec2::new(-1e9, 0.5), DVec2::X)), 1e9 + 2.0, "{name}");
+    for kernel in kernels() {
+        let name = kernel.name();
+        assert_eq!(cast(kernel, &grid, (DVec2::new(-1e9, 0.5), DVec2::X)), 1e9 + 2.0, "{name}");
         for x in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e308, -1e308] {
-            assert_eq!(method(&grid, (DVec2::new(x, -x), DVec2::X)), NONE, "{name}");
+            assert_eq!(cast(kernel, &grid, (DVec2::new(x, -x), DVec2::X)), NONE, "{name}");
         }
     }
 }

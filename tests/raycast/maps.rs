@@ -7,7 +7,7 @@ use glam::DVec2;
 use mobile_robot_simulator::random;
 use rand::{Rng, RngExt};
 
-use crate::methods::{check_methods, toward, unit_grid};
+use crate::methods::{Start, check_all, toward, unit_grid};
 
 const IMAGES: [&str; 8] = [
     "f1_berlin/berlin.png",
@@ -38,9 +38,8 @@ fn every_method_agrees_with_the_traversal_on_real_maps() {
         for _ in 0..300 {
             let origin = DVec2::new(stream.random::<f64>() * width as f64, stream.random::<f64>() * height as f64);
             let origin = if stream.next_u64().is_multiple_of(8) { origin.floor() } else { origin };
-            for beam in 0..180 {
-                check_methods(&grid, (origin, toward(f64::from(beam) * PI / 90.0)));
-            }
+            let starts: Vec<Start> = (0..180).map(|beam| (origin, toward(f64::from(beam) * PI / 90.0))).collect();
+            check_all(&grid, &starts);
         }
     }
 }

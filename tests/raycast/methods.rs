@@ -1,62 +1,88 @@
 //! The ways to find a range, all of one shape: `(grid, ray) -> distance in cells`, infinite for no hit.
 
+use std::sync::Once;
+
 use glam::DVec2;
-use mobile_robot_simulator::raycast::{Ray, kernel, traverse};
+use mobile_robot_simulator::raycast::{Caster, GROUP, Kernel, Ray, RayGroup, Rays};
 use mobile_robot_simulator::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Unknown};
 
 /// Start (in cells) and direction (a unit vector) of a ray.
 pub type Start = (DVec2, DVec2);
 
-/// Distance in cells of the first blocking cell.
-pub type Method = fn(&OccupancyGrid, Start) -> f64;
-
-/// The specification, and all that is faster.
-pub const METHODS: [(&str, Method); 2] = [("traversal", by_traversal), ("portable", by_portable)];
-
 /// No ray of these tests goes as far as this.
 const FAR: f64 = 1e12;
 
+/// The kernels that this machine has, the plain traversal first.
+///
+/// Says once which ones are passed over.
+pub fn kernels() -> impl Iterator<Item = Kernel> {
+    static PASSED_OVER: Once = Once::new();
+    PASSED_OVER.call_once(|| {
+        for kernel in Kernel::ALL.into_iter().filter(|kernel| !kernel.is_available()) {
+            eprintln!("passed over: this machine has no {}", kernel.name());
+        }
+    });
+    Kernel::ALL.into_iter().filter(|kernel| kernel.is_available())
+}
+
+/// Distances in cells along rays to the first blocking cell, infinite for no hit.
+pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f64> {
+    let mut groups = vec![RayGroup::ASTRAY; starts.len().div_ceil(GROUP)];
+    for (index, &(origin, direction)) in starts.iter().enumerate() {
+        if let Some(ray) = Ray::entering(grid.width(), grid.height(), origin, direction) {
+            groups[index / GROUP].set(index % GROUP, &ray);
+        }
+    }
+    let mut distances = Vec::new();
+    let source = Rays { groups: &groups, count: starts.len() };
+    Caster::new(grid, FAR, kernel).cast(source, |_, ranges| distances.extend_from_slice(ranges));
+    distances.truncate(starts.len());
+    distances
+}
+
+pub fn cast(kernel: Kernel, grid: &OccupancyGrid, start: Start) -> f64 {
+    cast_all(kernel, grid, &[start])[0]
+}
+
 pub fn by_traversal(grid: &OccupancyGrid, start: Start) -> f64 {
-    through(grid, start, |ray| traverse(grid, ray, FAR))
-}
-
-fn by_portable(grid: &OccupancyGrid, start: Start) -> f64 {
-    through(grid, start, |ray| kernel::portable::cast(grid.clearance(), ray, FAR))
-}
-
-fn through(grid: &OccupancyGrid, (origin, direction): Start, cast: impl Fn(&Ray) -> f64) -> f64 {
-    Ray::entering(grid.width(), grid.height(), origin, direction).map_or(f64::INFINITY, |ray| ray.gap + cast(&ray).max(0.0))
+    cast(Kernel::Traversal, grid, start)
 }
 
 /// How far a ray gets into and through the square of every blocking cell: nothing is skipped, and there is no order to get wrong.
 ///
-/// Returns the distance to the nearest square that the ray surely crosses, and the distances to all that it may at least touch.
-pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64, Vec<f64>) {
+/// Returns the distance to the nearest square that the ray surely crosses, and for all that it may at least touch
+/// from where to where it does.
+pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64, Vec<(f64, f64)>) {
     let (mut crossed, mut touched) = (f64::INFINITY, Vec::new());
     for row in 0..grid.height() {
         for col in 0..grid.width() {
             if !grid.is_blocking(Cell { col, row }) {
                 continue;
             }
-            let (enter_x, leave_x) = slab(origin.x, direction.x, col as f64);
-            let (enter_y, leave_y) = slab(origin.y, direction.y, row as f64);
-            let (enter, leave) = (enter_x.max(enter_y).max(0.0), leave_x.min(leave_y));
+            let within = |margin: f64| {
+                let (enter_x, leave_x) = slab(origin.x, direction.x, col as f64 - margin, (col + 1) as f64 + margin);
+                let (enter_y, leave_y) = slab(origin.y, direction.y, row as f64 - margin, (row + 1) as f64 + margin);
+                (enter_x.max(enter_y).max(0.0), leave_x.min(leave_y))
+            };
+            let (enter, leave) = within(0.0);
             if leave > enter + TOLERANCE {
                 crossed = crossed.min(enter);
             }
-            if leave > enter - TOLERANCE {
-                touched.push(enter);
+            // A ray along a side may be taken for one on either side of it.
+            let (enter, leave) = within(TOLERANCE);
+            if leave >= enter {
+                touched.push((enter, leave));
             }
         }
     }
     (crossed, touched)
 }
 
-fn slab(origin: f64, direction: f64, low: f64) -> (f64, f64) {
-    let (a, b) = ((low - origin) / direction, (low + 1.0 - origin) / direction);
+fn slab(origin: f64, direction: f64, low: f64, high: f64) -> (f64, f64) {
+    let (a, b) = ((low - origin) / direction, (high - origin) / direction);
     if direction.abs() > 1e-300 {
         (a.min(b), a.max(b))
-    } else if (low..low + 1.0).contains(&origin) {
+    } else if (low..high).contains(&origin) {
         (f64::NEG_INFINITY, f64::INFINITY)
     } else {
         (f64::INFINITY, f64::NEG_INFINITY)
@@ -71,16 +97,24 @@ pub fn check(grid: &OccupancyGrid, start: Start) {
     let (crossed, touched) = by_every_square(grid, start);
     let found = by_traversal(grid, start);
     assert!(found <= crossed + TOLERANCE, "{start:?}: a beam that goes through a wall at {crossed} went on to {found}");
-    let stops = found.is_infinite() || touched.iter().any(|distance| (found - distance).abs() < TOLERANCE);
+    let near = |&(enter, leave): &(f64, f64)| enter - TOLERANCE < found && found < leave + TOLERANCE;
+    let stops = found.is_infinite() || touched.iter().any(near);
     assert!(stops, "{start:?}: nothing to stop a beam at {found}, only at {touched:?}");
 }
 
-/// Holds every method against the plain traversal to the last bit.
+/// Holds every kernel against the plain traversal to the last bit.
 pub fn check_methods(grid: &OccupancyGrid, start: Start) {
-    let expected = by_traversal(grid, start);
-    for (name, method) in METHODS {
-        let found = method(grid, start);
-        assert_eq!(found.to_bits(), expected.to_bits(), "{name} from {start:?}: {found}, traversal: {expected}");
+    check_all(grid, &[start]);
+}
+
+/// [`check_methods`] of many rays at once.
+pub fn check_all(grid: &OccupancyGrid, starts: &[Start]) {
+    let expected = cast_all(Kernel::Traversal, grid, starts);
+    for kernel in kernels() {
+        for ((start, found), expected) in starts.iter().zip(cast_all(kernel, grid, starts)).zip(&expected) {
+            let name = kernel.name();
+            assert_eq!(found.to_bits(), expected.to_bits(), "{name} from {start:?}: {found}, traversal: {expected}");
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use mobile_robot_simulator::{OccupancyGrid, random};
 use proptest::prelude::*;
 use rand::{Rng, RngExt};
 
-use crate::methods::{by_traversal, check, check_methods, toward, unit_grid};
+use crate::methods::{Start, by_traversal, check, check_all, toward, unit_grid};
 
 const SEED: u64 = 20;
 
@@ -74,14 +74,16 @@ fn every_method_agrees_with_the_traversal_on_large_grids() {
         let (width, height) = (700, 450);
         let grid = grid(kind, width, height, SEED);
         let mut stream = random::stream(SEED, 2);
-        for _ in 0..20_000 {
+        let mut start = || {
             let mut along = |size: usize| (stream.random::<f64>() * 1.2 - 0.1) * size as f64;
             let origin = DVec2::new(along(width), along(height));
             let origin = if stream.next_u64().is_multiple_of(4) { origin.round() } else { origin };
             let angle = stream.random::<f64>() * 2.0 * PI;
             let angle = if stream.next_u64().is_multiple_of(4) { (angle / FRAC_PI_4).round() * FRAC_PI_4 } else { angle };
-            check_methods(&grid, (origin, toward(angle)));
-        }
+            (origin, toward(angle))
+        };
+        let starts: Vec<Start> = (0..20_000).map(|_| start()).collect();
+        check_all(&grid, &starts);
         assert!(by_traversal(&grid, (DVec2::splat(-5.0), toward(3.0))).is_infinite(), "{name}");
     }
 }

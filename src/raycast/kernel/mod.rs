@@ -1,3 +1,134 @@
 //! The jump loop, once for each instruction set. All of them give the bytes of the plain traversal.
 
-pub mod portable;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod march;
+mod portable;
+
+use std::sync::LazyLock;
+
+use super::block::Block;
+#[cfg(target_arch = "x86_64")]
+use super::block::fits;
+use super::source::{GROUP, Source};
+use super::{Ray, traverse};
+use crate::error::Error;
+use crate::grid::OccupancyGrid;
+
+/// A way to cast rays. They differ in speed only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kernel {
+    /// The plain cell-by-cell traversal.
+    Traversal,
+    /// Jumps, on any processor.
+    Portable,
+    /// Jumps, 8 rays to a vector.
+    Avx2,
+    /// Jumps, 16 rays to a vector.
+    Avx512,
+}
+
+/// The environment variable that names a kernel to use in place of the fastest.
+pub const KERNEL_VARIABLE: &str = "MOBILE_ROBOT_SIMULATOR_KERNEL";
+
+impl Kernel {
+    /// All there are, slowest first.
+    pub const ALL: [Self; 4] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// The kernel that casts where none is asked for: the one that the environment variable names, or the fastest that this
+    /// machine has.
+    ///
+    /// # Errors
+    /// A name that is none, or one of a kernel that this machine cannot run.
+    pub fn chosen() -> Result<Self, Error> {
+        static CHOSEN: LazyLock<Result<Kernel, Error>> = LazyLock::new(|| match std::env::var(KERNEL_VARIABLE) {
+            Ok(name) => Kernel::named(&name),
+            Err(std::env::VarError::NotPresent) => {
+                Ok(Kernel::ALL.into_iter().rfind(|kernel| kernel.is_available()).unwrap_or(Kernel::Portable))
+            }
+            Err(std::env::VarError::NotUnicode(name)) => Kernel::named(&name.to_string_lossy()),
+        });
+        CHOSEN.clone()
+    }
+
+    /// The kernel of this name.
+    ///
+    /// # Errors
+    /// A name that is none, or one of a kernel that this machine cannot run.
+    pub fn named(name: &str) -> Result<Self, Error> {
+        let available = || Self::ALL.into_iter().filter(|kernel| kernel.is_available());
+        available().find(|kernel| kernel.name() == name).ok_or_else(|| Error::Kernel {
+            value: name.to_owned(),
+            available: available().map(Self::name).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// The name, as the environment variable takes it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Traversal => "traversal",
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this machine can run it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Traversal | Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::Avx2::new().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::Avx512::new().is_some(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+}
+
+/// What takes the distances of a group of rays: called with the number of the group and the distances, which behind the last ray
+/// of all mean nothing.
+pub trait Sink: FnMut(usize, &[f64; GROUP]) {}
+impl<F: FnMut(usize, &[f64; GROUP])> Sink for F {}
+
+/// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
+/// infinite if there is none; those beyond `limit` may be infinite. In cells.
+///
+/// A kernel that this machine cannot run, or whose numbers cannot name all cells of so large a grid, leaves the work to the
+/// portable one.
+pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
+    if kernel == Kernel::Traversal {
+        return each(source, sink, |ray| ray.gap + traverse(grid, ray, limit).max(0.0));
+    }
+    let clearance = grid.clearance();
+    #[cfg(target_arch = "x86_64")]
+    if fits(clearance) {
+        if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
+            return lanes.cast(clearance, source, limit, block, &mut sink);
+        }
+        if let (Kernel::Avx2, Some(lanes)) = (kernel, avx2::Avx2::new()) {
+            return lanes.cast(clearance, source, limit, block, &mut sink);
+        }
+    }
+    each(source, sink, |ray| portable::cast(clearance, ray, limit));
+}
+
+/// Casts one ray after the other.
+fn each<S: Source>(source: S, mut sink: impl Sink, cast: impl Fn(&Ray) -> f64) {
+    let mut distances = [f64::INFINITY; GROUP];
+    for group in 0..source.count().div_ceil(GROUP) {
+        let count = (source.count() - group * GROUP).min(GROUP);
+        for (place, distance) in distances[..count].iter_mut().enumerate() {
+            *distance = cast(&source.ray(group, place));
+        }
+        sink(group, &distances);
+    }
+}

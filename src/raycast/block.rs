@@ -1,0 +1,111 @@
+//! Rays side by side, as the vector kernels take them.
+
+use super::Clearance;
+use super::source::{GROUP, Source};
+
+/// Rays in a block: a whole scan of most scanners.
+pub const BLOCK: usize = 1024;
+
+/// A number for each ray of a block, and for what a store of a whole vector at the end may reach beyond.
+pub type Each<T> = [T; BLOCK + GROUP];
+
+/// One axis of the rays of a block, in float32. Cells are counted from the one after the first.
+#[repr(C, align(64))]
+pub struct RoughAxis {
+    /// Number of the cell the ray is in.
+    pub cell: Each<f32>,
+    /// Distance from the origin to the far line of the first cell.
+    pub first: Each<f32>,
+    /// The unit vector's component.
+    pub direction: Each<f32>,
+    /// One over it.
+    pub inverse: Each<f32>,
+}
+
+/// A block of rays that are on their way, and where they ended.
+#[repr(C, align(64))]
+pub struct Block {
+    /// The axis along which a ray goes farther.
+    pub major: RoughAxis,
+    /// The other one.
+    pub minor: RoughAxis,
+    /// Where in the clearance's lengths the cell (0, 0) is: the one after the first along both axes.
+    pub base: Each<i32>,
+    /// From a row to the next in the sector's plane.
+    pub stride: Each<i32>,
+    /// Number of the ray.
+    pub number: Each<i32>,
+    /// Numbers of the rays that ended, in that order.
+    pub ended: Each<i32>,
+    /// The cells of those rays: the major number, and 65,536 times the minor one; from the first cell on.
+    pub ended_in: Each<i32>,
+    /// The same in the order of the rays.
+    pub cells: Each<i32>,
+}
+
+impl RoughAxis {
+    const EMPTY: Self = {
+        let zero = [0.0; BLOCK + GROUP];
+        Self { cell: zero, first: zero, direction: zero, inverse: zero }
+    };
+
+    #[inline(always)]
+    fn aim(&mut self, at: usize, first: f64, direction: f64) {
+        let direction = direction as f32;
+        self.cell[at] = -1.0;
+        self.first[at] = first as f32;
+        self.direction[at] = direction;
+        self.inverse[at] = 1.0 / direction;
+    }
+}
+
+impl Block {
+    /// A block whose rays are yet to be aimed.
+    #[must_use]
+    pub fn new() -> Box<Self> {
+        let zero = [0; BLOCK + GROUP];
+        Box::new(Self {
+            major: RoughAxis::EMPTY,
+            minor: RoughAxis::EMPTY,
+            base: zero,
+            stride: zero,
+            number: zero,
+            ended: zero,
+            ended_in: zero,
+            cells: zero,
+        })
+    }
+
+    /// Puts a group of rays into the block, from place `at` on.
+    #[inline(always)]
+    pub fn aim(&mut self, clearance: &Clearance, source: impl Source, group: usize, at: usize) {
+        let (width, height) = (clearance.width() as i32, clearance.height() as i32);
+        let plane = clearance.plane() as i32;
+        for place in 0..GROUP {
+            let ray = source.ray(group, place);
+            let (left, down) = (ray.direction.x < 0.0, ray.direction.y < 0.0);
+            let (ax, ay) = (ray.direction.x.abs(), ray.direction.y.abs());
+            let steep = ay > ax;
+            let (x, y) = (f64::from(ray.col), f64::from(ray.row));
+            let first_x = if left { ray.origin.x - x } else { (x + 1.0) - ray.origin.x };
+            let first_y = if down { ray.origin.y - y } else { (y + 1.0) - ray.origin.y };
+            let col = if left { width - 1 - ray.col } else { ray.col };
+            let row = if down { height - 1 - ray.row } else { ray.row };
+            let stride = if steep { height } else { width } + 2;
+            let (along, across) = if steep { (row, col) } else { (col, row) };
+            let sector = i32::from(left) | i32::from(down) << 1 | i32::from(steep) << 2;
+            let at = at + place;
+            self.major.aim(at, if steep { first_y } else { first_x }, if steep { ay } else { ax });
+            self.minor.aim(at, if steep { first_x } else { first_y }, if steep { ax } else { ay });
+            self.base[at] =
+                sector.wrapping_mul(plane).wrapping_add((across + 2).wrapping_mul(stride)).wrapping_add(along + 2);
+            self.stride[at] = stride;
+            self.number[at] = at as i32;
+        }
+    }
+}
+
+/// Whether the numbers of a block can name every byte of the lengths.
+pub fn fits(clearance: &Clearance) -> bool {
+    i32::try_from(clearance.lengths().len()).is_ok()
+}

@@ -1,0 +1,168 @@
+//! AVX2: 8 rays to a vector.
+#![allow(unsafe_code, reason = "intrinsics")]
+
+use std::arch::x86_64::{
+    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256,
+    _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps,
+    _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fmsub_ps,
+    _mm256_i32gather_epi32, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_mullo_epi32, _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
+    _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+};
+
+use super::lanes::Lanes;
+use super::{Sink, march};
+use crate::raycast::Clearance;
+use crate::raycast::block::Block;
+use crate::raycast::source::Source;
+
+/// Proof that the processor has AVX2 and FMA.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx2(());
+
+impl Avx2 {
+    /// The instruction set, if the processor has it.
+    pub fn new() -> Option<Self> {
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
+    }
+
+    /// See [`march::cast`].
+    pub fn cast(self, clearance: &Clearance, source: impl Source, limit: f64, block: &mut Block, sink: &mut impl Sink) {
+        #[target_feature(enable = "avx2,fma")]
+        fn cast(
+            lanes: Avx2,
+            clearance: &Clearance,
+            source: impl Source,
+            limit: f64,
+            block: &mut Block,
+            sink: &mut impl Sink,
+        ) {
+            march::cast(lanes, clearance, source, limit, block, sink);
+        }
+        // SAFETY: `self` is proof that the processor has the instruction set.
+        unsafe { cast(self, clearance, source, limit, block, sink) }
+    }
+}
+
+/// For each set of lanes, where the lanes moved down come from.
+static MOVED_DOWN: [[i32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut kept) = (0, 0);
+        while lane < 8 {
+            if bits >> lane & 1 == 1 {
+                table[bits][kept] = lane;
+                kept += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// Methods that are one expression of intrinsics each.
+macro_rules! lanewise {
+    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty { $body:expr })*) => {
+        $(#[inline(always)]
+        fn $name(self, $($argument: $type),*) -> $result {
+            // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+            unsafe { $body }
+        })*
+    };
+}
+
+impl Lanes for Avx2 {
+    const COUNT: usize = 8;
+    type Float = __m256;
+    type Int = __m256i;
+    type Mask = __m256;
+
+    lanewise! {
+        float(number: f32) -> __m256 { _mm256_set1_ps(number) }
+        int(number: i32) -> __m256i { _mm256_set1_epi32(number) }
+        add(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
+        multiply(a: __m256, b: __m256) -> __m256 { _mm256_mul_ps(a, b) }
+        multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
+        multiply_subtract(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmsub_ps(a, b, c) }
+        lesser(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
+        floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
+        ceil(a: __m256) -> __m256 { _mm256_ceil_ps(a) }
+        to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
+        to_float(a: __m256i) -> __m256 { _mm256_cvtepi32_ps(a) }
+        as_int(a: __m256) -> __m256i { _mm256_castps_si256(a) }
+        as_float(a: __m256i) -> __m256 { _mm256_castsi256_ps(a) }
+        add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
+        multiply_int(a: __m256i, b: __m256i) -> __m256i { _mm256_mullo_epi32(a, b) }
+        pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }
+        is_less(a: __m256, b: __m256) -> __m256 { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) }
+        is_at_most(a: __m256, b: __m256) -> __m256 { _mm256_cmp_ps::<_CMP_LE_OQ>(a, b) }
+        is_positive(a: __m256i) -> __m256 { _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))) }
+        both(a: __m256, b: __m256) -> __m256 { _mm256_and_ps(a, b) }
+        without(a: __m256, b: __m256) -> __m256 { _mm256_andnot_ps(b, a) }
+        bits(mask: __m256) -> u32 { _mm256_movemask_ps(mask) as u32 }
+        select(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_blendv_ps(b, a, mask) }
+    }
+
+    #[inline(always)]
+    fn off_whole(self, a: __m256) -> __m256 {
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        unsafe {
+            let beyond = _mm256_sub_ps(a, _mm256_floor_ps(a));
+            _mm256_min_ps(beyond, _mm256_sub_ps(_mm256_set1_ps(1.0), beyond))
+        }
+    }
+
+    #[inline(always)]
+    fn first(self, count: usize) -> __m256 {
+        let count = self.int(count.min(Self::COUNT) as i32);
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        unsafe { _mm256_castsi256_ps(_mm256_cmpgt_epi32(count, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7))) }
+    }
+
+    #[inline(always)]
+    fn compress(self, bits: u32, a: __m256i) -> __m256i {
+        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        unsafe { _mm256_permutevar8x32_epi32(a, order) }
+    }
+
+    #[inline(always)]
+    fn gather(self, bytes: &[u8], places: __m256i) -> __m256i {
+        assert!((4..=i32::MAX as usize).contains(&bytes.len()));
+        // SAFETY: no place is beyond `bytes.len() - 4` after the minimum, and four bytes are read from each.
+        unsafe {
+            let places = _mm256_min_epu32(places, _mm256_set1_epi32((bytes.len() - 4) as i32));
+            _mm256_and_si256(_mm256_i32gather_epi32::<1>(bytes.as_ptr().cast(), places), _mm256_set1_epi32(0xff))
+        }
+    }
+
+    #[inline(always)]
+    fn load(self, numbers: &[f32], at: usize) -> __m256 {
+        let numbers = &numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm256_loadu_ps(numbers.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn load_int(self, numbers: &[i32], at: usize) -> __m256i {
+        let numbers = &numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm256_loadu_si256(numbers.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut [f32], at: usize, a: __m256) {
+        let numbers = &mut numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), a) }
+    }
+
+    #[inline(always)]
+    fn store_int(self, numbers: &mut [i32], at: usize, a: __m256i) {
+        let numbers = &mut numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm256_storeu_si256(numbers.as_mut_ptr().cast(), a) }
+    }
+}

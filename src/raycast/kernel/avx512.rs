@@ -1,0 +1,154 @@
+//! AVX-512: 16 rays to a vector.
+#![allow(unsafe_code, reason = "intrinsics")]
+
+use std::arch::x86_64::{
+    __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
+    _MM_FROUND_TO_POS_INF, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512,
+    _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps,
+    _mm512_i32gather_epi32, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_maskz_compress_epi32,
+    _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps, _mm512_roundscale_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_test_epi32_mask,
+};
+
+use super::lanes::Lanes;
+use super::{Sink, march};
+use crate::raycast::Clearance;
+use crate::raycast::block::Block;
+use crate::raycast::source::Source;
+
+/// Proof that the processor has AVX-512 F, BW, DQ and VL.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx512(());
+
+const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
+const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+
+impl Avx512 {
+    /// The instruction set, if the processor has it.
+    pub fn new() -> Option<Self> {
+        let has = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
+        has.then_some(Self(()))
+    }
+
+    /// See [`march::cast`].
+    pub fn cast(self, clearance: &Clearance, source: impl Source, limit: f64, block: &mut Block, sink: &mut impl Sink) {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn cast(
+            lanes: Avx512,
+            clearance: &Clearance,
+            source: impl Source,
+            limit: f64,
+            block: &mut Block,
+            sink: &mut impl Sink,
+        ) {
+            march::cast(lanes, clearance, source, limit, block, sink);
+        }
+        // SAFETY: `self` is proof that the processor has the instruction set.
+        unsafe { cast(self, clearance, source, limit, block, sink) }
+    }
+}
+
+/// Methods that are one expression of intrinsics each.
+macro_rules! lanewise {
+    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty { $body:expr })*) => {
+        $(#[inline(always)]
+        fn $name(self, $($argument: $type),*) -> $result {
+            // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+            unsafe { $body }
+        })*
+    };
+}
+
+impl Lanes for Avx512 {
+    const COUNT: usize = 16;
+    type Float = __m512;
+    type Int = __m512i;
+    type Mask = __mmask16;
+
+    lanewise! {
+        float(number: f32) -> __m512 { _mm512_set1_ps(number) }
+        int(number: i32) -> __m512i { _mm512_set1_epi32(number) }
+        add(a: __m512, b: __m512) -> __m512 { _mm512_add_ps(a, b) }
+        multiply(a: __m512, b: __m512) -> __m512 { _mm512_mul_ps(a, b) }
+        multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
+        multiply_subtract(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmsub_ps(a, b, c) }
+        lesser(a: __m512, b: __m512) -> __m512 { _mm512_min_ps(a, b) }
+        floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
+        ceil(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(a) }
+        off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
+        to_int(a: __m512) -> __m512i { _mm512_cvttps_epi32(a) }
+        to_float(a: __m512i) -> __m512 { _mm512_cvtepi32_ps(a) }
+        as_int(a: __m512) -> __m512i { _mm512_castps_si512(a) }
+        as_float(a: __m512i) -> __m512 { _mm512_castsi512_ps(a) }
+        add_int(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(a, b) }
+        multiply_int(a: __m512i, b: __m512i) -> __m512i { _mm512_mullo_epi32(a, b) }
+        pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
+        is_less(a: __m512, b: __m512) -> __mmask16 { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) }
+        is_at_most(a: __m512, b: __m512) -> __mmask16 { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }
+        is_positive(a: __m512i) -> __mmask16 { _mm512_test_epi32_mask(a, a) }
+        select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
+        compress(bits: u32, a: __m512i) -> __m512i { _mm512_maskz_compress_epi32(bits as __mmask16, a) }
+    }
+
+    #[inline(always)]
+    fn first(self, count: usize) -> __mmask16 {
+        if count < Self::COUNT { (1 << count) - 1 } else { !0 }
+    }
+
+    #[inline(always)]
+    fn both(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+
+    #[inline(always)]
+    fn without(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & !b
+    }
+
+    #[inline(always)]
+    fn bits(self, mask: __mmask16) -> u32 {
+        mask.into()
+    }
+
+    #[inline(always)]
+    fn gather(self, bytes: &[u8], places: __m512i) -> __m512i {
+        assert!((4..=i32::MAX as usize).contains(&bytes.len()));
+        // SAFETY: no place is beyond `bytes.len() - 4` after the minimum, and four bytes are read from each.
+        unsafe {
+            let places = _mm512_min_epu32(places, _mm512_set1_epi32((bytes.len() - 4) as i32));
+            _mm512_and_si512(_mm512_i32gather_epi32::<1>(places, bytes.as_ptr().cast()), _mm512_set1_epi32(0xff))
+        }
+    }
+
+    #[inline(always)]
+    fn load(self, numbers: &[f32], at: usize) -> __m512 {
+        let numbers = &numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn load_int(self, numbers: &[i32], at: usize) -> __m512i {
+        let numbers = &numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut [f32], at: usize, a: __m512) {
+        let numbers = &mut numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }
+    }
+
+    #[inline(always)]
+    fn store_int(self, numbers: &mut [i32], at: usize, a: __m512i) {
+        let numbers = &mut numbers[at..at + Self::COUNT];
+        // SAFETY: the slice has as many numbers as a vector.
+        unsafe { _mm512_storeu_si512(numbers.as_mut_ptr().cast(), a) }
+    }
+}

@@ -1,0 +1,78 @@
+//! Vectors of float32 and of int32, as the march over them needs them of an instruction set.
+
+/// An instruction set that the processor has, by its vectors. A value of such a type is proof that it has it.
+///
+/// What rounds may round in any way: the march decides nothing on these numbers that rounding could change.
+pub trait Lanes: Copy {
+    /// Lanes in a vector.
+    const COUNT: usize;
+    /// A vector of float32.
+    type Float: Copy;
+    /// A vector of int32.
+    type Int: Copy;
+    /// Yes or no for each lane.
+    type Mask: Copy;
+
+    /// The same number in all lanes.
+    fn float(self, number: f32) -> Self::Float;
+    /// The same number in all lanes.
+    fn int(self, number: i32) -> Self::Int;
+    /// The sums.
+    fn add(self, a: Self::Float, b: Self::Float) -> Self::Float;
+    /// The products.
+    fn multiply(self, a: Self::Float, b: Self::Float) -> Self::Float;
+    /// a · b + c.
+    fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
+    /// a · b - c.
+    fn multiply_subtract(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
+    /// The lesser ones; b where one is not a number.
+    fn lesser(self, a: Self::Float, b: Self::Float) -> Self::Float;
+    /// The largest whole numbers that are no greater.
+    fn floor(self, a: Self::Float) -> Self::Float;
+    /// The least whole numbers that are no less.
+    fn ceil(self, a: Self::Float) -> Self::Float;
+    /// How far from the nearest whole number.
+    fn off_whole(self, a: Self::Float) -> Self::Float;
+    /// Whole numbers as such.
+    fn to_int(self, a: Self::Float) -> Self::Int;
+    /// Whole numbers as float32.
+    fn to_float(self, a: Self::Int) -> Self::Float;
+    /// The same bits.
+    fn as_int(self, a: Self::Float) -> Self::Int;
+    /// The same bits.
+    fn as_float(self, a: Self::Int) -> Self::Float;
+    /// The sums, wrapping around.
+    fn add_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
+    /// The products' lower 32 bits.
+    fn multiply_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
+    /// a, 65,536-fold, plus b.
+    fn pack(self, a: Self::Int, b: Self::Int) -> Self::Int;
+    /// The bytes at these places, counted without sign; of places from `bytes.len() - 3` on, some other byte.
+    fn gather(self, bytes: &[u8], places: Self::Int) -> Self::Int;
+    /// Where a < b.
+    fn is_less(self, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Where a <= b.
+    fn is_at_most(self, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Where a is positive.
+    fn is_positive(self, a: Self::Int) -> Self::Mask;
+    /// The first lanes.
+    fn first(self, count: usize) -> Self::Mask;
+    /// Where both hold.
+    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Where a holds and b does not.
+    fn without(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each lane.
+    fn bits(self, mask: Self::Mask) -> u32;
+    /// a where the mask holds, else b.
+    fn select(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Float;
+    /// The lanes with a bit set, moved down in order; the others of no meaning.
+    fn compress(self, bits: u32, a: Self::Int) -> Self::Int;
+    /// Numbers from a place on.
+    fn load(self, numbers: &[f32], at: usize) -> Self::Float;
+    /// Numbers from a place on.
+    fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
+    /// Puts all lanes from a place on.
+    fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);
+    /// Puts all lanes from a place on.
+    fn store(self, numbers: &mut [f32], at: usize, a: Self::Float);
+}

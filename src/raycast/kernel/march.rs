@@ -1,0 +1,222 @@
+//! The jump loop over vectors of rays, for any instruction set.
+//!
+//! Rays go in passes over a block: each takes a few steps, then those that are still on their way move up next to each other, so
+//! that no lane idles for long. Within a pass no vector waits for another.
+//!
+//! Steps are computed in float32 and are right unless the ray passes near a corner of a cell, by a bound on the rounding. There
+//! the exact step of [`Track`] decides. So the cell a ray ends in is exact, and the distance to it is computed once, in float64.
+
+use super::Sink;
+use super::lanes::Lanes;
+use crate::raycast::Clearance;
+use crate::raycast::block::{BLOCK, Block, RoughAxis};
+use crate::raycast::source::{GROUP, Source};
+use crate::raycast::track::{Track, distance};
+
+/// Steps in a pass.
+const STEPS: usize = 2;
+
+/// A crossing this near to a grid line, by the distance travelled, has to be decided exactly.
+///
+/// The distance to a line is off by at most 5 roundings, the place across by 2 more, each of 2⁻²⁴ of the distance; two lines'
+/// distances are told apart wrongly only if they differ by less than 10. All of it stays below 16 · 2⁻²⁴ = 2⁻²⁰ of the distance;
+/// twice that is on the safe side.
+const TIE_BY_DISTANCE: f32 = 1.0 / 524_288.0;
+
+/// And by the rounding of where the ray starts in its first cell, 2⁻²⁵, with much to spare.
+const TIE: f32 = 1.0 / 1_048_576.0;
+
+/// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
+/// infinite if there is none; those beyond `limit` may be infinite. In cells.
+#[inline(always)]
+pub fn cast<L: Lanes, S: Source>(
+    lanes: L,
+    clearance: &Clearance,
+    source: S,
+    limit: f64,
+    block: &mut Block,
+    sink: &mut impl Sink,
+) {
+    // No ray goes farther than this on the grid, and float32 tells it apart from a cell less.
+    let limit = limit.min((clearance.width() + clearance.height()) as f64) as f32;
+    let groups = source.count().div_ceil(GROUP);
+    for first_group in (0..groups).step_by(BLOCK / GROUP) {
+        let count = (source.count() - first_group * GROUP).min(BLOCK);
+        let block_groups = count.div_ceil(GROUP);
+        for group in 0..block_groups {
+            block.aim(clearance, source, first_group + group, group * GROUP);
+        }
+        March { lanes, clearance, source, first_group, limit }.run(block, count);
+        for group in 0..block_groups {
+            let cells: &[i32; GROUP] = block.cells[group * GROUP..].first_chunk().expect("whole groups fit into a block");
+            let mut distances = [0.0; GROUP];
+            for (place, found) in distances.iter_mut().enumerate() {
+                let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
+                *found = distance(clearance, &source.ray(first_group + group, place), cell);
+            }
+            sink(first_group + group, &distances);
+        }
+    }
+}
+
+struct March<'a, L, S> {
+    lanes: L,
+    clearance: &'a Clearance,
+    source: S,
+    first_group: usize,
+    limit: f32,
+}
+
+/// A vector of rays on their way.
+struct Rays<L: Lanes> {
+    /// Place in the block of the first of them.
+    at: usize,
+    /// Those that have not ended.
+    active: L::Mask,
+    /// The cells they are in, as the block counts them.
+    major: L::Float,
+    minor: L::Float,
+}
+
+impl<L: Lanes, S: Source> March<'_, L, S> {
+    /// Moves each of the first `count` rays to the blocking cell it hits, or off the grid, or beyond the limit.
+    #[inline(always)]
+    fn run(&self, block: &mut Block, count: usize) {
+        let mut rest = count;
+        let mut ended = 0;
+        while rest > 0 {
+            // The last ones are not worth moving up.
+            let steps = if rest > 2 * L::COUNT { STEPS } else { usize::MAX };
+            let mut kept = 0;
+            for at in (0..rest).step_by(2 * L::COUNT) {
+                let begun = [self.lanes.first(rest - at), self.lanes.first((rest - at).saturating_sub(L::COUNT))];
+                let mut a = self.load(block, at, begun[0]);
+                let mut b = self.load(block, at + L::COUNT, begun[1]);
+                for step in 0..steps {
+                    if step >= STEPS && self.lanes.bits(a.active) | self.lanes.bits(b.active) == 0 {
+                        break;
+                    }
+                    a = self.step(block, &a);
+                    b = self.step(block, &b);
+                }
+                for (rays, begun) in [(a, begun[0]), (b, begun[1])] {
+                    ended += self.end(block, ended, &rays, begun);
+                    kept += self.keep(block, kept, &rays);
+                }
+            }
+            rest = kept;
+        }
+        for (&number, &cell) in block.ended[..count].iter().zip(&block.ended_in) {
+            block.cells[number as usize] = cell;
+        }
+    }
+
+    #[inline(always)]
+    fn load(&self, block: &Block, at: usize, active: L::Mask) -> Rays<L> {
+        Rays { at, active, major: self.lanes.load(&block.major.cell, at), minor: self.lanes.load(&block.minor.cell, at) }
+    }
+
+    /// Writes down from place `to` on where the rays ended that did, of those that had begun; returns their number.
+    #[inline(always)]
+    fn end(&self, block: &mut Block, to: usize, rays: &Rays<L>, begun: L::Mask) -> usize {
+        let lanes = self.lanes;
+        let bits = lanes.bits(lanes.without(begun, rays.active));
+        let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.int(1));
+        let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
+        let number = lanes.load_int(&block.number, rays.at);
+        lanes.store_int(&mut block.ended, to, lanes.compress(bits, number));
+        lanes.store_int(&mut block.ended_in, to, lanes.compress(bits, cell));
+        bits.count_ones() as usize
+    }
+
+    /// Moves the rays that are still on their way up to place `to`, not after their own; returns their number.
+    #[inline(always)]
+    fn keep(&self, block: &mut Block, to: usize, rays: &Rays<L>) -> usize {
+        let lanes = self.lanes;
+        let bits = lanes.bits(rays.active);
+        let moved = |numbers: L::Float| lanes.as_float(lanes.compress(bits, lanes.as_int(numbers)));
+        for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
+            lanes.store(&mut axis.cell, to, moved(cell));
+            for numbers in [&mut axis.first, &mut axis.direction, &mut axis.inverse] {
+                let numbers_moved = moved(lanes.load(numbers, rays.at));
+                lanes.store(numbers, to, numbers_moved);
+            }
+        }
+        for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
+            let numbers_moved = lanes.compress(bits, lanes.load_int(numbers, rays.at));
+            lanes.store_int(numbers, to, numbers_moved);
+        }
+        bits.count_ones() as usize
+    }
+
+    /// Moves the active rays out of the free boxes around their cells.
+    #[inline(always)]
+    fn step(&self, block: &Block, rays: &Rays<L>) -> Rays<L> {
+        let lanes = self.lanes;
+        let row = lanes.multiply_int(lanes.to_int(rays.minor), lanes.load_int(&block.stride, rays.at));
+        let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
+        let length = lanes.gather(self.clearance.lengths(), lanes.add_int(row, in_row));
+        let active = lanes.both(rays.active, lanes.is_positive(length));
+
+        let along = lanes.to_float(length);
+        let far_major = lanes.add(rays.major, along);
+        let far_minor = lanes.add(rays.minor, lanes.ceil(lanes.multiply(along, lanes.float(0.5))));
+        let to_line = |axis: &RoughAxis, line| {
+            lanes.multiply(lanes.add(line, lanes.load(&axis.first, rays.at)), lanes.load(&axis.inverse, rays.at))
+        };
+        let (to_major, to_minor) = (to_line(&block.major, far_major), to_line(&block.minor, far_minor));
+        let distance = lanes.lesser(to_major, to_minor);
+        let crosses_major = lanes.both(active, lanes.is_less(to_major, to_minor));
+        let crosses_minor = lanes.without(active, crosses_major);
+
+        let place = |axis: &RoughAxis| {
+            let direction = lanes.load(&axis.direction, rays.at);
+            lanes.multiply_subtract(distance, direction, lanes.load(&axis.first, rays.at))
+        };
+        let across = lanes.select(crosses_major, place(&block.minor), place(&block.major));
+        let cell = lanes.floor(across);
+        let mut major = lanes.select(crosses_minor, cell, far_major);
+        let mut minor = lanes.select(crosses_major, cell, far_minor);
+
+        let near = lanes.multiply_add(distance, lanes.float(TIE_BY_DISTANCE), lanes.float(TIE));
+        let ties = lanes.bits(lanes.both(active, lanes.is_at_most(lanes.off_whole(across), near)));
+        if ties != 0 {
+            (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
+        }
+        let active = lanes.both(active, lanes.is_at_most(distance, lanes.float(self.limit)));
+        Rays { at: rays.at, active, major, minor }
+    }
+
+    /// The cells that the rays step into, those of `ties` by the exact step.
+    #[cold]
+    #[inline(always)]
+    fn step_exactly(
+        &self,
+        block: &Block,
+        rays: &Rays<L>,
+        length: L::Int,
+        mut ties: u32,
+        (major, minor): (L::Float, L::Float),
+    ) -> (L::Float, L::Float) {
+        let lanes = self.lanes;
+        let list = |numbers| {
+            let mut list = [0.0; 16];
+            lanes.store(&mut list, 0, numbers);
+            list
+        };
+        let (now_major, now_minor, length) = (list(rays.major), list(rays.minor), list(lanes.to_float(length)));
+        let (mut major, mut minor) = (list(major), list(minor));
+        while ties != 0 {
+            let lane = ties.trailing_zeros() as usize;
+            ties &= ties - 1;
+            let number = block.number[rays.at + lane] as usize;
+            let ray = self.source.ray(self.first_group + number / GROUP, number % GROUP);
+            // The block counts cells from the one after the first.
+            let now = (now_major[lane] as i32 + 1, now_minor[lane] as i32 + 1);
+            let next = Track::new(self.clearance, &ray).step(now, length[lane] as i32);
+            major[lane] = (next.0 - 1) as f32;
+            minor[lane] = (next.1 - 1) as f32;
+        }
+        (lanes.load(&major, 0), lanes.load(&minor, 0))
+    }
+}

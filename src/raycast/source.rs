@@ -1,0 +1,109 @@
+//! Where rays come from: the beams of a scan, or rays that have nothing to do with each other.
+
+use glam::DVec2;
+
+use super::Ray;
+use super::ray::still;
+
+/// Rays come in groups of this many, so that loops over them have a fixed length.
+pub const GROUP: usize = 32;
+
+/// A number for each ray of a group.
+pub type Group = [f64; GROUP];
+
+/// Rays over a grid, in cells.
+pub trait Source: Copy {
+    /// Number of rays.
+    fn count(&self) -> usize;
+
+    /// The ray at a place of a group. Behind the last ray there are others of no meaning, up to the group's end.
+    fn ray(&self, group: usize, place: usize) -> Ray;
+}
+
+/// Rays that start at one place of the grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Fan<'a> {
+    /// Where the rays start.
+    pub origin: DVec2,
+    /// The cell of the origin, which is on the grid.
+    pub cell: (i32, i32),
+    /// Cosine and sine of the angle that the directions are turned by.
+    pub heading: DVec2,
+    /// Cosines of the directions' angles before that turn.
+    pub cos: &'a [Group],
+    /// Sines of those angles, as many.
+    pub sin: &'a [Group],
+    /// Number of rays.
+    pub count: usize,
+}
+
+impl Source for Fan<'_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline(always)]
+    fn ray(&self, group: usize, place: usize) -> Ray {
+        let turned = self.heading.rotate(DVec2::new(self.cos[group][place], self.sin[group][place]));
+        let direction = DVec2::new(still(turned.x), still(turned.y));
+        Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
+    }
+}
+
+/// A group of rays each with an origin of its own, side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct RayGroup {
+    x: Group,
+    y: Group,
+    dx: Group,
+    dy: Group,
+    gap: Group,
+    col: [i32; GROUP],
+    row: [i32; GROUP],
+}
+
+impl RayGroup {
+    /// Rays that never get to the grid.
+    pub const ASTRAY: Self = {
+        let zero = [0.0; GROUP];
+        Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
+    };
+
+    /// Puts a ray at a place.
+    #[inline]
+    pub fn set(&mut self, place: usize, ray: &Ray) {
+        (self.x[place], self.y[place]) = ray.origin.into();
+        (self.dx[place], self.dy[place]) = ray.direction.into();
+        (self.col[place], self.row[place]) = (ray.col, ray.row);
+        self.gap[place] = ray.gap;
+    }
+}
+
+/// Rays each with an origin of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    /// The rays, filled up to whole groups.
+    pub groups: &'a [RayGroup],
+    /// Number of rays.
+    pub count: usize,
+}
+
+impl Source for Rays<'_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline(always)]
+    fn ray(&self, group: usize, place: usize) -> Ray {
+        let rays = &self.groups[group];
+        Ray {
+            origin: DVec2::new(rays.x[place], rays.y[place]),
+            direction: DVec2::new(rays.dx[place], rays.dy[place]),
+            col: rays.col[place],
+            row: rays.row[place],
+            gap: rays.gap[place],
+        }
+    }
+}
