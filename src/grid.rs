@@ -43,7 +43,7 @@ pub struct GridOptions {
 }
 
 /// Occupancy of the plane in square cells, as `nav_msgs/OccupancyGrid` has it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct OccupancyGrid {
     cells: Vec<i8>,
     width: usize,
@@ -87,9 +87,7 @@ impl OccupancyGrid {
         if cells.len() > MAX_CELLS {
             return Err(Error::Count { name: "the number of cells", value: cells.len(), needed: "at most 2000000000" });
         }
-        if let Some(index) = cells.iter().position(|value| !(-1..=100).contains(value)) {
-            return Err(Error::Cell { row: index / width, col: index % width, value: cells[index] });
-        }
+        check_cells(&cells, width)?;
         check_number("resolution", options.resolution, "positive", |value| value > 0.0)?;
         check_number("occupied_threshold", options.occupied_threshold.into(), "in 1..100", |value| {
             (1.0..=100.0).contains(&value)
@@ -133,8 +131,46 @@ impl OccupancyGrid {
 
     /// What fast casting needs, built at the first call.
     pub fn clearance(&self) -> &Clearance {
-        self.clearance
-            .get_or_init(|| Clearance::new(self.width, self.height, |index| self.options.blocks(self.cells[index])))
+        self.prepare(None)
+    }
+
+    /// What fast casting needs, built at the first call, by so many threads or as many as there are cores.
+    pub fn prepare(&self, threads: Option<usize>) -> &Clearance {
+        let blocks = |index: usize| self.options.blocks(self.cells[index]);
+        self.clearance.get_or_init(|| Clearance::new(self.width, self.height, threads, blocks))
+    }
+
+    /// Gives the cells of a rectangle new values: as many columns as `width`, row by row from `corner` on.
+    ///
+    /// What casting needs is kept, but for what the rectangle changes.
+    ///
+    /// # Errors
+    /// Values outside of -1..=100, a width that does not divide their number, a rectangle that does not lie on the grid.
+    pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
+        if width == 0 || !values.len().is_multiple_of(width) {
+            return Err(Error::Length {
+                name: "cells",
+                value: values.len(),
+                needed: width * (values.len() / width.max(1) + 1),
+            });
+        }
+        let height = values.len() / width;
+        for (name, end, size) in
+            [("the last column", corner.col + width, self.width), ("the last row", corner.row + height, self.height)]
+        {
+            if end > size {
+                return Err(Error::Count { name, value: end - 1, needed: "on the grid" });
+            }
+        }
+        check_cells(values, width)?;
+        for (row, values) in values.chunks_exact(width).enumerate() {
+            self.cells[(corner.row + row) * self.width + corner.col..][..width].copy_from_slice(values);
+        }
+        if let Some(clearance) = self.clearance.get_mut() {
+            let region = (corner.col..corner.col + width, corner.row..corner.row + height);
+            clearance.update(&region, |index| self.options.blocks(self.cells[index]));
+        }
+        Ok(())
     }
 
     /// A pose of the map frame in the frame of the grid, in metres from its corner.
@@ -251,6 +287,14 @@ impl GridOptions {
 
 fn check_radius(radius: f64) -> Result<f64, Error> {
     check_number("radius", radius, "at least 0", |value| value >= 0.0)
+}
+
+/// Checks that all values are occupancies, and names the first that is not.
+fn check_cells(cells: &[i8], width: usize) -> Result<(), Error> {
+    match cells.iter().position(|value| !(-1..=100).contains(value)) {
+        Some(index) => Err(Error::Cell { row: index / width, col: index % width, value: cells[index] }),
+        None => Ok(()),
+    }
 }
 
 /// A whole number as an index, if it lies in `0..count`.

@@ -168,7 +168,7 @@ impl LaserScanner {
         }
         let max_range = self.options.max_range;
         let kernel = self.kernel()?;
-        grid.clearance();
+        grid.prepare(threads);
         threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
             let pose = poses[scan].into();
             if let Some(noise) = noise {

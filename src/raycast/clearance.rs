@@ -1,8 +1,11 @@
 //! How far a ray may jump: per cell and sector of directions, a free box.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::Sector;
+use crate::threads;
 
 /// Free boxes around each cell of a grid, one for each [`Sector`] of directions.
 ///
@@ -12,7 +15,7 @@ use super::Sector;
 ///
 /// Each sector has a plane of its own, mirrored and swapped as the sector is: a ray moves towards higher columns and rows of its
 /// plane, and the cells it comes by are near each other in memory.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Clearance {
     /// Lengths, plane by plane, row by row; then what a read of four bytes may reach beyond the last of them.
     lengths: Vec<u8>,
@@ -22,6 +25,9 @@ pub struct Clearance {
 
 /// The longest box, even so that a box two longer than a shorter one is no longer than this.
 pub const LONGEST: u8 = 254;
+
+/// Columns and rows of a grid.
+pub type Region = (Range<usize>, Range<usize>);
 
 /// Bytes that a four-byte read of the last length reaches beyond it.
 const READ_BEYOND: usize = 3;
@@ -34,20 +40,62 @@ pub fn breadth(length: i32) -> i32 {
 }
 
 impl Clearance {
-    /// The boxes of a grid whose cells block where `blocks` says so of their index, row by row.
+    /// The boxes of a grid whose cells block where `blocks` says so of their index, row by row; built by so many threads, or as
+    /// many as there are cores.
     #[must_use]
-    pub fn new(width: usize, height: usize, blocks: impl Fn(usize) -> bool) -> Self {
+    pub fn new(width: usize, height: usize, threads: Option<usize>, blocks: impl Fn(usize) -> bool + Sync) -> Self {
         let plane = (width + 2) * (height + 2);
-        let mut clearance = Self { lengths: vec![0; Sector::COUNT * plane + READ_BEYOND], width, height };
-        let upright: Vec<bool> = (0..width * height).map(blocks).collect();
-        let steep: Vec<bool> = (0..width * height).map(|index| upright[index % height * width + index / height]).collect();
-        for (sector, lengths) in Sector::all().zip(clearance.lengths.chunks_exact_mut(plane)) {
-            let (cols, rows) = sector.order(width, height);
-            let blocking = if sector.is_steep() { &steep } else { &upright };
-            let mirrored = sector.order(sector.is_left(), sector.is_down());
-            fill(lengths, blocking, cols, rows, mirrored);
+        let mut lengths = vec![0; Sector::COUNT * plane + READ_BEYOND];
+        let shape = Self { lengths: Vec::new(), width, height };
+        let fill = |sector: usize, lengths: &mut [u8]| {
+            shape.fill(Sector::numbered(sector), lengths, (0..width, 0..height), &blocks);
+        };
+        let planes = &mut lengths[..Sector::COUNT * plane];
+        if threads::for_each_chunk(threads, planes, plane, fill).is_err() {
+            // Without threads to be had, the caller's has to do.
+            planes.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
         }
-        clearance
+        Self { lengths, ..shape }
+    }
+
+    /// Builds anew what depends on the cells of a region, given again which cells of the grid block.
+    pub fn update(&mut self, region: &Region, blocks: impl Fn(usize) -> bool) {
+        let shape = Self { lengths: Vec::new(), ..*self };
+        for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
+            shape.fill(sector, lengths, region.clone(), &blocks);
+        }
+    }
+
+    /// Builds the plane of a sector as far as it depends on the cells of a region.
+    fn fill(&self, sector: Sector, lengths: &mut [u8], (cols, rows): Region, blocks: impl Fn(usize) -> bool) {
+        let stride = self.stride(sector);
+        let first = self.index_in_plane(0, 0, sector);
+        // Along a column or a row of the grid, places in the plane are evenly spaced.
+        let from_col = self.index_in_plane(1, 0, sector).wrapping_sub(first);
+        let from_row = self.index_in_plane(0, 1, sector).wrapping_sub(first);
+        for (cols, rows) in tiles(&cols, &rows) {
+            let mut mark = |col: usize, row: usize| {
+                let place = first.wrapping_add(from_row.wrapping_mul(row)).wrapping_add(from_col.wrapping_mul(col));
+                lengths[place] = (!blocks(row * self.width + col)).into();
+            };
+            if sector.is_steep() {
+                cols.for_each(|col| rows.clone().for_each(|row| mark(col, row)));
+            } else {
+                rows.for_each(|row| cols.clone().for_each(|col| mark(col, row)));
+            }
+        }
+        let mirrored = |back: bool, range: Range<usize>, size: usize| {
+            if back { size - range.end..size - range.start } else { range }
+        };
+        let (along, across) =
+            sector.order(mirrored(sector.is_left(), cols, self.width), mirrored(sector.is_down(), rows, self.height));
+        // No box from farther away reaches the region.
+        let along = along.start.saturating_sub(LONGEST.into())..along.end;
+        let mut filler = RowFiller::default();
+        for row in (across.start.saturating_sub(LONGEST.into())..across.end).rev() {
+            let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
+            filler.fill(&mut line[1 + along.start..], &done[1 + along.start..], along.len());
+        }
     }
 
     /// Number of columns, border left out.
@@ -86,10 +134,14 @@ impl Clearance {
     #[inline]
     #[must_use]
     pub fn index(&self, col: i32, row: i32, sector: Sector) -> usize {
+        sector.number() as usize * self.plane() + self.index_in_plane(col, row, sector)
+    }
+
+    fn index_in_plane(&self, col: i32, row: i32, sector: Sector) -> usize {
         let col = if sector.is_left() { self.width as i32 - 1 - col } else { col };
         let row = if sector.is_down() { self.height as i32 - 1 - row } else { row };
         let (major, minor) = sector.order(col, row);
-        sector.number() as usize * self.plane() + (minor + 1) as usize * self.stride(sector) + (major + 1) as usize
+        (minor + 1) as usize * self.stride(sector) + (major + 1) as usize
     }
 
     /// Length of the box of a cell into a sector; columns and rows one off the grid are its border.
@@ -114,38 +166,54 @@ impl Clearance {
     }
 }
 
-/// Fills a plane of `cols` by `rows`.
-///
-/// A dynamic programme: a box two longer and one broader is covered by its first two cells and the boxes two along, one across,
-/// and both.
-fn fill(lengths: &mut [u8], blocking: &[bool], cols: usize, rows: usize, mirrored: (bool, bool)) {
-    let stride = cols + 2;
-    for row in (0..rows).rev() {
-        let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
-        let source = if mirrored.1 { rows - 1 - row } else { row };
-        let source = &blocking[source * cols..][..cols];
-        if mirrored.0 {
-            fill_row(line, done, source.iter());
-        } else {
-            fill_row(line, done, source.iter().rev());
-        }
-    }
+/// Cuts a region into tiles that fit into a cache both along rows and along columns.
+fn tiles(cols: &Range<usize>, rows: &Range<usize>) -> impl Iterator<Item = Region> {
+    const SIDE: usize = 64;
+    let cut = |range: &Range<usize>| {
+        let end = range.end;
+        range.clone().step_by(SIDE).map(move |start| start..(start + SIDE).min(end))
+    };
+    let cols = cut(cols);
+    cut(rows).flat_map(move |rows| cols.clone().map(move |cols| (cols, rows.clone())))
 }
 
-/// Fills the row `line`, the row `done` across from it being done; `blocking` from the last cell to the first.
-fn fill_row<'a>(line: &mut [u8], done: &[u8], blocking: impl Iterator<Item = &'a bool>) {
-    let cols = line.len() - 2;
-    let (mut next, mut after_next) = (0, 0);
-    let (mut done_next, mut done_after_next) = (0, 0);
-    let mut next_blocks = true;
-    for ((length, &done), &blocks) in line[1..=cols].iter_mut().zip(&done[1..=cols]).rev().zip(blocking) {
-        let least = done.min(done_after_next).min(after_next).min(LONGEST - 2);
+/// Room for what is known of each cell of a row before its length.
+#[derive(Default)]
+struct RowFiller {
+    /// How long a box could be, but for the one two along, less 2.
+    reach: Vec<u8>,
+    /// All bits set where this cell and the next are free.
+    free: Vec<u8>,
+}
+
+impl RowFiller {
+    /// Fills the first `count` cells of a row from what is behind them and the row `done` across; so far, they are 0 where they
+    /// block and something else where they do not.
+    ///
+    /// A dynamic programme: a box two longer and one broader is covered by its first two cells and the boxes two along, one
+    /// across, and both. Only the box two along has to be waited for.
+    fn fill(&mut self, line: &mut [u8], done: &[u8], count: usize) {
         // Boxes of length 1 two apart leave the cell between them.
-        let free = if next_blocks { 1 } else { least + 2 - u8::from(least == 1) };
-        *length = if blocks { 0 } else { free };
-        (after_next, next) = (next, *length);
-        (done_after_next, done_next) = (done_next, done);
-        next_blocks = blocks;
+        let covering = |length: u8| if length == 1 { 0 } else { length };
+        self.reach.clear();
+        self.reach.resize(count, 0);
+        for ((reach, &near), &far) in self.reach.iter_mut().zip(done).zip(&done[2..]) {
+            *reach = covering(near).min(covering(far)).min(LONGEST - 2);
+        }
+        self.free.clear();
+        self.free
+            .extend(line[..count].iter().zip(&line[1..]).map(|(&here, &next)| if here != 0 && next != 0 { 255 } else { 0 }));
+        for (length, &free) in line.iter_mut().zip(&self.free) {
+            // What blocks has length 0, and what is free before what blocks has 1.
+            *length = (*length).min(1) & !free;
+        }
+        let mut next = covering(line[count]);
+        let mut after_next = line.get(count + 1).map_or(0, |&length| covering(length));
+        for ((length, &reach), &free) in line.iter_mut().zip(&self.reach).zip(&self.free).rev() {
+            let covered = (reach.min(after_next) + 2) & free;
+            *length |= covered;
+            (after_next, next) = (next, covered);
+        }
     }
 }
 
@@ -180,7 +248,7 @@ mod tests {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
             let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
-            let clearance = Clearance::new(width, height, |index| blocking[index]);
+            let clearance = Clearance::new(width, height, Some(1), |index| blocking[index]);
             for (sector, cell, length) in boxes(&clearance) {
                 let blocked = |length| is_blocked(&blocking, width, cell, sector, length);
                 assert!(!blocked(length), "{width}x{height} {cell:?} {sector:?}: {length} is too long");
@@ -192,7 +260,7 @@ mod tests {
 
     #[test]
     fn lengths_stop_at_what_a_byte_holds() {
-        let clearance = Clearance::new(300, 300, |_| false);
+        let clearance = Clearance::new(300, 300, Some(1), |_| false);
         for sector in Sector::all() {
             let corner = |back: bool| if back { 299 } else { 0 };
             assert_eq!(clearance.length(corner(sector.is_left()), corner(sector.is_down()), sector), i32::from(LONGEST));
@@ -202,10 +270,30 @@ mod tests {
 
     #[test]
     fn the_border_stops_every_sector() {
-        let clearance = Clearance::new(3, 2, |_| false);
+        let clearance = Clearance::new(3, 2, Some(1), |_| false);
         for (col, row) in [(-1, 0), (3, 1), (0, -1), (2, 2), (-1, -1), (3, 2)] {
             for sector in Sector::all() {
                 assert_eq!(clearance.length(col, row, sector), 0);
+            }
+        }
+    }
+
+    #[test]
+    fn an_update_is_as_good_as_a_new_start() {
+        let mut stream = random::stream(2, 0);
+        let mut below = |count: usize| stream.next_u64() as usize % count;
+        for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
+            let mut blocking: Vec<bool> = (0..width * height).map(|_| below(one_in) == 0).collect();
+            let mut clearance = Clearance::new(width, height, Some(1), |index| blocking[index]);
+            for _ in 0..20 {
+                let (col, row) = (below(width), below(height));
+                let region = (col..col + 1 + below(width - col), row..row + 1 + below(height - row));
+                for row in region.1.clone() {
+                    blocking[row * width..][region.0.clone()].fill_with(|| below(one_in) == 0);
+                }
+                clearance.update(&region, |index| blocking[index]);
+                let anew = Clearance::new(width, height, Some(2), |index| blocking[index]);
+                assert!(clearance.lengths == anew.lengths, "{width}x{height} {region:?}");
             }
         }
     }

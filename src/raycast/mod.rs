@@ -101,7 +101,7 @@ pub fn cast_rays(
         return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
     }
     let caster = Caster::new(grid, max_range, Kernel::chosen()?);
-    grid.clearance();
+    grid.prepare(threads);
     threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
         let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
         for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {

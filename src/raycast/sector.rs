@@ -26,6 +26,16 @@ impl Sector {
         (0..Self::COUNT as u32).map(Self)
     }
 
+    /// The sector of a number.
+    ///
+    /// # Panics
+    /// If the number is not less than [`COUNT`](Self::COUNT).
+    #[must_use]
+    pub fn numbered(number: usize) -> Self {
+        assert!(number < Self::COUNT, "there is no sector {number}");
+        Self(number as u32)
+    }
+
     /// The number of the sector, less than [`COUNT`](Self::COUNT).
     #[inline]
     #[must_use]
