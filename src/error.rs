@@ -70,6 +70,30 @@ pub enum Error {
     /// Beam model weights of which none is positive.
     #[error("at least one of z_hit, z_short, z_max, z_rand must be positive, got {0:?}")]
     Weights([f64; 4]),
+    /// A corner of a polygon that is not finite or too far away.
+    #[error("a corner must be finite and within 1e6 of the origin, got {value:?} in row {row}")]
+    Corner {
+        /// Index of the first such corner.
+        row: usize,
+        /// The corner given.
+        value: [f64; 2],
+    },
+    /// A corner of a polygon given twice in a row.
+    #[error("corners must differ, got the same in rows {row} and {next}")]
+    RepeatedCorner {
+        /// Index of the corner.
+        row: usize,
+        /// Index of its repetition.
+        next: usize,
+    },
+    /// A polygon that crosses or touches itself.
+    #[error("edges must meet only at the corners they share, got edges {first} and {second} that meet elsewhere")]
+    Edges {
+        /// Index of an edge, which is that of its first corner.
+        first: usize,
+        /// Index of another.
+        second: usize,
+    },
     /// No place for a robot of this radius.
     #[error("no known free place for a disc of radius {radius} m on this grid")]
     NoFreePlace {

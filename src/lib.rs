@@ -26,17 +26,23 @@ mod beam_model;
 mod error;
 mod grid;
 mod motion;
+mod obstacles;
 mod pose;
 #[cfg(feature = "python")]
 mod python;
 pub mod random;
 pub mod raycast;
 mod scanner;
+mod shape;
 mod threads;
+mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use motion::{Twist, integrate, integrate_batch, interpolate};
+pub use obstacles::Obstacles;
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use scanner::{LaserScanner, MAX_BEAMS, NoReturn, Noise, ScannerOptions};
+pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
+pub use world::World;

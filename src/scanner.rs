@@ -6,11 +6,12 @@ use glam::DVec2;
 
 use crate::beam_model::BeamModel;
 use crate::error::{Error, check_number, check_rows};
-use crate::grid::OccupancyGrid;
+use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
 use crate::random;
 use crate::raycast::{Caster, Fan, GROUP, Group, Kernel};
 use crate::threads;
+use crate::world::World;
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,9 +143,9 @@ impl LaserScanner {
     ///
     /// # Errors
     /// A kernel asked for by the environment that this machine does not have.
-    pub fn scan(&self, grid: &OccupancyGrid, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
+    pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let max_range = self.options.max_range;
-        self.cast(self.kernel()?, grid, map_from_base, ranges, |range| range.min(max_range));
+        self.cast(self.kernel()?, world.into(), map_from_base, ranges, |range| range.min(max_range));
         Ok(())
     }
 
@@ -153,14 +154,15 @@ impl LaserScanner {
     ///
     /// # Errors
     /// Poses that are not finite, a wrong number of `readings`, no threads to be had.
-    pub fn scan_batch(
+    pub fn scan_batch<'a>(
         &self,
-        grid: &OccupancyGrid,
+        world: impl Into<World<'a>>,
         poses: &[[f64; 3]],
         noise: Option<Noise>,
         threads: Option<usize>,
         readings: &mut [f32],
     ) -> Result<(), Error> {
+        let world = world.into();
         let beam_count = self.options.beam_count;
         check_rows("poses", poses.iter().copied())?;
         if readings.len() != poses.len() * beam_count {
@@ -168,16 +170,16 @@ impl LaserScanner {
         }
         let max_range = self.options.max_range;
         let kernel = self.kernel()?;
-        grid.prepare(threads);
+        world.grid.prepare(threads);
         threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
             let pose = poses[scan].into();
             if let Some(noise) = noise {
                 let mut stream = random::stream(noise.seed, noise.first_index.wrapping_add(scan as u64));
-                self.cast(kernel, grid, pose, readings, |range| {
+                self.cast(kernel, world, pose, readings, |range| {
                     noise.model.sample((range < max_range).then_some(range), max_range, &mut stream)
                 });
             } else {
-                self.cast(kernel, grid, pose, readings, |range| range.min(max_range));
+                self.cast(kernel, world, pose, readings, |range| range.min(max_range));
             }
         })
     }
@@ -229,13 +231,14 @@ impl LaserScanner {
     fn cast(
         &self,
         kernel: Kernel,
-        grid: &OccupancyGrid,
+        World { grid, obstacles }: World<'_>,
         map_from_base: Pose,
         readings: &mut [f32],
         mut read: impl FnMut(f64) -> f64,
     ) {
         assert_eq!(readings.len(), self.options.beam_count, "one reading per beam");
-        let grid_from_laser = grid.pose_in_grid(map_from_base * self.options.mount);
+        let map_from_laser = map_from_base * self.options.mount;
+        let grid_from_laser = grid.pose_in_grid(map_from_laser);
         let (sin, cos) = libm::sincos(grid_from_laser.yaw);
         let fan = Fan {
             origin: grid_from_laser.position / grid.resolution(),
@@ -245,12 +248,21 @@ impl LaserScanner {
             sin: &self.sin,
             count: self.options.beam_count,
         };
+        let view = View::new(obstacles, map_from_laser, self.spread(), self.options.max_range);
         Caster::new(grid, self.options.max_range, kernel).cast_fan(fan, |group, ranges| {
             let readings = &mut readings[group * GROUP..];
             let count = readings.len().min(GROUP);
+            let mut ranges = *ranges;
+            let (cos, sin) = (&self.cos[group], &self.sin[group]);
+            view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges[..count]);
             for (reading, range) in readings[..count].iter_mut().zip(ranges) {
-                *reading = read(*range) as f32;
+                *reading = read(range) as f32;
             }
         });
+    }
+
+    fn spread(&self) -> Spread {
+        let Self { options: ScannerOptions { beam_count, .. }, angle_min, angle_increment, .. } = *self;
+        Spread { angle_min, angle_increment, beam_count }
     }
 }

@@ -6,7 +6,16 @@ The core (grids, scanners, beam noise, motion) is there at once; the rest is imp
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose, __version__, cast_rays, integrate_twist
+from ._core import (
+    BeamModel,
+    LaserScanner,
+    OccupancyGrid,
+    Pose,
+    Shape,
+    __version__,
+    cast_rays,
+    integrate_twist,
+)
 
 if TYPE_CHECKING:
     from . import messages
@@ -82,6 +91,7 @@ __all__ = [
     "PoseWithCovariance",
     "PoseWithCovarianceStamped",
     "Quaternion",
+    "Shape",
     "Simulation",
     "TFMessage",
     "Time",

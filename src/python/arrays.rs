@@ -19,6 +19,27 @@ pub fn rows(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
 }
 
+/// A matrix `(3, 3)` of `float64`, row by row.
+pub fn matrix(name: &str, array: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
+    let array = typed::<f64>(name, array)?;
+    let rows = array.as_array();
+    if rows.shape() != [3, 3] {
+        return Err(PyValueError::new_err(format!("{name} must have shape (3, 3), got {}", shape(rows.shape()))));
+    }
+    Ok([0, 1, 2].map(|row| [0, 1, 2].map(|col| rows[[row, col]])))
+}
+
+/// Points, from an array `(N, 2)` or a sequence of pairs of numbers.
+pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+    if let Ok(array) = value.cast::<PyUntypedArray>()
+        && !matches!(array.shape(), [_, 2])
+    {
+        return Err(PyValueError::new_err(format!("{name} must have shape (N, 2), got {}", shape(array.shape()))));
+    }
+    let needed = |_| PyTypeError::new_err(format!("{name} must be (N, 2) numbers, got {}", type_name(value)));
+    value.extract().map_err(needed)
+}
+
 /// An array of this element type, checked by name.
 pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let array = check_dtype::<T>(name, array)?;

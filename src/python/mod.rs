@@ -6,9 +6,11 @@ mod arrays;
 mod beam_model;
 mod grid;
 mod motion;
+mod obstacles;
 mod pose;
 mod raycast;
 mod scanner;
+mod shape;
 
 use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -56,6 +58,8 @@ mod _core {
     use super::raycast::cast_rays;
     #[pymodule_export]
     use super::scanner::LaserScanner;
+    #[pymodule_export]
+    use super::shape::Shape;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

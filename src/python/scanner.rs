@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use super::arrays::{fill, rows, typed, vector};
 use super::beam_model::BeamModel;
 use super::grid::OccupancyGrid;
+use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::{stream_number, thread_count, whole_number};
 use crate::{NoReturn, Noise, ScannerOptions};
@@ -108,35 +109,39 @@ impl LaserScanner {
 
     /// Ranges measured from one pose, without noise.
     ///
-    /// pose: (x, y, yaw) of the robot in the map frame.
-    /// returns: (beam_count,) float32 [m]; max_range means no return.
-    /// raises: ValueError if the pose is not finite. Poses off the map are allowed.
+    /// pose: (x, y, yaw) of the robot in the map frame. obstacles: sequence of (Shape, pose), poses in the map frame.
+    /// returns: (beam_count,) float32 [m], to the nearest of grid and obstacles; max_range means no return.
+    /// raises: ValueError if a pose is not finite. Poses off the map are allowed.
+    #[pyo3(signature = (grid, pose, *, obstacles = ObstaclesArgument::none()))]
     fn scan<'py>(
         &self,
         py: Python<'py>,
         grid: &Bound<'py, OccupancyGrid>,
         pose: PoseArgument,
+        obstacles: ObstaclesArgument,
     ) -> PyResult<Bound<'py, PyAny>> {
         let grid = grid.get().core();
-        fill(py, None, &[self.beam_count()], |ranges| self.0.scan(grid, pose.0, ranges))
+        fill(py, None, &[self.beam_count()], |ranges| self.0.scan((grid, &obstacles.0), pose.0, ranges))
     }
 
     /// Ranges measured from each pose.
     ///
     /// poses: (N, 3) float64, x y [m] and yaw [rad] of the robot in the map frame.
+    /// obstacles: sequence of (Shape, pose), poses in the map frame, that all scans see.
     /// noise: BeamModel to sample from, none if None. seed: names the random streams. first_index: index of the first scan in
     /// its stream, so that chunks of a long batch equal the whole. threads: number of threads, all cores if None; the result
     /// does not depend on it. out: (N, beam_count) float32 in C order, to write into.
     /// returns: (N, beam_count) float32 [m]; column i points at angle_min + i * angle_increment; max_range means no return.
     /// raises: ValueError for shapes and for poses that are not finite; TypeError for dtypes. Poses off the map are allowed.
     /// method: Amanatides & Woo 1987, sec. 2; noise: Probabilistic Robotics, table 6.1.
-    #[pyo3(signature = (grid, poses, *, noise = None, seed = None, first_index = None, threads = None, out = None))]
+    #[pyo3(signature = (grid, poses, *, obstacles = ObstaclesArgument::none(), noise = None, seed = None, first_index = None, threads = None, out = None))]
     #[allow(clippy::too_many_arguments, reason = "the keywords of a batch")]
     fn scan_batch<'py>(
         &self,
         py: Python<'py>,
         grid: &Bound<'py, OccupancyGrid>,
         poses: &Bound<'py, PyAny>,
+        obstacles: ObstaclesArgument,
         noise: Option<BeamModel>,
         seed: Option<&Bound<'py, PyAny>>,
         first_index: Option<&Bound<'py, PyAny>>,
@@ -147,7 +152,7 @@ impl LaserScanner {
         let (seed, first_index) = (stream_number("seed", seed)?, stream_number("first_index", first_index)?);
         let noise = noise.map(|model| Noise { model: model.0, seed, first_index });
         fill(py, out, &[poses.len(), self.beam_count()], |readings| {
-            self.0.scan_batch(grid, &poses, noise, threads, readings)
+            self.0.scan_batch((grid, &obstacles.0), &poses, noise, threads, readings)
         })
     }
 

@@ -24,6 +24,7 @@ use crate::error::{Error, check_number, check_rows};
 use crate::grid::OccupancyGrid;
 use crate::pose::Pose;
 use crate::threads;
+use crate::world::World;
 use block::Block;
 
 /// Casts rays over one grid up to one range.
@@ -87,13 +88,14 @@ impl<'grid> Caster<'grid> {
 ///
 /// # Errors
 /// Rays that are not finite, a `max_range` that is not positive, a wrong number of `ranges`, no threads to be had.
-pub fn cast_rays(
-    grid: &OccupancyGrid,
+pub fn cast_rays<'a>(
+    world: impl Into<World<'a>>,
     rays: &[[f64; 3]],
     max_range: f64,
     threads: Option<usize>,
     ranges: &mut [f32],
 ) -> Result<(), Error> {
+    let World { grid, obstacles } = world.into();
     check_rows("rays", rays.iter().copied())?;
     check_number("max_range", max_range, "positive", |value| value > 0.0)?;
     check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
@@ -112,8 +114,10 @@ pub fn cast_rays(
             }
         }
         caster.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
-            for (range, metres) in ranges[group * GROUP..].iter_mut().zip(metres) {
-                *range = metres.min(max_range) as f32;
+            let rays = &rays[chunk * CHUNK + group * GROUP..];
+            for ((range, metres), ray) in ranges[group * GROUP..].iter_mut().zip(metres).zip(rays) {
+                let metres = metres.min(max_range);
+                *range = metres.min(obstacles.cast_pose(Pose::from(*ray), metres)) as f32;
             }
         });
     })
