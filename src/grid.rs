@@ -268,7 +268,8 @@ impl OccupancyGrid {
         Err(Error::NoFreePlace { radius })
     }
 
-    fn block_at(&self, at: DVec2) -> bool {
+    /// Whether a point, in cells from the grid's corner, lies in a blocking cell.
+    pub(crate) fn block_at(&self, at: DVec2) -> bool {
         let at = at.floor();
         match (index_below(at.x, self.width), index_below(at.y, self.height)) {
             (Some(col), Some(row)) => self.is_blocking(Cell { col, row }),

@@ -23,6 +23,7 @@
 //! - **Motion**: a twist is integrated exactly (the exponential of SE(2)), not by Euler steps.
 
 mod beam_model;
+mod contact;
 mod error;
 mod grid;
 mod motion;
@@ -38,6 +39,7 @@ mod threads;
 mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
+pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, touches};
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use motion::{Twist, integrate, integrate_batch, interpolate};

@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from ._core import (
     BeamModel,
+    Contact,
     LaserScanner,
     OccupancyGrid,
     Pose,
     Shape,
     __version__,
+    advance,
     cast_rays,
+    clearance,
     integrate_twist,
+    touches,
 )
 
 if TYPE_CHECKING:
@@ -77,6 +81,7 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "BeamModel",
     "Clock",
+    "Contact",
     "GetMap",
     "Header",
     "LaserScan",
@@ -102,12 +107,15 @@ __all__ = [
     "TwistWithCovariance",
     "Vector3",
     "__version__",
+    "advance",
     "cast_rays",
+    "clearance",
     "floor_plan",
     "integrate_twist",
     "load_map",
     "messages",
     "save_map",
+    "touches",
 ]
 
 

@@ -4,6 +4,7 @@
 
 mod arrays;
 mod beam_model;
+mod contact;
 mod grid;
 mod motion;
 mod obstacles;
@@ -48,6 +49,8 @@ mod _core {
 
     #[pymodule_export]
     use super::beam_model::BeamModel;
+    #[pymodule_export]
+    use super::contact::{Contact, advance, clearance, touches};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
     #[pymodule_export]
