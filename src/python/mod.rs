@@ -6,6 +6,7 @@ mod arrays;
 mod beam_model;
 mod contact;
 mod grid;
+mod limits;
 mod motion;
 mod obstacles;
 mod pose;
@@ -53,6 +54,8 @@ mod _core {
     use super::contact::{Contact, advance, clearance, touches};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
+    #[pymodule_export]
+    use super::limits::Limits;
     #[pymodule_export]
     use super::motion::integrate_twist;
     #[pymodule_export]
