@@ -1,6 +1,6 @@
 //! The beam model of a range finder: Thrun, Burgard & Fox, *Probabilistic Robotics* (2006), ch. 6.3, table 6.1.
 
-mod normal;
+pub(crate) mod normal;
 
 use rand::{Rng, RngExt};
 

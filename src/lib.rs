@@ -28,6 +28,7 @@ mod error;
 mod grid;
 mod limits;
 mod motion;
+mod motion_noise;
 mod obstacles;
 mod pose;
 #[cfg(feature = "python")]
@@ -45,6 +46,7 @@ pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use limits::Limits;
 pub use motion::{Twist, integrate, integrate_batch, interpolate};
+pub use motion_noise::MotionNoise;
 pub use obstacles::Obstacles;
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use scanner::{LaserScanner, MAX_BEAMS, NoReturn, Noise, ScannerOptions};

@@ -48,6 +48,15 @@ pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
     Pose { position: pose.position + step, yaw: pose.yaw + turn }
 }
 
+/// Where a robot at the origin gets to under a constant twist, and the derivative of that by the turn rate.
+pub(crate) fn arc(linear: DVec2, angular: f64, duration: f64) -> (DVec2, DVec2) {
+    let half = 0.5 * angular * duration;
+    let step = rotate(linear, half) * duration;
+    // d/dω of Δt · sinc(φ/2) · R(φ/2) · v, where dφ/2 = Δt/2 · dω.
+    let by_turn = (step * sinc_slope(half) + step.perp() * sinc(half)) * (0.5 * duration);
+    (step * sinc(half), by_turn)
+}
+
 /// [`integrate`] for each row of a batch, `poses[i]` under `twists[i]`.
 ///
 /// # Errors
@@ -76,6 +85,17 @@ fn sinc(x: f64) -> f64 {
     let square = x * x;
     // The first term left out, x⁶/5040, is below 2⁻⁵³ up to here.
     if square < 1e-5 { 1.0 - square / 6.0 * (1.0 - square / 20.0) } else { libm::sin(x) / x }
+}
+
+/// The derivative of sin(x)/x, by its series near zero.
+fn sinc_slope(x: f64) -> f64 {
+    let square = x * x;
+    // Up to here the first term left out, x⁷/45360, is below 1e-13 of the first; beyond, what cancels costs no more than that.
+    if square < 1e-3 {
+        -x / 3.0 * (1.0 - square / 10.0 * (1.0 - square / 28.0))
+    } else {
+        (libm::cos(x) - libm::sin(x) / x) / x
+    }
 }
 
 #[cfg(test)]

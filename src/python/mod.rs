@@ -8,6 +8,7 @@ mod contact;
 mod grid;
 mod limits;
 mod motion;
+mod motion_noise;
 mod obstacles;
 mod pose;
 mod raycast;
@@ -58,6 +59,8 @@ mod _core {
     use super::limits::Limits;
     #[pymodule_export]
     use super::motion::integrate_twist;
+    #[pymodule_export]
+    use super::motion_noise::MotionNoise;
     #[pymodule_export]
     use super::pose::Pose;
     #[pymodule_export]
