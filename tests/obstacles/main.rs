@@ -1,0 +1,277 @@
+//! Rays and obstacles: hand-derived ranges, a reference that solves for every edge, and the grid itself.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+use glam::DVec2;
+use mobile_robot_simulator::raycast::cast_rays;
+use mobile_robot_simulator::{
+    BeamModel, BeamModelOptions, GridOptions, LaserScanner, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose,
+    ScannerOptions, Shape, Unknown, random,
+};
+use rand::RngExt;
+
+const SEED: u64 = 40;
+
+const FAR: f64 = 1e6;
+
+/// An L around three unit squares, and an arrow whose tail has a notch.
+const ANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+const ARROW: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 1.0], [-0.5, 0.0], [-1.0, -1.0]];
+
+fn grid(width: usize, cells: Vec<i8>, resolution: f64, origin: Pose) -> OccupancyGrid {
+    let options = GridOptions { resolution, origin, occupied_threshold: OCCUPIED_THRESHOLD, unknown: Unknown::Free };
+    OccupancyGrid::new(cells, width, options).expect("a good grid")
+}
+
+fn empty() -> OccupancyGrid {
+    grid(1, vec![0], 1.0, Pose::new(1e5, 1e5, 0.0))
+}
+
+fn cast(obstacles: &Obstacles, x: f64, y: f64, angle: f64) -> f64 {
+    let (sin, cos) = libm::sincos(angle);
+    obstacles.cast(DVec2::new(x, y), DVec2::new(cos, sin), FAR)
+}
+
+#[test]
+fn ranges_to_a_disc_are_as_derived_by_hand() {
+    let disc = Obstacles::new([(&Shape::disc(1.0).unwrap(), Pose::new(3.0, 0.0, 2.0))]).unwrap();
+    assert_eq!(cast(&disc, 0.0, 0.0, 0.0), 2.0);
+    assert_eq!(cast(&disc, 0.0, 0.0, PI), f64::INFINITY);
+    assert_eq!(cast(&disc, 3.5, 0.5, 1.0), 0.0);
+    // Off the centre by 0.6, so that it enters 0.8 before the middle.
+    assert!((cast(&disc, 0.0, 0.6, 0.0) - 2.2).abs() < 1e-15);
+    assert!((cast(&disc, 0.0, 3.0, -FRAC_PI_4) - (18f64.sqrt() - 1.0)).abs() < 1e-15);
+    assert_eq!(cast(&disc, 0.0, 1.0 + 1e-12, 0.0), f64::INFINITY);
+    // On its edge: in is 0, away is nothing.
+    assert_eq!(cast(&disc, 2.0, 0.0, 0.0), 0.0);
+    assert_eq!(cast(&disc, 2.0, 0.0, PI), f64::INFINITY);
+}
+
+#[test]
+fn ranges_to_a_polygon_are_as_derived_by_hand() {
+    let angle = Obstacles::new([(&Shape::polygon(&ANGLE).unwrap(), Pose::default())]).unwrap();
+    assert_eq!(cast(&angle, -1.0, 0.5, 0.0), 1.0);
+    assert_eq!(cast(&angle, 3.0, 1.5, PI), 2.0);
+    assert_eq!(cast(&angle, 3.0, 0.5, PI), 1.0);
+    assert_eq!(cast(&angle, 0.5, 0.5, 0.3), 0.0);
+    // From within the notch, which is outside.
+    assert_eq!(cast(&angle, 1.5, 1.5, PI), 0.5);
+    assert!((cast(&angle, 1.5, 1.5, -FRAC_PI_2) - 0.5).abs() < 1e-15);
+    assert_eq!(cast(&angle, 1.5, 1.5, FRAC_PI_4), f64::INFINITY);
+    assert!((cast(&angle, 3.0, 3.0, -3.0 * FRAC_PI_4) - 8f64.sqrt()).abs() < 1e-15);
+    // On an edge: in is 0, away is nothing.
+    assert_eq!(cast(&angle, 0.0, 0.5, 0.0), 0.0);
+    assert_eq!(cast(&angle, 0.0, 0.5, PI), f64::INFINITY);
+    // A pose turns and shifts it.
+    let turned = Obstacles::new([(&Shape::polygon(&ANGLE).unwrap(), Pose::new(10.0, 0.0, FRAC_PI_2))]).unwrap();
+    assert!((cast(&turned, 9.5, -1.0, FRAC_PI_2) - 1.0).abs() < 1e-15);
+    assert!((cast(&turned, 7.0, 0.5, 0.0) - 1.0).abs() < 1e-15);
+}
+
+/// Distance to the nearest edge or circle, each solved for by itself; 0 from inside, by the sum of the angles the corners are
+/// seen under.
+fn by_every_edge(shapes: &[(Shape, Pose)], origin: DVec2, direction: DVec2) -> f64 {
+    let mut nearest = f64::INFINITY;
+    for (shape, pose) in shapes {
+        if let Some(radius) = shape.radius() {
+            let offset = origin - pose.position;
+            let (b, c) = (offset.dot(direction), offset.length_squared() - radius * radius);
+            let root = (b * b - c).sqrt();
+            if c < 0.0 {
+                nearest = 0.0;
+            } else if b < 0.0 && !root.is_nan() {
+                nearest = nearest.min(-b - root);
+            }
+            continue;
+        }
+        let corners: Vec<DVec2> = shape.corners().iter().map(|&corner| pose.transform_point(corner)).collect();
+        let mut turned = 0.0;
+        for (index, &start) in corners.iter().enumerate() {
+            let end = corners[(index + 1) % corners.len()];
+            turned += (start - origin).angle_to(end - origin);
+            // origin + t · direction = start + s · (end - start), by Cramer's rule.
+            let (along, offset) = (end - start, start - origin);
+            let t = offset.perp_dot(along) / direction.perp_dot(along);
+            let s = offset.perp_dot(direction) / direction.perp_dot(along);
+            if t >= 0.0 && (0.0..=1.0).contains(&s) {
+                nearest = nearest.min(t);
+            }
+        }
+        if turned.abs() > PI {
+            nearest = 0.0;
+        }
+    }
+    nearest
+}
+
+fn shapes(stream: &mut random::Stream, count: usize) -> Vec<(Shape, Pose)> {
+    let mut draw = |low: f64, high: f64| low + (high - low) * stream.random::<f64>();
+    (0..count)
+        .map(|index| {
+            let shape = match index % 4 {
+                0 => Shape::disc(draw(0.05, 1.0)),
+                1 => Shape::rectangle(draw(0.1, 2.0), draw(0.1, 2.0)),
+                2 => Shape::polygon(&ANGLE),
+                _ => Shape::polygon(&ARROW),
+            };
+            (shape.unwrap(), Pose::new(draw(-5.0, 5.0), draw(-5.0, 5.0), draw(-PI, PI)))
+        })
+        .collect()
+}
+
+fn set(shapes: &[(Shape, Pose)]) -> Obstacles {
+    Obstacles::new(shapes.iter().map(|(shape, pose)| (shape, *pose))).unwrap()
+}
+
+#[test]
+fn rays_agree_with_every_edge() {
+    let mut stream = random::stream(SEED, 0);
+    let mut met = 0;
+    for round in 0..4000 {
+        let shapes = shapes(&mut stream, 1 + round % 7);
+        let obstacles = set(&shapes);
+        for _ in 0..10 {
+            let origin = DVec2::new(stream.random::<f64>() - 0.5, stream.random::<f64>() - 0.5) * 14.0;
+            let (sin, cos) = libm::sincos(stream.random::<f64>() * TAU);
+            let direction = DVec2::new(cos, sin);
+            let expected = by_every_edge(&shapes, origin, direction);
+            let found = obstacles.cast(origin, direction, FAR);
+            assert!(
+                found == expected || (found - expected).abs() < 1e-12,
+                "{found} {expected}: {origin} {direction} {shapes:?}"
+            );
+            met += usize::from(found < FAR);
+        }
+    }
+    assert!(met > 7000, "{met}");
+}
+
+/// Rays at a corner between two sides that face them go to one side or the other, but never between them.
+#[test]
+fn no_ray_slips_through_a_corner() {
+    let mut stream = random::stream(SEED, 1);
+    for _ in 0..20_000 {
+        let pose = Pose::new(stream.random::<f64>(), stream.random::<f64>(), stream.random::<f64>() * TAU);
+        let obstacles = Obstacles::new([(&Shape::rectangle(2.0, 2.0).unwrap(), pose)]).unwrap();
+        let away = DVec2::new(1.0 + 9.0 * stream.random::<f64>(), 1.0 + 9.0 * stream.random::<f64>());
+        let (origin, corner) = (pose.transform_point(DVec2::ONE + away), pose.transform_point(DVec2::ONE));
+        let found = obstacles.cast(origin, (corner - origin).normalize(), FAR);
+        assert!((found - corner.distance(origin)).abs() < 1e-12, "{found}");
+    }
+}
+
+#[test]
+fn a_scan_sees_what_each_of_its_rays_sees() {
+    let mut stream = random::stream(SEED, 2);
+    let mut met = 0;
+    for round in 0..600 {
+        let fov = [TAU, 4.71, 1.0, 6.0, 1e-3][round % 5];
+        let beam_count = [1, 2, 361, 541, 700][round / 5 % 5];
+        let mount = Pose::new(0.2, -0.1, [0.0, 3.0, -1.5][round % 3]);
+        let scanner = ScannerOptions { fov, beam_count, min_range: 0.0, max_range: 6.0, mount };
+        let scanner = LaserScanner::new(scanner).unwrap();
+        let shapes = shapes(&mut stream, round % 6);
+        let obstacles = set(&shapes);
+        let base =
+            Pose::new(4.0 * stream.random::<f64>() - 2.0, 4.0 * stream.random::<f64>() - 2.0, 9.0 * stream.random::<f64>());
+        let mut ranges = vec![0.0; beam_count];
+        scanner.scan((&empty(), &obstacles), base, &mut ranges);
+        let laser = base * mount;
+        for (beam, &range) in ranges.iter().enumerate() {
+            let direction = DVec2::from_angle(laser.yaw + scanner.angle(beam));
+            let expected = by_every_edge(&shapes, laser.position, direction).min(6.0);
+            assert!((f64::from(range) - expected).abs() < 1e-6, "{range} {expected}: beam {beam} of {round}");
+            met += usize::from(range < 6.0);
+        }
+    }
+    assert!(met > 20_000, "{met}");
+}
+
+/// Blocking cells and squares that stand on free ones are the same to a scan.
+#[test]
+fn obstacles_on_the_grid_are_as_its_cells() {
+    let mut stream = random::stream(SEED, 3);
+    let (width, height, resolution) = (40, 30, 0.25);
+    for _ in 0..40 {
+        let origin = Pose::new(-3.0, 1.0, stream.random::<f64>() * TAU);
+        let walls: Vec<bool> = (0..width * height).map(|_| stream.random::<f64>() < 0.04).collect();
+        let drawn: Vec<bool> = walls.iter().map(|&wall| wall && stream.random::<f64>() < 0.5).collect();
+        let cells = |blocks: &[bool]| blocks.iter().map(|&blocks| if blocks { 100 } else { 0 }).collect::<Vec<i8>>();
+        let whole = grid(width, cells(&walls), resolution, origin);
+        let part = grid(width, cells(&drawn), resolution, origin);
+        let square = Shape::rectangle(resolution, resolution).unwrap();
+        let standing = (0..width * height).filter(|&index| walls[index] && !drawn[index]);
+        let poses = standing.map(|index| {
+            let center = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5) * resolution;
+            Pose { position: origin.transform_point(center), yaw: origin.yaw }
+        });
+        let obstacles = Obstacles::new(poses.map(|pose| (&square, pose))).unwrap();
+        let scanner = LaserScanner::new(ScannerOptions::default()).unwrap();
+        let free = part.draw_free_pose(0.0, 1).unwrap();
+        let pose = Pose { yaw: 1.0, ..free };
+        if whole.is_blocking(whole.cell_at(pose.position).unwrap()) {
+            continue;
+        }
+        let (mut by_cells, mut by_shapes) = (vec![0.0; 541], vec![0.0; 541]);
+        scanner.scan(&whole, pose, &mut by_cells);
+        scanner.scan((&part, &obstacles), pose, &mut by_shapes);
+        for (a, b) in by_cells.iter().zip(&by_shapes) {
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn unrelated_rays_see_them_too() {
+    let disc = Obstacles::new([(&Shape::disc(0.5).unwrap(), Pose::new(2.0, 0.0, 0.0))]).unwrap();
+    let mut ranges = [0.0; 3];
+    let rays = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [2.0, 0.1, 0.0]];
+    cast_rays((&empty(), &disc), &rays, 9.0, None, &mut ranges).unwrap();
+    assert_eq!(ranges, [1.5, 9.0, 0.0]);
+    // Beyond the maximum there is nothing, and at the maximum nothing either.
+    cast_rays((&empty(), &disc), &rays[..1], 1.5, None, &mut ranges[..1]).unwrap();
+    cast_rays((&empty(), &disc), &rays[..1], 1.0, None, &mut ranges[1..2]).unwrap();
+    assert_eq!(ranges[..2], [1.5, 1.0]);
+}
+
+#[test]
+fn batches_are_the_same_for_any_number_of_threads_and_any_split() {
+    let mut stream = random::stream(SEED, 4);
+    let obstacles = set(&shapes(&mut stream, 20));
+    let grid =
+        grid(40, (0..1600).map(|index| if index % 37 == 0 { 100 } else { 0 }).collect(), 0.25, Pose::new(-5.0, -5.0, 0.3));
+    let poses: Vec<[f64; 3]> = (0..60).map(|_| [0.0; 3].map(|_: f64| 6.0 * stream.random::<f64>() - 3.0)).collect();
+    let scanner = LaserScanner::new(ScannerOptions::default()).unwrap();
+    let model = BeamModel::new(BeamModelOptions { z_rand: 0.1, z_short: 0.1, ..BeamModelOptions::default() }).unwrap();
+    let scan = |poses: &[[f64; 3]], first_index: u64, threads: usize| {
+        let mut readings = vec![0.0; poses.len() * 541];
+        let noise = Some(Noise { model, seed: SEED, first_index });
+        scanner.scan_batch((&grid, &obstacles), poses, noise, Some(threads), &mut readings).unwrap();
+        readings
+    };
+    let whole = scan(&poses, 0, 1);
+    assert_eq!(scan(&poses, 0, 2), whole);
+    assert_eq!(scan(&poses, 0, 5), whole);
+    assert_eq!([scan(&poses[..17], 0, 1), scan(&poses[17..], 17, 3)].concat(), whole);
+}
+
+#[test]
+fn obstacles_out_of_sight_change_no_byte() {
+    let grid = grid(40, (0..1600).map(|index| if index % 37 == 0 { 100 } else { 0 }).collect(), 0.25, Pose::default());
+    let scanner = LaserScanner::new(ScannerOptions { fov: 2.0, ..ScannerOptions::default() }).unwrap();
+    let model = BeamModel::new(BeamModelOptions::default()).unwrap();
+    let scan = |obstacles: &Obstacles| {
+        let mut readings = vec![0.0; 541];
+        let noise = Some(Noise { model, seed: SEED, first_index: 3 });
+        scanner.scan_batch((&grid, obstacles), &[[5.1, 5.1, 0.0]], noise, None, &mut readings).unwrap();
+        readings
+    };
+    let behind = Obstacles::new([(&Shape::disc(0.5).unwrap(), Pose::new(3.0, 5.0, 0.0))]).unwrap();
+    assert_eq!(scan(&behind), scan(Obstacles::NONE));
+}
+
+#[test]
+fn a_pose_that_is_not_finite_is_refused_by_name() {
+    let error = Obstacles::new([(&Shape::disc(1.0).unwrap(), Pose::new(0.0, f64::INFINITY, 0.0))]).unwrap_err();
+    assert_eq!(error.to_string(), "y must be finite, got inf");
+}
