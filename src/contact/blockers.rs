@@ -105,22 +105,24 @@ impl<'a> Blockers<'a> {
         }
     }
 
-    /// Whether a point lies inside of a blocking cell or an obstacle, hidden ones included, and of which.
-    pub fn holds(&self, point: DVec2) -> Option<Option<usize>> {
-        if self.world.grid.block_at(point / self.world.grid.resolution()) {
-            return Some(None);
-        }
+    /// Whether a point lies inside of a blocking cell or an obstacle.
+    pub fn holds(&self, point: DVec2) -> bool {
+        self.world.grid.block_at(point / self.world.grid.resolution()) || self.obstacle_at(point).is_some()
+    }
+
+    /// Index of an obstacle that a point lies inside of.
+    pub fn obstacle_at(&self, point: DVec2) -> Option<usize> {
         let bodies = self.world.obstacles.bodies();
         if bodies.is_empty() {
             return None;
         }
         let in_map = self.world.grid.options().origin.transform_point(point);
-        bodies.iter().position(|body| body.contains(in_map)).map(Some)
+        bodies.iter().position(|body| body.contains(in_map))
     }
 
     /// Whether a footprint overlaps anything: an edge meets a piece, it holds a piece, or a piece holds it.
     pub fn overlap(&self, corners: &[DVec2], radius: f64) -> bool {
-        corners.iter().any(|&corner| self.holds(corner).is_some())
+        corners.iter().any(|&corner| self.holds(corner))
             || self.near.iter().any(|blocker| {
                 let gap = |side| blocker.piece.nearest(side).gap(radius);
                 encloses(corners, blocker.piece.anchor()) || crate::shape::edges(corners).any(|side| gap(side) <= 0.0)

@@ -112,7 +112,7 @@ pub fn advance<'a>(
     let mut blockers = Blockers::around(world, start.position, footprint.reach());
     let overlap = if footprint.overlaps(start, &blockers) {
         let Some(shrunk) = shrink(&mut footprint, start, &mut blockers) else {
-            return Ok((free, Some(inside(pose, blockers.holds(start.position).flatten()))));
+            return Ok((free, Some(inside(pose, blockers.obstacle_at(start.position)))));
         };
         footprint = shrunk;
         footprint.nearest(start, &blockers).map(|hit| contact(world, &hit, 0.0))
@@ -133,7 +133,7 @@ pub fn advance<'a>(
 
 /// The largest smaller copy of a footprint that overlaps nothing, none if its origin is inside of something.
 fn shrink(footprint: &mut Footprint, pose: Pose, blockers: &mut Blockers<'_>) -> Option<Footprint> {
-    if blockers.holds(pose.position).is_some() {
+    if blockers.holds(pose.position) {
         return None;
     }
     let (mut free, mut blocked) = (0.0, 1.0);
