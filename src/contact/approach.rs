@@ -12,8 +12,8 @@ use crate::world::World;
 /// A footprint that stops is this near to what stopped it \[m\], and not in it.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Points that are nearer than the goal already may get this much nearer \[m\] as long as they do not head there: it takes up
-/// what rounding does to motion along a wall.
+/// What is nearer than the goal already, and does not head there, may get this much nearer \[m\]: it takes up what rounding does
+/// to motion along a wall.
 const CREEP: f64 = 1e-10;
 
 /// Share of the top speed below which nothing heads anywhere.
@@ -138,7 +138,7 @@ impl Footprint {
         for _ in 0..MAX_STEPS {
             let pose = path.pose_at(time);
             self.place(pose);
-            let search = Search { moment: path.moment(pose), horizon: end - time, heading };
+            let search = Search { moment: path.moment(pose), horizon: end - time };
             let next = self.next(pose.position, search, blockers)?;
             if time + next.wait >= end {
                 return None;
@@ -196,8 +196,6 @@ struct Search {
     moment: Moment,
     /// Seconds to look ahead.
     horizon: f64,
-    /// Speed below which nothing heads anywhere.
-    heading: f64,
 }
 
 impl Pair<'_> {
@@ -222,13 +220,7 @@ impl Pair<'_> {
         [self.side.0, self.side.1].map(|end| {
             let offset = end - self.origin;
             let speed = hit.toward.dot(search.moment.velocity(offset));
-            let goal = if gap > 0.5 * TOLERANCE {
-                0.5 * TOLERANCE
-            } else if speed > search.heading {
-                gap
-            } else {
-                gap - CREEP.min(0.5 * gap)
-            };
+            let goal = if gap > 0.5 * TOLERANCE { 0.5 * TOLERANCE } else { gap - CREEP.min(0.5 * gap) };
             let distance = (line - hit.toward.dot(end) - goal).max(0.0);
             Next { wait: search.moment.earliest(offset, hit.toward, distance, search.horizon), gap, speed, hit }
         })

@@ -15,8 +15,8 @@ use crate::shape::Shape;
 /// A set of shapes, each at a pose in the map frame.
 ///
 /// The range of a beam is the distance at which it enters the nearest of grid and obstacles; a beam that starts inside of a
-/// shape has range 0. One that starts on an edge and goes in has range 0 too, one that goes away passes; a beam that only
-/// grazes an edge or a corner is decided by rounding. Distances are closed forms, right to about 1e-15 of the coordinates.
+/// shape has range 0, and so has one that starts on an edge and goes in; one that starts on an edge and goes away, or only
+/// grazes an edge or a corner, is decided by rounding. Distances are closed forms, right to about 1e-15 of the coordinates.
 #[derive(Debug, Clone, Default)]
 pub struct Obstacles {
     bodies: Vec<Body>,

@@ -1,5 +1,6 @@
 //! `Shape` for Python.
 
+use glam::DVec2;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -50,7 +51,7 @@ impl Shape {
     /// Corners counter-clockwise, (N, 2) float64 [m]; (0, 2) of a disc.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let corners: Vec<[f64; 2]> = self.0.corners().iter().map(|corner| corner.to_array()).collect();
+        let corners: Vec<[f64; 2]> = self.0.corners().iter().map(DVec2::to_array).collect();
         Array2::from(corners).into_pyarray(py)
     }
 

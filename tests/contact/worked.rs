@@ -137,6 +137,46 @@ fn a_corner_stops_a_slide() {
 }
 
 #[test]
+fn a_robot_that_turns_in_a_corner_is_pushed_out_of_it() {
+    let blocking: Vec<bool> = (0..10_000).map(|index| index % 100 >= 80 || index / 100 >= 80).collect();
+    let grid = grid(&blocking, 100, 0.1, Pose::default());
+    let plank = Shape::rectangle(0.6, 0.4).unwrap();
+    let mut pose = Pose::new(7.7 - 1e-6, 7.8 - 1e-6, 0.0);
+    for _ in 0..100 {
+        let twist = Twist::from([0.0, 0.0, PI / 4.0]);
+        pose = advance(&grid, &plank, pose, twist, 0.01, ContactMode::Slide).unwrap().0;
+    }
+    // On its corners at last, and off the walls by what it had to turn past: its half-diagonal on the right.
+    assert!((pose.yaw - PI / 4.0).abs() < 1e-9, "{pose:?}");
+    let (right, top) = (8.0 - 0.3f64.hypot(0.2), 8.0 - 0.5 * 0.5f64.sqrt());
+    assert!(pose.position.x <= right + 1e-9 && pose.position.x > right - 1e-2, "{pose:?}");
+    assert!(pose.position.y <= top && pose.position.y > top - 1e-2, "{pose:?}");
+}
+
+/// Rounding turns motion along a wall a little into it, which must not hold the robot.
+#[test]
+fn there_is_a_way_along_walls_at_any_angle() {
+    let blocking: Vec<bool> = (0..10_000).map(|index| index % 100 >= 80).collect();
+    let disc = Shape::disc(0.25).unwrap();
+    for degrees in 0..360 {
+        let yaw = f64::from(degrees).to_radians();
+        let grid = grid(&blocking, 100, 0.1, Pose::new(3.0, -7.0, yaw));
+        // Across and along, for a robot that looks anywhere.
+        let (sin, cos) = (1.7 * yaw).sin_cos();
+        let start = grid.options().origin * Pose::new(7.0, 2.0, 1.7 * yaw);
+        let (across, along) = (Twist::from([cos, -sin, 0.0]), Twist::from([sin, cos, 0.0]));
+        let (mut pose, contact) = advance(&grid, &disc, start, across, 1.0, ContactMode::Stop).unwrap();
+        assert!(contact.is_some());
+        for _ in 0..100 {
+            let (next, contact) = advance(&grid, &disc, pose, along, 0.02, ContactMode::Stop).unwrap();
+            assert!(contact.is_none(), "{degrees}°: {contact:?}");
+            pose = next;
+        }
+        assert!(clearance(&grid, &disc, pose, 1.0).unwrap() > 0.0);
+    }
+}
+
+#[test]
 fn a_robot_in_a_wall_gets_out_but_no_deeper() {
     let disc = Shape::disc(0.5).unwrap();
     let start = Pose::new(7.8, 5.0, 0.0);

@@ -59,9 +59,9 @@ fn ranges_to_a_polygon_are_as_derived_by_hand() {
     assert!((cast(&angle, 1.5, 1.5, -FRAC_PI_2) - 0.5).abs() < 1e-15);
     assert_eq!(cast(&angle, 1.5, 1.5, FRAC_PI_4), f64::INFINITY);
     assert!((cast(&angle, 3.0, 3.0, -3.0 * FRAC_PI_4) - 8f64.sqrt()).abs() < 1e-15);
-    // On an edge: in is 0, away is nothing.
+    // On an edge, and in.
     assert_eq!(cast(&angle, 0.0, 0.5, 0.0), 0.0);
-    assert_eq!(cast(&angle, 0.0, 0.5, PI), f64::INFINITY);
+    assert_eq!(cast(&angle, 2.0, 0.5, PI), 0.0);
     // A pose turns and shifts it.
     let turned = Obstacles::new([(&Shape::polygon(&ANGLE).unwrap(), Pose::new(10.0, 0.0, FRAC_PI_2))]).unwrap();
     assert!((cast(&turned, 9.5, -1.0, FRAC_PI_2) - 1.0).abs() < 1e-15);
