@@ -316,6 +316,9 @@ class BusNode:
         """The bus's clock."""
         return Clock(self._bus)
 
+    def set_speed(self, factor: float) -> None:
+        """Nothing: time on the bus goes on as it is run."""
+
     def get_logger(self) -> logging.Logger:
         """A logger of the standard library."""
         return self._logger

@@ -40,6 +40,15 @@ class Format(str, Enum):
     sqlite3 = "sqlite3"
 
 
+class Node(str, Enum):
+    """Nodes that run in ROS."""
+
+    robot = "robot"
+    laser = "laser"
+    map = "map"
+    all = "all"
+
+
 class Driver(str, Enum):
     """Drivers that come along."""
 
@@ -232,6 +241,26 @@ def generate_floor_plan(
     file.parent.mkdir(parents=True, exist_ok=True)
     save_map(floor_plan(kind, seed=seed, resolution=resolution, **options), file)
     console.print(f"{file}", highlight=False)
+
+
+_ROS = {"allow_extra_args": True, "ignore_unknown_options": True}
+NodeName = Annotated[Node, typer.Argument(metavar="NODE", help="robot, laser, map, or all of them in one process.")]
+
+
+@app.command(context_settings=_ROS)
+def ros1(context: typer.Context, node: NodeName) -> None:
+    """Run a node on ROS 1: NODE [MAP.yaml] [_NAME:=VALUE] [FROM:=TO]."""
+    from .ros1 import run
+
+    run(node.value, context.args)
+
+
+@app.command(context_settings=_ROS)
+def ros2(context: typer.Context, node: NodeName) -> None:
+    """Run a node on ROS 2: NODE [MAP.yaml] [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE]."""
+    from .ros2 import run
+
+    run(node.value, context.args)
 
 
 def _values(assignments: list[str] | None, file: Path | None) -> dict[str, Any]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 
 from . import messages
 from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
-from .map_node import from_message, with_unknown
+from .map_node import from_message, is_of, with_unknown
 from .messages import GetMap, Header, LaserScan, Odometry, TFMessage, Time, TransformStamped
 from .node_interface import Client, Node, QoS
 from .parameters import LaserParameters
@@ -18,11 +18,14 @@ from .transforms import TransformBuffer
 
 NO_INTENSITIES = np.zeros(0, np.float32)
 
+PATIENCE_NS = 10_000_000_000
+"""How long an answer of the map's service is waited for before it is asked again."""
 
 SET_UP = (
     "laser_topic",
     "odometry_topic",
     "map_service",
+    "map_topic",
     "laser_frame_id",
     "laser_mount",
     "laser_frequency",
@@ -54,10 +57,10 @@ class LaserScannerSimulator:
     """A laser scanner that sees the map from where tf says it is.
 
     Scans at `laser_frequency`, from the pose at the scan's own stamp: the last transform, carried on by the twist of the
-    last odometry, so that it never waits for one. The map is asked of `map_service`, again each second until it is there;
-    before that, and before the scanner's pose is known, there are no scans. The scanner's mount is its transform from the
-    robot's base if tf knows it, else `laser_mount`. If the map frame is not known to tf, the frame that the
-    robot's base hangs from stands for it.
+    last odometry, so that it never waits for one. The map is asked of `map_service`, each second until it is there; before
+    that, and before the scanner's pose is known, there are no scans. A map that arrives on `map_topic` takes its place. The
+    scanner's mount is its transform from the robot's base if tf knows it, else `laser_mount`. If the map frame is not known
+    to tf, the frame that the robot's base hangs from stands for it.
 
     node: what to publish and subscribe through. grid: the map, if it need not be asked of a service.
     """
@@ -67,7 +70,8 @@ class LaserScannerSimulator:
         self._grid = grid
         self._transforms = TransformBuffer()
         self._index = 0
-        self._stop: Callable[[], None] | None = None
+        self._asked_ns: int | None = None
+        self._running: ExitStack | None = None
         self._use(parameters or LaserParameters())
 
     @property
@@ -80,63 +84,78 @@ class LaserScannerSimulator:
         """The scanner as it is mounted."""
         return self._scanner
 
-    def set_laser_params(self, **values: Any) -> None:
+    def set_parameters(self, **values: Any) -> None:
         """Change parameters by their names, from the next scan on.
 
         raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
         """
         before, after = self._parameters, self._parameters.changed(values)
+        if after == before:
+            return
         self._use(after)
         if self._grid is not None and after.unknown != before.unknown:
             self._grid = with_unknown(self._grid, after.unknown)
-        if self._stop is not None and any(getattr(before, name) != getattr(after, name) for name in SET_UP):
-            self.stop()
-            self.start()
+        if self._running is None or all(getattr(before, name) == getattr(after, name) for name in SET_UP):
+            return
+        try:
+            self._restart()
+        except Exception:
+            self._use(before)
+            self._restart()
+            raise
+
+    def set_laser_params(self, **values: Any) -> None:
+        """As `set_parameters`, under the original's name."""
+        self.set_parameters(**values)
 
     def set_noise_params(self, **values: Any) -> None:
-        """As `set_laser_params`."""
-        self.set_laser_params(**values)
+        """As `set_parameters`, under the original's name."""
+        self.set_parameters(**values)
 
     def start(self) -> None:
         """Scan from now on."""
-        if self._stop is not None:
+        if self._running is not None:
             return
         node, parameters = self._node, self._parameters
-        self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
-        publishers: list[Any] = [self._scans]
-        subscriptions = [
-            node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT),
-            node.create_subscription(Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT),
-            node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED),
-        ]
-        timers = [node.create_timer(1.0 / parameters.laser_frequency, self._scan)]
-        client = node.create_client(GetMap, parameters.map_service)
-        if self._grid is None:
+        self._asked_ns = None
+        with ExitStack() as handles:
+            self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
+            handles.callback(node.destroy_publisher, self._scans)
+            if parameters.laser_mount is not None:
+                static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
+                handles.callback(node.destroy_publisher, static)
+                transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
+                header = Header(Time.from_nanoseconds(self._now()), parameters.base_link_frame)
+                static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
+            transforms = node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT)
+            handles.callback(node.destroy_subscription, transforms)
+            twists = node.create_subscription(
+                Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT
+            )
+            handles.callback(node.destroy_subscription, twists)
+            mounts = node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED)
+            handles.callback(node.destroy_subscription, mounts)
+            if parameters.map_topic:
+                maps = node.create_subscription(messages.OccupancyGrid, parameters.map_topic, self._take_map, QoS.LATCHED)
+                handles.callback(node.destroy_subscription, maps)
+            client = node.create_client(GetMap, parameters.map_service)
+            handles.callback(node.destroy_client, client)
             self._ask_for_map(client)
-            timers.append(node.create_timer(1.0, lambda: self._ask_for_map(client)))
-        if parameters.laser_mount is not None:
-            static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-            publishers.append(static)
-            transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
-            header = Header(Time.from_nanoseconds(self._now()), parameters.base_link_frame)
-            static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
-
-        def stop() -> None:
-            for timer in timers:
-                node.destroy_timer(timer)
-            for subscription in subscriptions:
-                node.destroy_subscription(subscription)
-            for publisher in publishers:
-                node.destroy_publisher(publisher)
-            node.destroy_client(client)
-
-        self._stop = stop
+            asking = node.create_timer(1.0, lambda: self._ask_for_map(client))
+            handles.callback(node.destroy_timer, asking)
+            handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.laser_frequency, self._scan))
+            self._running = handles.pop_all()
 
     def stop(self) -> None:
         """Scan no more; `start` goes on from here."""
-        if self._stop is not None:
-            self._stop()
-            self._stop = None
+        if self._running is not None:
+            self._running.close()
+            self._running = None
+
+    def _restart(self) -> None:
+        """Set everything up afresh."""
+        self.stop()
+        self.start()
 
     def _use(self, parameters: LaserParameters) -> None:
         scanner, noise = scanner_of(parameters), noise_of(parameters)
@@ -163,14 +182,22 @@ class LaserScannerSimulator:
                 self._node.get_logger().warning(f"transform of {transform.child_frame_id} refused: {error}")
 
     def _ask_for_map(self, client: Client) -> None:
-        if self._grid is None and client.service_is_ready():
+        now = self._now()
+        waiting = self._asked_ns is not None and 0 <= now - self._asked_ns < PATIENCE_NS
+        if self._grid is None and not waiting and client.service_is_ready():
+            self._asked_ns = now
             client.call_async(GetMap.Request()).add_done_callback(lambda future: self._take_map(future.result().map))
 
     def _take_map(self, message: messages.OccupancyGrid) -> None:
+        if self._grid is not None and is_of(message, self._grid):
+            return
         try:
             self._grid = from_message(message, unknown=self._parameters.unknown)
         except ValueError as error:
             self._node.get_logger().warning(f"map refused: {error}")
+            return
+        height, width = self._grid.shape
+        self._node.get_logger().info(f"map of {width}x{height} cells of {self._grid.resolution:g} m in use")
 
     def _scan(self) -> None:
         now, parameters = self._now(), self._parameters

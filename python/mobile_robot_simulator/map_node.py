@@ -1,14 +1,16 @@
-"""The map as messages: MapServer hands it out as a service and as a latched topic."""
+"""The map as messages: MapServer hands it out as a service and as a latched topic, MapFileServer one of a file."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from . import messages
 from ._core import OccupancyGrid
+from .maps import load_map
 from .node_interface import Node, QoS
+from .parameters import MapParameters
 
 
 def to_message(grid: OccupancyGrid, frame_id: str = "map") -> messages.OccupancyGrid:
@@ -30,7 +32,24 @@ def from_message(message: messages.OccupancyGrid, *, unknown: Literal["free", "o
     if data.size != info.width * info.height:
         raise ValueError(f"a map of {info.width}x{info.height} cells must have as many values, got {data.size}")
     cells = data.astype(np.int8, copy=False).reshape(info.height, info.width)
-    return OccupancyGrid(cells, resolution=info.resolution, origin=info.origin.to_planar(), unknown=unknown)
+    return OccupancyGrid(cells, resolution=_resolution(info), origin=info.origin.to_planar(), unknown=unknown)
+
+
+def _resolution(info: messages.MapMetaData) -> float:
+    """The resolution that was meant: a message on the wire carries float32, which is not 0.05 but nearly so."""
+    rounded = np.float32(info.resolution)
+    return float(str(rounded)) if info.resolution == rounded else info.resolution
+
+
+def is_of(message: messages.OccupancyGrid, grid: OccupancyGrid) -> bool:
+    """Whether a message carries the very cells of a grid, in the same place."""
+    info = message.info
+    return (
+        (info.height, info.width) == grid.shape
+        and _resolution(info) == grid.resolution
+        and info.origin == messages.Pose.from_planar(grid.origin)
+        and np.array_equal(message.data, grid.cells.reshape(-1))
+    )
 
 
 def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> OccupancyGrid:
@@ -80,3 +99,51 @@ class MapServer:
     def _answer(self, request: messages.GetMapRequest, response: messages.GetMapResponse) -> messages.GetMapResponse:
         response.map = self._message
         return response
+
+
+class MapFileServer:
+    """Serves the map of a map_server YAML file."""
+
+    def __init__(self, node: Node, parameters: MapParameters) -> None:
+        self._node = node
+        self._parameters = parameters
+        self._server = self._load(parameters)
+        self._running = False
+
+    @property
+    def parameters(self) -> MapParameters:
+        """The parameters in use."""
+        return self._parameters
+
+    def set_parameters(self, **values: Any) -> None:
+        """Change parameters by their names, from now on; of another file, the map is served at once.
+
+        raises: ValueError for a value that cannot be, or a file that holds no map; OSError for one that can't be read.
+        Then nothing changes.
+        """
+        parameters = self._parameters.changed(values)
+        if parameters != self._parameters:
+            server = self._load(parameters)
+            self._server.stop()
+            self._parameters, self._server = parameters, server
+            if self._running:
+                server.start()
+
+    def start(self) -> None:
+        """Serve the map from now on."""
+        self._running = True
+        self._server.start()
+
+    def stop(self) -> None:
+        """No longer serve it."""
+        self._running = False
+        self._server.stop()
+
+    def _load(self, parameters: MapParameters) -> MapServer:
+        return MapServer(
+            self._node,
+            load_map(parameters.yaml_filename),
+            topic=parameters.topic_name,
+            service=parameters.service_name,
+            frame_id=parameters.frame_id,
+        )

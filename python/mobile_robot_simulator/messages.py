@@ -286,3 +286,50 @@ class GetMap:
     ros_type = "nav_msgs/srv/GetMap"
     Request = GetMapRequest
     Response = GetMapResponse
+
+
+@dataclass(slots=True, eq=False)
+class TriggerRequest(Message):
+    """Asks for something to be done."""
+
+    ros_type = "std_srvs/srv/Trigger_Request"
+
+
+@dataclass(slots=True, eq=False)
+class TriggerResponse(Message):
+    """Whether it was done, and what there is to say about it."""
+
+    ros_type = "std_srvs/srv/Trigger_Response"
+    success: bool = False
+    message: str = ""
+
+
+class Trigger:
+    """A service that does something."""
+
+    ros_type = "std_srvs/srv/Trigger"
+    Request = TriggerRequest
+    Response = TriggerResponse
+
+
+@dataclass(slots=True, eq=False)
+class SetPoseRequest(Message):
+    """Where to be."""
+
+    ros_type = "robot_localization/srv/SetPose_Request"
+    pose: PoseWithCovarianceStamped = field(default_factory=PoseWithCovarianceStamped)
+
+
+@dataclass(slots=True, eq=False)
+class SetPoseResponse(Message):
+    """Nothing."""
+
+    ros_type = "robot_localization/srv/SetPose_Response"
+
+
+class SetPose:
+    """The service that puts the robot somewhere."""
+
+    ros_type = "robot_localization/srv/SetPose"
+    Request = SetPoseRequest
+    Response = SetPoseResponse

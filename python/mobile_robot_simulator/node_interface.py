@@ -126,5 +126,8 @@ class Node(Protocol):
     def get_clock(self) -> Clock:
         """The clock that stamps are taken from."""
 
+    def set_speed(self, factor: float, /) -> None:
+        """Have the clock go so many times as fast as the wall's from now on, where that is this node's to say."""
+
     def get_logger(self) -> Logger:
         """Where notes go."""

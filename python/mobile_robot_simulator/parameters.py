@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
@@ -32,6 +33,17 @@ Rate = Annotated[Number, Field(gt=0.0, le=1e6)]
 Weight = Annotated[Number, Field(ge=0.0)]
 Count = Annotated[int, BeforeValidator(_no_bool)]
 Name = Annotated[str, Field(min_length=1)]
+Triple = tuple[Number, Number, Number]
+
+
+def _topic(name: str) -> str:
+    """Refuse what no ROS takes for the name of a topic or service."""
+    if not re.fullmatch(r"[/~]?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
+        raise ValueError("a name such as /scan")
+    return name
+
+
+Topic = Annotated[str, AfterValidator(_topic)]
 
 
 class Parameters(BaseModel):
@@ -65,8 +77,12 @@ class RobotParameters(Parameters):
         False, description="publish map -> odom, and take /initialpose; Simulation and run: true unless set"
     )
     publish_rate: Rate = Field(10.0, description="rate of odometry, transforms and clock, Hz")
-    velocity_topic: Name = Field("/cmd_vel", description="topic of velocity commands")
-    odometry_topic: Name = Field("/odom", description="topic of the odometry")
+    publish_clock: bool = Field(True, description="whether to publish /clock; on ROS 1 the default is false")
+    clock_rate: Annotated[Number, Field(ge=0.0, le=1e6)] = Field(
+        0.0, description="rate of the clock, Hz; 0 is publish_rate; on ROS the default is 100"
+    )
+    velocity_topic: Topic = Field("/cmd_vel", description="topic of velocity commands")
+    odometry_topic: Topic = Field("/odom", description="topic of the odometry")
     base_link_frame: Name = Field("base_link", description="frame of the robot, child frame of the odometry")
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
@@ -84,11 +100,14 @@ class LaserParameters(Parameters):
 
     node_name = "laser_scanner_simulator_node"
 
-    laser_topic: Name = Field("/scan", description="topic of the scans")
-    odometry_topic: Name = Field("/odom", description="topic of the odometry, whose twist carries the robot from tf to tf")
-    map_service: Name = Field("/static_map", description="service that the map is asked of")
+    laser_topic: Topic = Field("/scan", description="topic of the scans")
+    odometry_topic: Topic = Field("/odom", description="topic of the odometry, whose twist carries the robot from tf to tf")
+    map_service: Topic = Field("/static_map", description="service that the map is asked of")
+    map_topic: Annotated[str, AfterValidator(lambda name: name and _topic(name))] = Field(
+        "/map", description="topic of maps that take the place of the one in use; empty for none"
+    )
     laser_frame_id: Name = Field("base_link", description="frame of the scanner; its mount is taken from tf if tf knows it")
-    laser_mount: tuple[Number, Number, Number] | None = Field(
+    laser_mount: Triple | None = Field(
         None, description="pose of the scanner on the robot [x, y, yaw], m and rad, published to /tf_static if given"
     )
     laser_fov: Annotated[Number, Field(gt=0.0, le=2.0 * math.pi + 1e-6)] = Field(4.71, description="field of view, rad")
@@ -124,6 +143,17 @@ class LaserParameters(Parameters):
         if self.z_hit + self.z_short + self.z_max + self.z_rand == 0.0:
             raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")
         return self
+
+
+class MapParameters(Parameters):
+    """Parameters of `MapFileServer`, under the names of nav2_map_server."""
+
+    node_name = "map_server"
+
+    yaml_filename: Name = Field(description="map_server YAML file of the map")
+    topic_name: Topic = Field("/map", description="topic of the map")
+    service_name: Topic = Field("/static_map", description="service that hands out the map")
+    frame_id: Name = Field("map", description="frame of the map")
 
 
 NODES: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)

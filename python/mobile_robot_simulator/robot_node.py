@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any
 
 import numpy as np
 
 from . import messages
 from ._core import Pose
-from .messages import Clock, Header, Odometry, PoseWithCovarianceStamped, TFMessage, Time, TransformStamped
+from .messages import (
+    Clock,
+    Header,
+    Odometry,
+    PoseWithCovarianceStamped,
+    SetPose,
+    TFMessage,
+    Time,
+    TransformStamped,
+    Trigger,
+)
 from .messages import Twist as TwistMessage
 from .node_interface import Node, QoS
 from .parameters import RobotParameters
@@ -32,6 +43,17 @@ Not zero, which means "not known" to some readers and cannot be inverted by othe
 """
 PLANAR_COVARIANCE.flags.writeable = False
 
+SET_UP = (
+    "publish_map_transform",
+    "publish_rate",
+    "publish_clock",
+    "clock_rate",
+    "velocity_topic",
+    "odometry_topic",
+    "cmd_vel_stamped",
+)
+"""Parameters that what `start` sets up hangs on."""
+
 Velocity = tuple[float, float, float]
 STANDING: Velocity = (0.0, 0.0, 0.0)
 
@@ -42,7 +64,8 @@ class MobileRobotSimulator:
     Takes velocity commands (Twist or TwistStamped) and holds each until the next, or until `velocity_timeout`. Publishes
     odometry, the transform odom -> base_link and the clock at `publish_rate`, and, with `publish_map_transform`, the
     transform map -> odom; then it also takes /initialpose. The pose at any time is computed from the last command on,
-    exactly, so that it does not depend on the publishing rate.
+    exactly, so that it does not depend on the publishing rate. The service `reset` puts the robot back to where it was at
+    first, `set_pose` anywhere.
 
     node: what to publish and subscribe through. start_pose: where in the map frame the robot is at first.
     """
@@ -50,14 +73,9 @@ class MobileRobotSimulator:
     def __init__(self, node: Node, parameters: RobotParameters | None = None, *, start_pose: Pose | None = None) -> None:
         self._node = node
         self._parameters = parameters or RobotParameters()
-        self._map_from_odom = Pose()
-        self._odom_from_start = Pose()
-        self._twist = STANDING
-        self._start_ns = self._until_ns = node.get_clock().now().nanoseconds
-        self._driven_to_start = 0.0
-        self._stop: Callable[[], None] | None = None
-        if start_pose is not None:
-            self.set_pose(start_pose)
+        self._first_pose = start_pose or Pose()
+        self._running: ExitStack | None = None
+        self.reset()
 
     @property
     def parameters(self) -> RobotParameters:
@@ -79,6 +97,34 @@ class MobileRobotSimulator:
         """Length of the way driven so far [m]."""
         return self._driven(self._now())
 
+    def reset(self) -> None:
+        """Put the robot back to where it was at first, at rest, with odometry as it was then and no distance driven."""
+        self._map_from_odom = self._odom_from_start = Pose()
+        self._twist, self._driven_to_start = STANDING, 0.0
+        self._start_ns = self._until_ns = self._now()
+        self.set_pose(self._first_pose)
+
+    def set_parameters(self, **values: Any) -> None:
+        """Change parameters by their names, from now on; `velocity_timeout` from the next command on.
+
+        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
+        """
+        before, after = self._parameters, self._parameters.changed(values)
+        if after == before:
+            return
+        self._parameters = after
+        if self._running is None:
+            return
+        self._node.set_speed(after.speed_factor)
+        if all(getattr(before, name) == getattr(after, name) for name in SET_UP):
+            return
+        try:
+            self._restart()
+        except Exception:
+            self._parameters = before
+            self._restart()
+            raise
+
     def set_pose(self, pose: Pose) -> None:
         """Put the robot somewhere in the map.
 
@@ -94,42 +140,53 @@ class MobileRobotSimulator:
 
     def start(self) -> None:
         """Take commands and publish from now on."""
-        if self._stop is not None:
+        if self._running is not None:
             return
         node, parameters = self._node, self._parameters
-        self._odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
-        self._transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
-        self._clock = node.create_publisher(Clock, "/clock", QoS.CLOCK)
-        subscriptions = [
-            node.create_subscription(
-                messages.TwistStamped, parameters.velocity_topic, lambda message: self._command(message.twist), QoS.DEFAULT
-            )
-            if parameters.cmd_vel_stamped
-            else node.create_subscription(TwistMessage, parameters.velocity_topic, self._command, QoS.DEFAULT)
-        ]
-        if parameters.publish_map_transform:
-            subscriptions.append(
-                node.create_subscription(PoseWithCovarianceStamped, "/initialpose", self._take_pose, QoS.DEFAULT)
-            )
-        timer = node.create_timer(1.0 / parameters.publish_rate, self._publish)
-
-        def stop() -> None:
-            node.destroy_timer(timer)
-            for subscription in subscriptions:
-                node.destroy_subscription(subscription)
-            for publisher in (self._odometry, self._transforms, self._clock):
-                node.destroy_publisher(publisher)
-
-        self._stop = stop
+        with ExitStack() as handles:
+            self._odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
+            handles.callback(node.destroy_publisher, self._odometry)
+            self._transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
+            handles.callback(node.destroy_publisher, self._transforms)
+            self._clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
+            if self._clock is not None:
+                handles.callback(node.destroy_publisher, self._clock)
+            if parameters.cmd_vel_stamped:
+                commands = node.create_subscription(
+                    messages.TwistStamped,
+                    parameters.velocity_topic,
+                    lambda message: self._command(message.twist),
+                    QoS.DEFAULT,
+                )
+            else:
+                commands = node.create_subscription(TwistMessage, parameters.velocity_topic, self._command, QoS.DEFAULT)
+            handles.callback(node.destroy_subscription, commands)
+            if parameters.publish_map_transform:
+                poses = node.create_subscription(PoseWithCovarianceStamped, "/initialpose", self._take_pose, QoS.DEFAULT)
+                handles.callback(node.destroy_subscription, poses)
+            handles.callback(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
+            handles.callback(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
+            node.set_speed(parameters.speed_factor)
+            handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
+            if parameters.clock_rate > 0.0:
+                handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
+            self._running = handles.pop_all()
 
     def stop(self) -> None:
         """Stand still, take no more commands and publish nothing; `start` goes on from here."""
-        if self._stop is not None:
-            self._stop()
-            self._stop = None
+        if self._running is not None:
+            self._running.close()
+            self._running = None
             now = self._now()
             self._move_to(self._odom_from_base(now), now)
             self._twist = STANDING
+
+    def _restart(self) -> None:
+        """Set everything up afresh, without standing still."""
+        if self._running is not None:
+            self._running.close()
+            self._running = None
+        self.start()
 
     def _now(self) -> int:
         return self._node.get_clock().now().nanoseconds
@@ -161,24 +218,42 @@ class MobileRobotSimulator:
         timeout = self._parameters.velocity_timeout
         self._twist, self._until_ns = velocity, now + round(min(timeout * NANOSECONDS, FOREVER)) if timeout else FOREVER
 
+    def _answer_reset(
+        self, request: messages.TriggerRequest, response: messages.TriggerResponse
+    ) -> messages.TriggerResponse:
+        self.reset()
+        response.success, response.message = True, f"the robot is back at {self._first_pose}"
+        return response
+
+    def _answer_set_pose(
+        self, request: messages.SetPoseRequest, response: messages.SetPoseResponse
+    ) -> messages.SetPoseResponse:
+        self._take_pose(request.pose)
+        return response
+
     def _take_pose(self, message: PoseWithCovarianceStamped) -> None:
         frame, logger = message.header.frame_id.removeprefix("/"), self._node.get_logger()
         if frame not in ("", self._parameters.map_frame_id):
-            logger.warning(f"initial pose refused: it must be in frame {self._parameters.map_frame_id}, got {frame}")
+            logger.warning(f"pose refused: it must be in frame {self._parameters.map_frame_id}, got {frame}")
             return
         try:
             pose = message.pose.pose.to_planar()
         except ValueError as error:
-            logger.warning(f"initial pose refused: {error}")
+            logger.warning(f"pose refused: {error}")
             return
         self.set_pose(pose)
+
+    def _publish_clock(self) -> None:
+        if self._clock is not None:
+            self._clock.publish(Clock(Time.from_nanoseconds(self._now())))
 
     def _publish(self) -> None:
         now = self._now()
         stamp, parameters = Time.from_nanoseconds(now), self._parameters
         odom_from_base = self._odom_from_base(now).wrapped()
         vx, vy, wz = self.velocity
-        self._clock.publish(Clock(stamp))
+        if parameters.clock_rate == 0.0:
+            self._publish_clock()
         self._odometry.publish(
             Odometry(
                 Header(stamp, parameters.odom_frame_id),

@@ -1,0 +1,67 @@
+"""nav2_loopback_sim's names for our parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+ANGLES = {"scan_angle_min": -math.pi, "scan_angle_max": math.pi, "scan_angle_increment": 0.02617}
+"""Its angles and their defaults; one of them says nothing without the others."""
+
+_RENAMED = {
+    "publish_map_odom_tf": "publish_map_transform",
+    "base_frame_id": "base_link_frame",
+    "enable_stamped_cmd_vel": "cmd_vel_stamped",
+    "scan_frame_id": "laser_frame_id",
+    "scan_range_min": "laser_min_range",
+    "scan_range_max": "laser_max_range",
+}
+_TRANSLATED: dict[str, Callable[[str, Any], dict[str, Any]]] = {
+    "update_duration": lambda name, value: {"publish_rate": 1.0 / _positive(name, value)},
+    "odom_publish_dur": lambda name, value: {"publish_rate": 1.0 / _positive(name, value)},
+    "scan_publish_dur": lambda name, value: {"laser_frequency": 1.0 / _positive(name, value)},
+    "scan_use_inf": lambda name, value: {"no_return": "inf" if value else "max"},
+    "scan_noise_std": lambda name, value: {"sigma_hit": value} if value else {"apply_noise": False},
+}
+SYNONYMS = (*_RENAMED, *_TRANSLATED, *ANGLES)
+"""All of its names that differ from ours."""
+
+
+def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What each of its names among those given means in ours; of two rates of odometry, the higher counts.
+
+    raises: ValueError for a value that has no meaning here.
+    """
+    meanings: dict[str, dict[str, Any]] = {}
+    for name, value in given.items():
+        if name in _RENAMED:
+            meanings[name] = {_RENAMED[name]: value}
+        elif name in _TRANSLATED:
+            meanings[name] = _TRANSLATED[name](name, value)
+        elif name in ANGLES:
+            meanings[name] = _beams({angle: given.get(angle, ANGLES[angle]) for angle in ANGLES})
+    rates = [meaning["publish_rate"] for meaning in meanings.values() if "publish_rate" in meaning]
+    for meaning in meanings.values():
+        if "publish_rate" in meaning:
+            meaning["publish_rate"] = max(rates)
+    return meanings
+
+
+def _beams(angles: Mapping[str, Any]) -> dict[str, Any]:
+    """Field of view and beams between two angles; what lacks less than a beam of a full circle is one."""
+    low, high, step = (float(angles[name]) for name in ANGLES)
+    _positive("scan_angle_increment", step)
+    if not low < high or not math.isclose(low, -high, abs_tol=step / 2.0):
+        raise ValueError(
+            f"scan_angle_min must be the opposite of scan_angle_max (turn the scanner by its mount), got {low} and {high}"
+        )
+    if high - low > 2.0 * math.pi - step / 2.0:
+        return {"laser_fov": 2.0 * math.pi, "laser_beam_count": round(2.0 * math.pi / step)}
+    return {"laser_fov": high - low, "laser_beam_count": round((high - low) / step) + 1}
+
+
+def _positive(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise ValueError(f"{name} must be positive, got {value!r}")
+    return float(value)
