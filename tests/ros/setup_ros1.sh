@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Installs ROS 1 from Debian's packages and makes a virtual environment that sees them, with the one service of
+# robot_localization that the robot offers. Usage: setup_ros1.sh VENV. Needs Debian 12 or a relative, and root or sudo.
+set -euo pipefail
+venv=$(realpath -m "$1")
+packages=(ros-core rosbash python3-{genpy,roslaunch,rospy,rosbag,rostopic,rosservice,rosparam,tf2-ros,nav-msgs,sensor-msgs,std-srvs}
+    ros-{nav,sensor}-msgs ros-std-srvs python3-venv)
+if ! dpkg-query -W -f '${Status}\n' "${packages[@]}" 2>/dev/null | { ! grep -qv 'install ok installed'; } ||
+    ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
+    root=()
+    [ "$(id -u)" -eq 0 ] || root=(sudo)
+    export DEBIAN_FRONTEND=noninteractive
+    "${root[@]}" apt-get update -qq
+    "${root[@]}" apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null
+fi
+
+rm -rf "$venv"
+/usr/bin/python3 -m venv "$venv"
+site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+
+source=$(mktemp -d)
+trap 'rm -rf "$source"' EXIT
+mkdir -p "$site/robot_localization/srv"
+touch "$site/robot_localization/__init__.py"
+printf 'geometry_msgs/PoseWithCovarianceStamped pose\n---\n' >"$source/SetPose.srv"
+generate() { /usr/bin/python3 /usr/lib/genpy/gensrv_py.py -p robot_localization -o "$site/robot_localization/srv" "$@"; }
+generate -I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg "$source/SetPose.srv"
+generate --initpy
+
+# After everything that pip installs, so that what it installs goes first and does not rest on Debian's.
+echo "import site; site.addsitedir('/usr/lib/python3/dist-packages')" >"$venv/after_pip.txt"

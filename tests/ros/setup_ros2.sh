@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# Makes a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI, and builds what PyPI has no wheels for: the
+# message of tf2, and the one service of nav2_msgs that the robot offers.
+# Usage: setup_ros2.sh VENV [PYTHON], where PYTHON is CPython 3.10 to 3.13. Needs g++; cmake comes from PyPI.
+set -euo pipefail
+venv=$(realpath -m "$1")
+python=${2:-python3}
+rm -rf "$venv"
+"$python" -m venv "$venv"
+install() { "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"; }
+
+install 'ros-rclpy[fastrtps]==9.1.2' ros-{geometry,nav,sensor}-msgs==5.5.1 ros-std-srvs==5.5.1 ros-rosgraph-msgs==2.3.0
+# The generators, with those of their dependencies that they do not name.
+ament=(core export-{definitions,dependencies,include-directories,interfaces,libraries,link-flags,targets} gen-version-h gmock
+    gtest include-directories libraries pytest python ros ros-core target-dependencies test version)
+install cmake ros-rosidl-{default,core}-generators ros-ament-package ros-python-cmake-module catkin_pkg \
+    ros-{gtest,gmock}-vendor ros-ament-cmake "${ament[@]/#/ros-ament-cmake-}"
+
+# The generators' CMake files point to the Python that they were built with.
+read -r tag name include < <("$venv/bin/python" -c '
+import sys, sysconfig
+print("cp%d%d" % sys.version_info[:2], "python%d.%d" % sys.version_info[:2], sysconfig.get_path("include"))')
+grep -rl --include='*.cmake' /opt/python/ "$venv/share" | xargs sed -i \
+    -e "s#/opt/python/$tag-$tag/include/$name#$include#g" \
+    -e "s#/opt/python/$tag-$tag/lib/$name/site-packages#$venv/lib/$name/site-packages#g"
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+export PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
+
+# Builds a package of one interface: its name, the file of the interface, and what that file says.
+build() {
+    local source=$scratch/$1
+    mkdir -p "$source/$(dirname "$2")"
+    printf '%s\n' "$3" >"$source/$2"
+    cat >"$source/package.xml" <<XML
+<package format="3">
+  <name>$1</name> <version>0.0.0</version> <description>$2</description>
+  <maintainer email="nobody@example.com">nobody</maintainer> <license>BSD-3-Clause</license>
+  <buildtool_depend>ament_cmake</buildtool_depend> <buildtool_depend>rosidl_default_generators</buildtool_depend>
+  <depend>geometry_msgs</depend> <exec_depend>rosidl_default_runtime</exec_depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+XML
+    cat >"$source/CMakeLists.txt" <<CMAKE
+cmake_minimum_required(VERSION 3.20)
+project($1)
+find_package(ament_cmake REQUIRED)
+find_package(geometry_msgs REQUIRED)
+find_package(rosidl_default_generators REQUIRED)
+rosidl_generate_interfaces(\${PROJECT_NAME} "$2" DEPENDENCIES geometry_msgs)
+ament_package()
+CMAKE
+    {
+        cmake -S "$source" -B "$source/build" -DCMAKE_INSTALL_PREFIX="$venv" -DCMAKE_BUILD_TYPE=Release \
+            -DBUILD_TESTING=OFF -DPython3_EXECUTABLE="$venv/bin/python" &&
+            cmake --build "$source/build" -j2 && cmake --install "$source/build"
+    } >"$source/log" 2>&1 || { tail -n 20 "$source/log" >&2; return 1; }
+}
+build tf2_msgs msg/TFMessage.msg 'geometry_msgs/TransformStamped[] transforms'
+build nav2_msgs srv/SetInitialPose.srv 'geometry_msgs/PoseWithCovarianceStamped pose
+---'
+"$venv/bin/python" -c 'import rclpy, tf2_msgs.msg as m, nav2_msgs.srv as s; m.TFMessage(); s.SetInitialPose.Request()'
