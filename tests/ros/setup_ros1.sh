@@ -5,8 +5,7 @@ set -euo pipefail
 venv=$(realpath -m "$1")
 packages=(ros-core rosbash python3-{genpy,roslaunch,rospy,rosbag,rostopic,rosservice,rosparam,tf2-ros,nav-msgs,sensor-msgs,std-srvs}
     ros-{nav,sensor}-msgs ros-std-srvs python3-venv)
-if ! dpkg-query -W -f '${Status}\n' "${packages[@]}" 2>/dev/null | { ! grep -qv 'install ok installed'; } ||
-    ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
+if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
     root=()
     [ "$(id -u)" -eq 0 ] || root=(sudo)
     export DEBIAN_FRONTEND=noninteractive
@@ -26,6 +25,3 @@ printf 'geometry_msgs/PoseWithCovarianceStamped pose\n---\n' >"$source/SetPose.s
 generate() { /usr/bin/python3 /usr/lib/genpy/gensrv_py.py -p robot_localization -o "$site/robot_localization/srv" "$@"; }
 generate -I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg "$source/SetPose.srv"
 generate --initpy
-
-# After everything that pip installs, so that what it installs goes first and does not rest on Debian's.
-echo "import site; site.addsitedir('/usr/lib/python3/dist-packages')" >"$venv/after_pip.txt"

@@ -1,0 +1,289 @@
+"""The nodes on either ROS, seen from outside through the real client library."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from conftest import room
+from worlds import VERSION, find, seconds, wait_until
+
+ODOM, SCAN, TF, MAP = (
+    "nav_msgs/msg/Odometry",
+    "sensor_msgs/msg/LaserScan",
+    "tf2_msgs/msg/TFMessage",
+    "nav_msgs/msg/OccupancyGrid",
+)
+TWIST, POSE = "geometry_msgs/msg/Twist", "geometry_msgs/msg/PoseWithCovarianceStamped"
+SET_POSE = {"1": "robot_localization/srv/SetPose", "2": "nav2_msgs/srv/SetInitialPose"}.get(VERSION, "")
+NAME = "mobile_robot_simulator" if VERSION == "1" else "mobile_robot_simulator_node"
+LASER = "mobile_robot_simulator" if VERSION == "1" else "laser_scanner_simulator_node"
+QUIET = {"apply_noise": False, "laser_beam_count": 181, "publish_map_transform": True, "cmd_vel_stamped": False}
+
+
+def twist(vx: float, wz: float) -> Any:
+    message = find(TWIST)()
+    message.linear.x, message.angular.z = vx, wz
+    return message
+
+
+def pose_message(x: float, y: float, yaw: float) -> Any:
+    message = find(POSE)()
+    message.header.frame_id = "map"
+    message.pose.pose.position.x, message.pose.pose.position.y = x, y
+    message.pose.pose.orientation.z, message.pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
+
+
+def pose_of(position: Any, orientation: Any) -> mrs.Pose:
+    return mrs.Pose.from_quaternion(
+        position.x, position.y, qx=orientation.x, qy=orientation.y, qz=orientation.z, qw=orientation.w
+    )
+
+
+def odom_pose(odometry: Any) -> mrs.Pose:
+    return pose_of(odometry.pose.pose.position, odometry.pose.pose.orientation)
+
+
+def map_pose(transforms: Any) -> mrs.Pose:
+    links = {
+        item.child_frame_id: pose_of(item.transform.translation, item.transform.rotation) for item in transforms.transforms
+    }
+    return links["odom"] * links["base_link"]
+
+
+def test_topics_have_their_types_frames_stamps_and_rates(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
+    odom, scan, tf = world.subscribe("/odom", ODOM), world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)
+    scan.wait_for(5)
+    began = len(odom), len(scan), len(tf)
+    time.sleep(4.0)
+    for inbox, rate, start in ((odom, 50.0, began[0]), (scan, 20.0, began[1]), (tf, 50.0, began[2])):
+        stamps = [seconds((it.transforms[0] if inbox is tf else it).header.stamp) for it in inbox[start:]]
+        assert np.mean(np.diff(stamps)) == pytest.approx(1.0 / rate, rel=0.05)
+        delays = np.array(inbox.times[start : start + len(stamps)]) - stamps
+        assert -0.001 < np.median(delays) < 0.05
+    assert (odom[-1].header.frame_id, odom[-1].child_frame_id) == ("odom", "base_link")
+    links = [(it.header.frame_id, it.child_frame_id) for it in tf[-1].transforms]
+    assert links == [("map", "odom"), ("odom", "base_link")]
+    last = scan[-1]
+    assert last.header.frame_id == "base_link"
+    assert len(last.ranges) == 181
+    assert last.angle_max == pytest.approx(last.angle_min + 180 * last.angle_increment, abs=1e-5)
+    assert (last.range_min, last.range_max) == (pytest.approx(0.05), 30.0)
+
+
+def test_a_command_ends_where_the_closed_form_says(world: Any) -> None:
+    world.start("robot", publish_rate=50.0, velocity_timeout=2.0, cmd_vel_stamped=False)
+    odom = world.subscribe("/odom", ODOM)
+    publish = world.publisher("/cmd_vel", TWIST)
+    odom.wait_for(2)
+    sent = time.time()
+    publish(twist(0.5, 0.8))
+    moving = odom.next(lambda it: it.twist.twist.linear.x == 0.5 and seconds(it.header.stamp) > sent + 1.0)
+    expected = mrs.Pose().integrate((0.5, 0.0, 0.8), seconds(moving.header.stamp) - sent)
+    assert odom_pose(moving).x == pytest.approx(expected.x, abs=0.5 * 0.02)
+    assert odom_pose(moving).yaw == pytest.approx(expected.yaw, abs=0.8 * 0.02)
+    still = odom.next(lambda it: it.twist.twist.linear.x == 0.0)
+    # The command held for the timeout, to the nanosecond.
+    assert tuple(odom_pose(still)) == pytest.approx(tuple(mrs.Pose().integrate((0.5, 0.0, 0.8), 2.0)), abs=1e-9)
+
+
+def test_scans_are_those_of_scan_batch_at_the_published_pose(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
+    scan, tf = world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)
+    odom = world.subscribe("/odom", ODOM)
+    publish = world.publisher("/cmd_vel", TWIST)
+    laser, grid = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0), mrs.load_map(map_file)
+    for _ in range(5):
+        publish(twist(0.3, 0.5))
+        time.sleep(0.1)
+    odom.next(lambda it: it.twist.twist.linear.x == 0.0)
+    tf.wait_for(20)
+    after = scan.next(lambda it: seconds(it.header.stamp) > seconds(tf[-1].transforms[0].header.stamp))
+    ranges = laser.scan_batch(grid, np.array([tuple(map_pose(tf[-1]))]))[0]
+    assert np.array_equal(np.asarray(after.ranges, np.float32), laser.mark_invalid(ranges, no_return="inf"))
+
+    publish(twist(0.3, 0.5))
+    moving = odom.next(lambda it: it.twist.twist.linear.x == 0.3)
+    during = scan.next()
+    elapsed = seconds(during.header.stamp) - seconds(moving.header.stamp)
+    pose = odom_pose(moving).integrate((0.3, 0.0, 0.5), elapsed)
+    differences = np.abs(np.asarray(during.ranges) - laser.scan_batch(grid, np.array([tuple(pose)]))[0])
+    # A beam that passes a corner may fall on either side of it.
+    assert np.sum(differences > 1e-3) <= 2
+
+
+def test_parameters_change_while_running_or_are_refused(world: Any, map_file: Path) -> None:
+    process = world.start("all", map_file=map_file, laser_frequency=20.0, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    scan.wait_for(2)
+    assert world.set_parameter(LASER, "laser_beam_count", 91)
+    assert scan.next(lambda it: len(it.ranges) == 91)
+    assert world.set_parameter(LASER, "laser_topic", "/front")
+    world.subscribe("/front", SCAN).wait_for(2)
+    assert not world.set_parameter(LASER, "laser_fov", 9.0)
+    assert not world.set_parameter(LASER, "laser_beam_count", "many")
+    assert not world.set_parameter(LASER, "laser_topic", "no name")
+    assert not world.set_parameter(NAME, "publish_clock", VERSION == "1")
+    if VERSION == "1":
+        assert "laser_fov must be less than or equal to 6.28" in process.output
+        assert "publish_clock counts at the start only" in process.output
+    world.subscribe("/front", SCAN).wait_for(2)
+
+
+def test_services_put_the_robot_somewhere_and_back(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, publish_rate=50.0, **QUIET)
+    tf, odom = world.subscribe("/tf", TF), world.subscribe("/odom", ODOM)
+    world.call("/set_pose", SET_POSE, pose=pose_message(1.0, 0.5, 1.25))
+    tf.wait_for(3)
+    assert tuple(map_pose(tf[-1])) == pytest.approx((1.0, 0.5, 1.25))
+    world.publisher("/initialpose", POSE)(pose_message(-1.0, 0.25, -0.5))
+    tf.wait_for(25)
+    assert tuple(map_pose(tf[-1])) == pytest.approx((-1.0, 0.25, -0.5))
+    world.publisher("/cmd_vel", TWIST)(twist(1.0, 0.0))
+    odom.next(lambda it: it.pose.pose.position.x > 0.1)
+    assert world.call("/reset", "std_srvs/srv/Trigger").success
+    tf.wait_for(3)
+    assert tuple(map_pose(tf[-1])) == (0.0, 0.0, 0.0)
+    assert odom[-1].pose.pose.position.x == odom[-1].twist.twist.linear.x == 0.0
+
+
+def test_who_comes_late_gets_the_map_and_large_ones_arrive(world: Any, tmp_path: Path) -> None:
+    large = room(1000, 1000, 0.02)
+    mrs.save_map(large, tmp_path / "large.yaml")
+    world.start("map", map_file=tmp_path / "large.yaml")
+    for _ in range(2):
+        late = world.subscribe("/map", MAP, latched=True)
+        wait_until(lambda late=late: late, "the map")
+        assert (late[0].info.width, late[0].info.height) == (1000, 1000)
+        assert late[0].header.frame_id == "map"
+        assert np.array_equal(np.asarray(late[0].data, np.int8).reshape(1000, 1000), large.cells)
+    answer = world.call("/static_map", "nav_msgs/srv/GetMap").map
+    assert np.array_equal(np.asarray(answer.data, np.int8).reshape(1000, 1000), large.cells)
+
+
+def test_a_new_map_takes_the_place_of_the_old(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, laser_frequency=20.0, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    before = np.asarray(scan.next().ranges)
+    message = find(MAP)()
+    message.header.frame_id = "map"
+    message.info.resolution, message.info.width, message.info.height = 1.0, 5, 5
+    message.info.origin.position.x = message.info.origin.position.y = -2.5
+    message.info.origin.orientation.w = 1.0
+    message.data = [100 if 0 in (row % 4, column % 4) else 0 for row in range(5) for column in range(5)]
+    world.publisher("/map", MAP, latched=True)(message)
+    after = scan.next(lambda it: it.ranges[90] == pytest.approx(1.5))
+    assert not np.array_equal(before, np.asarray(after.ranges))
+
+
+@pytest.mark.parametrize("from_tf", [True, False])
+def test_the_mount_comes_from_tf_or_else_from_the_parameter(world: Any, map_file: Path, from_tf: bool) -> None:
+    mount = {} if from_tf else {"laser_mount": "[0.5, 0.25, 3.0]"}
+    world.start("all", map_file=map_file, laser_frequency=20.0, laser_frame_id="scanner", **mount, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    if from_tf:
+        link = find("geometry_msgs/msg/TransformStamped")()
+        link.header.frame_id, link.child_frame_id = "base_link", "scanner"
+        link.transform.translation.x, link.transform.translation.y = 0.5, 0.25
+        link.transform.rotation.z, link.transform.rotation.w = math.sin(1.5), math.cos(1.5)
+        world.publisher("/tf_static", TF, latched=True)(find(TF)(transforms=[link]))
+    else:
+        static = world.subscribe("/tf_static", TF, latched=True)
+        wait_until(lambda: static, "the mount on /tf_static")
+        assert static[0].transforms[0].transform.translation.x == 0.5
+    laser = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0, mount=(0.5, 0.25, 3.0))
+    expected = laser.scan_batch(mrs.load_map(map_file), np.zeros((1, 3)))[0]
+    found = scan.next(lambda it: np.allclose(it.ranges, expected, atol=1e-4))
+    assert found.header.frame_id == "scanner"
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
+def test_garbage_commands_are_refused(world: Any, bad: float) -> None:
+    process = world.start("robot", publish_rate=50.0, cmd_vel_stamped=False)
+    odom = world.subscribe("/odom", ODOM)
+    publish = world.publisher("/cmd_vel", TWIST)
+    publish(twist(bad, 0.0))
+    publish(twist(0.0, bad))
+    wait_until(lambda: process.output.count("velocity command refused") == 2, "the warnings")
+    odom.wait_for(5)
+    assert tuple(odom_pose(odom[-1])) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("node", ["robot", "laser", "map", "all"])
+def test_ctrl_c_ends_within_two_seconds(world: Any, map_file: Path, node: str) -> None:
+    process = world.start(node, map_file=map_file if node in ("map", "all") else None)
+    if node == "laser":
+        time.sleep(3.0)
+    else:
+        topic, ros_type = ("/odom", ODOM) if node != "map" else ("/map", MAP)
+        inbox = world.subscribe(topic, ros_type, latched=node == "map")
+        wait_until(lambda: inbox, topic)
+    assert process.interrupt() < 2.0
+    assert process.wait() == 0
+    assert "Traceback" not in process.output
+
+
+def test_a_node_that_is_killed_can_come_back(world: Any, map_file: Path) -> None:
+    world.start("map", map_file=map_file)
+    laser = world.start("laser", laser_frequency=20.0, apply_noise=False)
+    robot = world.start("robot", publish_rate=50.0, publish_map_transform=True)
+    scan = world.subscribe("/scan", SCAN)
+    scan.wait_for(5)
+    robot.kill()
+    time.sleep(1.5)
+    quiet = len(scan)
+    world.start("robot", publish_rate=50.0, publish_map_transform=True)
+    wait_until(lambda: len(scan) > quiet + 5, "scans after the robot's restart")
+    laser.kill()
+    world.start("laser", laser_frequency=20.0, apply_noise=False)
+    scan.wait_for(5)
+
+
+def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path, record_property: Any) -> None:
+    process = world.start("all", map_file=map_file, publish_rate=100.0, laser_frequency=40.0, publish_map_transform=True)
+    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+    scan.wait_for(20)
+    began, spent, counts = time.time(), process.cpu_seconds(), (len(scan), len(odom))
+    time.sleep(8.0)
+    wall = time.time() - began
+    share = (process.cpu_seconds() - spent) / wall
+    rates = (len(scan) - counts[0]) / wall, (len(odom) - counts[1]) / wall
+    delays = np.array(scan.times[counts[0] :]) - [seconds(it.header.stamp) for it in scan[counts[0] : len(scan.times)]]
+    print(
+        f"\nscans {rates[0]:.1f} Hz, odometry {rates[1]:.1f} Hz, {share:.1%} of a core, "
+        f"latency of a scan: median {np.median(delays) * 1e3:.2f} ms, 99 % {np.quantile(delays, 0.99) * 1e3:.2f} ms"
+    )
+    assert rates == (pytest.approx(40.0, rel=0.05), pytest.approx(100.0, rel=0.05))
+    assert share < 0.2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["robot", "map.yaml"], "unexpected argument 'map.yaml'"),
+        (["map"], "map needs a map"),
+        (["map", "absent.yaml"], "absent.yaml"),
+    ],
+)
+def test_bad_arguments_are_errors(world: Any, arguments: list[str], complaint: str) -> None:
+    from worlds import COMMAND
+
+    process = world.run(*COMMAND, *arguments)
+    assert process.wait() == 1
+    assert complaint in process.output
+    assert "Traceback" not in process.output
+
+
+def test_bad_values_are_errors_and_unknown_names_warnings(world: Any) -> None:
+    process = world.start("laser", laser_fov=-1.0, laser_beam_cuont=3)
+    assert process.wait() == 1
+    assert "laser_fov must be greater than 0, got -1" in process.output
+    assert "did you mean 'laser_beam_count'?" in process.output
