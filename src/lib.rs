@@ -14,6 +14,10 @@
 //!   A beam that starts in a blocking cell has range 0. A beam that starts outside enters the grid at its edge, and the gap
 //!   counts. No hit within `max_range` gives exactly `max_range`. Nothing is rounded to cells, no angle is binned, no diagonal
 //!   wall leaks.
+//! - **Obstacles**: discs and simple polygons at poses. The range is that to the nearest of grid and obstacles; a beam that starts
+//!   inside of one has range 0. Noise comes after; see [`Obstacles`].
+//! - **Contact**: footprint, blocking cells and obstacles are taken with their edges, so that sharing one point is contact. A
+//!   footprint that is stopped is within 1e-6 m of what stopped it, and not in it; see [`advance`].
 //! - **Beams**: beam `i` points at `angle_min + i · angle_increment` with `angle_increment = fov / (beam_count - 1)`; a full turn
 //!   has `fov / beam_count`, so that no beam is repeated.
 //! - **Noise**: the beam model of *Probabilistic Robotics*, table 6.1, properly normalised; see [`BeamModel`].

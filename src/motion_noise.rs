@@ -50,10 +50,10 @@ impl MotionNoise {
     /// [`sample`](Self::sample) from a stream named by `(seed, index)`: the same on every machine, and none that a scan draws from.
     ///
     /// # Errors
-    /// A pose, twist or duration that is not finite.
+    /// A pose, given or reached, a twist or a duration that is not finite.
     pub fn sample_from(&self, pose: Pose, twist: Twist, duration: f64, seed: u64, index: u64) -> Result<Pose, Error> {
         check(pose, twist, duration)?;
-        Ok(self.sample(pose, twist, duration, &mut random::stream(seed ^ ODOMETRY, index)))
+        self.sample(pose, twist, duration, &mut random::stream(seed ^ ODOMETRY, index)).checked()
     }
 
     /// Covariance of (x, y, yaw) after a step, from that before it: `F·P·Fᵀ + V·M·Vᵀ`, to first order in the errors.
@@ -63,12 +63,10 @@ impl MotionNoise {
     /// First order holds while the yaw is known to some 0.2 rad.
     ///
     /// # Errors
-    /// A pose, twist, duration or covariance that is not finite.
+    /// A pose, a twist, a duration or a covariance, given or reached, that is not finite.
     pub fn propagate(&self, covariance: DMat3, pose: Pose, twist: Twist, duration: f64) -> Result<DMat3, Error> {
         check(pose, twist, duration)?;
-        for value in covariance.to_cols_array() {
-            check_number("covariance", value, "finite", |_| true)?;
-        }
+        check_matrix("covariance", covariance)?;
         let (step, by_turn) = arc(twist.linear, twist.angular, duration);
         let step = rotate(step, pose.yaw);
         // Turning the start turns the step about it.
@@ -82,7 +80,7 @@ impl MotionNoise {
         let noise = DMat3::from_diagonal(self.variances(twist).into());
         let sum = by_pose * covariance * by_pose.transpose() + by_noise * noise * by_noise.transpose();
         // Symmetric to the last bit, which rounding does not see to.
-        Ok((sum + sum.transpose()) * 0.5)
+        check_matrix("the covariance reached", (sum + sum.transpose()) * 0.5)
     }
 
     /// Variances of speed, turn rate and final turn rate.
@@ -108,4 +106,11 @@ fn check(pose: Pose, twist: Twist, duration: f64) -> Result<(), Error> {
     }
     check_number("dt", duration, "finite", |_| true)?;
     Ok(())
+}
+
+fn check_matrix(name: &'static str, matrix: DMat3) -> Result<DMat3, Error> {
+    for value in matrix.to_cols_array() {
+        check_number(name, value, "finite", |_| true)?;
+    }
+    Ok(matrix)
 }

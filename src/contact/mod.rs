@@ -68,6 +68,7 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
         return Ok(0.0);
     }
     // What is near is found without a look at all that is far.
+    let extent = (world.grid.width() + world.grid.height()) as f64 * world.grid.resolution();
     let mut within = (4.0 * world.grid.resolution()).min(limit);
     loop {
         blockers.gather(pose.position, footprint.reach() + within);
@@ -75,7 +76,7 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
         if gap <= within || within >= limit {
             return Ok(gap.min(limit));
         }
-        within = (2.0 * within).min(limit);
+        within = if within > extent { limit } else { (2.0 * within).min(limit) };
     }
 }
 
@@ -91,7 +92,7 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
 /// scaled about its origin, that does not: it may go away, along or out, but no deeper. One whose origin is inside goes free.
 ///
 /// # Errors
-/// A pose or a twist that is not finite, a `dt` that is negative or leads the robot farther than 100000 times its own size.
+/// A pose, given or reached, or a twist that is not finite, a `dt` that is negative or leads the robot farther than 100000 times its own size.
 pub fn advance<'a>(
     world: impl Into<World<'a>>,
     footprint: &Shape,
@@ -106,7 +107,7 @@ pub fn advance<'a>(
         check_number(name, value, "finite", |_| true)?;
     }
     check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
-    let free = integrate(pose, twist, dt);
+    let free = integrate(pose, twist, dt).checked()?;
     let start = world.grid.pose_in_grid(pose);
     let mut footprint = Footprint::new(footprint);
     let mut blockers = Blockers::around(world, start.position, footprint.reach());

@@ -62,7 +62,8 @@ pub fn squares(grid: &OccupancyGrid) -> Vec<Part> {
     let square = |cell: Cell| {
         let half = 0.5 * grid.resolution();
         let turn = DVec2::from_angle(grid.options().origin.yaw);
-        let corner = |x: f64, y: f64| grid.center(cell) + turn.rotate(DVec2::new(x * half, y * half));
+        let center = grid.checked_center(cell).expect("a cell of the grid");
+        let corner = |x: f64, y: f64| center + turn.rotate(DVec2::new(x * half, y * half));
         Part { corners: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], radius: 0.0 }
     };
     cells.filter(|&cell| grid.is_blocking(cell)).map(square).collect()

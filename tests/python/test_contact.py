@@ -1,0 +1,67 @@
+"""contact: footprints among walls and obstacles."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import mobile_robot_simulator as mrs
+
+DISC = mrs.Shape.disc(0.5)
+AHEAD = (1.0, 0.0, 0.0)
+
+
+def test_a_robot_stops_slides_or_goes_through(post: mrs.OccupancyGrid) -> None:
+    # The one wall is the square from (2, 2) to (3, 3).
+    start = mrs.Pose(0.0, 2.5, 0.0)
+    end, contact = mrs.advance(post, DISC, start, AHEAD, 3.0)
+    assert contact is not None
+    assert 1.5 - 1e-6 <= end.x < 1.5
+    assert end.y == 2.5
+    assert contact.fraction == pytest.approx(0.5, abs=1e-6)
+    assert contact.point == pytest.approx((2.0, 2.5))
+    assert contact.normal == pytest.approx((-1.0, 0.0))
+    assert contact.obstacle is None
+    assert mrs.advance(post, DISC, start, AHEAD, 3.0, mode="report") == (mrs.Pose(3.0, 2.5, 0.0), contact)
+    end, _ = mrs.advance(post, DISC, start, (1.0, 0.1, 0.0), 3.0, mode="slide")
+    assert 1.5 - 1e-6 <= end.x < 1.5
+    assert end.y == pytest.approx(2.8)
+
+
+def test_without_contact_the_way_is_that_of_the_pose(post: mrs.OccupancyGrid) -> None:
+    pose = mrs.Pose(-3.0, 1.0, 0.3)
+    assert mrs.advance(post, DISC, pose, (0.4, 0.1, 0.7), 0.5) == (pose.integrate((0.4, 0.1, 0.7), 0.5), None)
+
+
+def test_robots_meet_one_another(post: mrs.OccupancyGrid) -> None:
+    others = [(DISC, (-5.0, 0.0, 0.0)), (mrs.Shape.rectangle(2.0, 2.0), (4.0, -5.0, 0.0))]
+    end, contact = mrs.advance(post, DISC, (0.0, -5.0, 0.0), AHEAD, 9.0, obstacles=others)
+    assert contact is not None
+    assert contact.obstacle == 1
+    assert end.x == pytest.approx(2.5, abs=1e-6)
+    assert "obstacle=1" in repr(contact)
+
+
+def test_clearance_and_touch(post: mrs.OccupancyGrid) -> None:
+    assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=9.0) == pytest.approx(1.5)
+    assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=1.0) == 1.0
+    assert mrs.clearance(post, DISC, (50.0, 2.5, 0.0), limit=1e300) == pytest.approx(46.5)
+    assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=9.0, obstacles=[(DISC, (-1.5, 2.5, 0.0))]) == pytest.approx(0.5)
+    assert mrs.touches(post, DISC, (1.6, 2.5, 0.0))
+    assert not mrs.touches(post, DISC, (1.4, 2.5, 0.0))
+
+
+def test_bad_steps_are_refused_by_name(post: mrs.OccupancyGrid) -> None:
+    with pytest.raises(ValueError, match="mode must be 'stop', 'slide' or 'report', got 'bounce'"):
+        mrs.advance(post, DISC, (0, 0, 0), AHEAD, 1.0, mode="bounce")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="vx must be finite, got NaN"):
+        mrs.advance(post, DISC, (0, 0, 0), (math.nan, 0.0, 0.0), 1.0)
+    with pytest.raises(ValueError, match="dt must be at least 0, got -1"):
+        mrs.advance(post, DISC, (0, 0, 0), AHEAD, -1.0)
+    with pytest.raises(ValueError, match="dt must be short enough"):
+        mrs.advance(post, DISC, (0, 0, 0), AHEAD, 1e300)
+    with pytest.raises(ValueError, match="limit must be positive, got 0"):
+        mrs.clearance(post, DISC, (0, 0, 0), limit=0.0)
+    with pytest.raises(TypeError):
+        mrs.touches(post, "disc", (0, 0, 0))  # type: ignore[arg-type]
