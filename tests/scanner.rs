@@ -67,8 +67,8 @@ fn the_mount_moves_the_scanner() {
     let mount = Pose::new(0.4, -0.2, 1.1);
     let base = Pose::new(2.0, 4.5, -0.4);
     let (mut mounted, mut moved) = (vec![0.0; 541], vec![0.0; 541]);
-    scanner(ScannerOptions { mount, ..ScannerOptions::default() }).scan(&grid, base, &mut mounted);
-    scanner(ScannerOptions::default()).scan(&grid, base * mount, &mut moved);
+    scanner(ScannerOptions { mount, ..ScannerOptions::default() }).scan(&grid, base, &mut mounted).expect("a kernel");
+    scanner(ScannerOptions::default()).scan(&grid, base * mount, &mut moved).expect("a kernel");
     assert_eq!(mounted, moved);
 }
 
@@ -78,7 +78,7 @@ fn a_range_leads_to_a_wall() {
     let laser = scanner(ScannerOptions::default());
     for pose in poses(20) {
         let mut ranges = vec![0.0; 541];
-        laser.scan(&grid, pose.into(), &mut ranges);
+        laser.scan(&grid, pose.into(), &mut ranges).expect("a kernel");
         for [x, y] in laser.end_points(pose.into(), &ranges).expect("as many ranges as beams") {
             // The end is on the wall's surface to within a float32; a hair around it there is a wall.
             assert_eq!(grid.is_free_disc([x, y].into(), 1e-5), Ok(false), "({x}, {y})");
@@ -109,7 +109,7 @@ fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
         if !noisy {
             for (pose, ranges) in poses.iter().zip(whole.chunks(541)) {
                 let mut alone = vec![0.0; 541];
-                laser.scan(&grid, (*pose).into(), &mut alone);
+                laser.scan(&grid, (*pose).into(), &mut alone).expect("a kernel");
                 assert_eq!(alone, ranges);
             }
         }

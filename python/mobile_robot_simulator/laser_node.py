@@ -129,9 +129,7 @@ class LaserScannerSimulator:
                 static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
             transforms = node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT)
             handles.callback(node.destroy_subscription, transforms)
-            twists = node.create_subscription(
-                Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT
-            )
+            twists = node.create_subscription(Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT)
             handles.callback(node.destroy_subscription, twists)
             mounts = node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED)
             handles.callback(node.destroy_subscription, mounts)
@@ -189,6 +187,7 @@ class LaserScannerSimulator:
             client.call_async(GetMap.Request()).add_done_callback(lambda future: self._take_map(future.result().map))
 
     def _take_map(self, message: messages.OccupancyGrid) -> None:
+        self._asked_ns = None
         if self._grid is not None and is_of(message, self._grid):
             return
         try:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache
 from importlib import import_module
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, TypeVar, cast, get_args, get_type_hints
 
 import numpy as np
 
@@ -64,7 +64,8 @@ class Dialect:
     def from_ros(self, message: Any, kind: type[M]) -> M:
         """Our message, of the class given, with what one of the installation's holds. Arrays may share its memory."""
         if kind is Time:
-            return kind(getattr(message, self.seconds), getattr(message, self.nanoseconds))
+            moment = Time(getattr(message, self.seconds), getattr(message, self.nanoseconds))
+            return cast(M, moment)
         values = []
         for name, inner, dtype in _plan(kind):  # type: ignore[arg-type]
             value = getattr(message, name)
@@ -81,8 +82,9 @@ class Dialect:
 @cache
 def _plan(kind: type[Message]) -> list[tuple[str, Any, np.dtype[Any] | None]]:
     """Fields of a kind of message: name, class of the messages in it, element type of the array that it is."""
-    hints, empty, plan = get_type_hints(kind), kind(), []
-    for name in kind.__match_args__:
+    hints, empty = get_type_hints(kind), kind()
+    plan: list[tuple[str, Any, np.dtype[Any] | None]] = []
+    for name in (each.name for each in fields(kind)):
         value = getattr(empty, name)
         if isinstance(value, list):
             plan.append((name, get_args(hints[name])[0], None))

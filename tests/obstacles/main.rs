@@ -175,7 +175,7 @@ fn a_scan_sees_what_each_of_its_rays_sees() {
         let base =
             Pose::new(4.0 * stream.random::<f64>() - 2.0, 4.0 * stream.random::<f64>() - 2.0, 9.0 * stream.random::<f64>());
         let mut ranges = vec![0.0; beam_count];
-        scanner.scan((&empty(), &obstacles), base, &mut ranges);
+        scanner.scan((&empty(), &obstacles), base, &mut ranges).expect("a kernel");
         let laser = base * mount;
         for (beam, &range) in ranges.iter().enumerate() {
             let direction = DVec2::from_angle(laser.yaw + scanner.angle(beam));
@@ -213,8 +213,8 @@ fn obstacles_on_the_grid_are_as_its_cells() {
             continue;
         }
         let (mut by_cells, mut by_shapes) = (vec![0.0; 541], vec![0.0; 541]);
-        scanner.scan(&whole, pose, &mut by_cells);
-        scanner.scan((&part, &obstacles), pose, &mut by_shapes);
+        scanner.scan(&whole, pose, &mut by_cells).expect("a kernel");
+        scanner.scan((&part, &obstacles), pose, &mut by_shapes).expect("a kernel");
         for (a, b) in by_cells.iter().zip(&by_shapes) {
             assert!((a - b).abs() < 1e-5, "{a} {b}");
         }

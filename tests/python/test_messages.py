@@ -40,6 +40,10 @@ FIELDS = {
     "Clock": ("rosgraph_msgs/msg/Clock", "clock"),
     "GetMapRequest": ("nav_msgs/srv/GetMap_Request", ""),
     "GetMapResponse": ("nav_msgs/srv/GetMap_Response", "map"),
+    "TriggerRequest": ("std_srvs/srv/Trigger_Request", ""),
+    "TriggerResponse": ("std_srvs/srv/Trigger_Response", "success message"),
+    "SetPoseRequest": ("robot_localization/srv/SetPose_Request", "pose"),
+    "SetPoseResponse": ("robot_localization/srv/SetPose_Response", ""),
 }
 
 
@@ -130,7 +134,7 @@ def test_planar_poses_go_there_and_back(yaw: float) -> None:
 
 def test_messages_are_where_scripts_look_for_them() -> None:
     for name in FIELDS:
-        if name not in ("Pose", "OccupancyGrid", "MapMetaData", "Transform", "GetMapRequest", "GetMapResponse"):
+        if name not in ("Pose", "OccupancyGrid", "MapMetaData", "Transform") and not name.endswith(("Request", "Response")):
             assert getattr(mrs, name) is getattr(messages, name)
     assert mrs.messages is messages
     assert set(mrs.__all__) <= set(dir(mrs))
