@@ -94,7 +94,11 @@ class Loop:
                     self._changed.wait(due_in)
                     continue
             if timer is not None:
-                timer.fire()
+                try:
+                    timer.fire()
+                except Exception:
+                    # `wait` raises it.
+                    return
 
 
 class Timer:

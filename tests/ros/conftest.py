@@ -48,3 +48,15 @@ def map_file(tmp_path: Path) -> Path:
     file = tmp_path / "map.yaml"
     mrs.save_map(room(), file)
     return file
+
+
+def record_drive(map_file: Path, folder: Path, format: Any) -> Path:
+    """The recording of five seconds of a robot that drives in the map."""
+    from mobile_robot_simulator.recording import Recorder
+
+    simulation = mrs.Simulation(mrs.load_map(map_file))
+    with Recorder(folder, format=format) as recorder:
+        simulation.record(recorder.write)
+        simulation.publish("/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.2)))
+        simulation.run_for(5.0)
+    return recorder.path

@@ -1,0 +1,90 @@
+"""What only ROS 1 has: its command-line tools, bags and launch files."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import mobile_robot_simulator as mrs
+from conftest import record_drive
+from test_nodes import ODOM, QUIET, SCAN, TWIST, twist
+from worlds import wait_until
+
+
+def test_rostopic_echoes_and_measures(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, publish_rate=50.0, **QUIET)
+    world.subscribe("/odom", ODOM).wait_for(1)
+    echo = world.run("rostopic", "echo", "-n1", "/odom")
+    assert echo.wait() == 0
+    assert 'child_frame_id: "base_link"' in echo.output
+    measure = world.run("rostopic", "hz", "/odom")
+    rate = wait_until(lambda: re.findall(r"average rate: ([\d.]+)", measure.output)[2:], "rates")
+    assert 47.0 < float(rate[0]) < 53.0
+
+
+def test_remappings_names_and_private_parameters(world: Any) -> None:
+    world.start("robot", remap=("/odom:=/moved", "__name:=tortoise"), base_link_frame="shell", publish_rate=20.0)
+    assert world.subscribe("/moved", ODOM).next().child_frame_id == "shell"
+    nodes = world.run("rosnode", "list")
+    assert nodes.wait() == 0
+    assert "/tortoise" in nodes.output.split()
+
+
+def test_rosbag_records_and_replays(world: Any, map_file: Path, tmp_path: Path) -> None:
+    nodes = world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    scan.wait_for(2)
+    recorder = world.run("rosbag", "record", "-O", str(tmp_path / "drive.bag"), "/odom", "/scan", "/tf", "/map")
+    time.sleep(4.0)
+    recorder.interrupt()
+    nodes.interrupt()
+    told = world.run("rosbag", "info", str(tmp_path / "drive.bag"))
+    assert told.wait() == 0
+    for topic in ("nav_msgs/Odometry", "sensor_msgs/LaserScan", "tf2_msgs/TFMessage", "nav_msgs/OccupancyGrid"):
+        assert topic in told.output
+    world.run("rosbag", "play", str(tmp_path / "drive.bag"))
+    scan.wait_for(20)
+
+
+def test_our_recordings_replay(world: Any, map_file: Path, tmp_path: Path) -> None:
+    bag = record_drive(map_file, tmp_path / "drive", "bag")
+    odom, scan = world.subscribe("/odom", ODOM), world.subscribe("/scan", SCAN)
+    player = world.run("rosbag", "play", "-d", "2", "-r", "2", str(bag))
+    assert player.wait() == 0
+    assert len(odom) >= 45
+    assert len(scan) >= 45
+    assert np.isfinite(np.asarray(scan[-1].ranges)).any()
+
+
+def test_roslaunch_starts_map_robot_and_laser(world: Any, map_file: Path) -> None:
+    launch = world.run("roslaunch", "mobile_robot_simulator", "simulator.launch", f"map_file:={map_file}")
+    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+    scan.wait_for(5)
+    assert len(scan[-1].ranges) == 541
+    world.publisher("/cmd_vel", TWIST)(twist(0.5, 0.0))
+    odom.next(lambda it: it.pose.pose.position.x > 0.05)
+    given = world.rospy.get_param("/laser_scanner_simulator_node")
+    defaults = mrs.LaserScannerSimulator(mrs.Simulation(mrs.load_map(map_file)).create_node("x")).parameters.model_dump()
+    assert given == {name: value for name, value in defaults.items() if value is not None}
+    launch.interrupt()
+    assert "Traceback" not in launch.output
+    assert "WARN" not in launch.output
+
+
+def test_use_sim_time_follows_the_clock_of_another(world: Any, map_file: Path) -> None:
+    world.rospy.set_param("/use_sim_time", True)
+    try:
+        world.start("robot", publish_clock=True, speed_factor=3.0, publish_rate=50.0, publish_map_transform=True)
+        world.start("map", map_file=map_file)
+        world.start("laser", laser_frequency=10.0)
+        scan = world.subscribe("/scan", SCAN)
+        scan.wait_for(5)
+        start, began = len(scan), time.monotonic()
+        time.sleep(4.0)
+        assert 26.0 < (len(scan) - start) / (time.monotonic() - began) < 34.0
+    finally:
+        world.rospy.set_param("/use_sim_time", False)

@@ -1,0 +1,194 @@
+"""What only ROS 2 has: speed, simulated time, QoS, parameter files, other tools' names, and its launch file."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from conftest import record_drive
+from test_nodes import LASER, MAP, NAME, ODOM, QUIET, SCAN, TF, twist
+from worlds import find, seconds, wait_until
+
+CLOCK = "rosgraph_msgs/msg/Clock"
+ROOT = Path(__file__).parents[2]
+
+
+def test_commands_are_stamped_unless_told_otherwise(world: Any) -> None:
+    world.start("robot", publish_rate=50.0)
+    odom = world.subscribe("/odom", ODOM)
+    publish = world.publisher("/cmd_vel", "geometry_msgs/msg/TwistStamped")
+    publish(find("geometry_msgs/msg/TwistStamped")(twist=twist(0.25, 0.0)))
+    odom.next(lambda it: it.twist.twist.linear.x == 0.25)
+
+
+def test_speed_changes_without_a_jump_of_the_clock(world: Any) -> None:
+    world.start("robot", publish_rate=50.0)
+    clock = world.subscribe("/clock", CLOCK)
+    for speed in (1.0, 4.0, 0.5, 2.0):
+        assert world.set_parameter(NAME, "speed_factor", speed)
+        time.sleep(0.3)
+        first = len(clock)
+        time.sleep(1.5)
+        stamps = np.array([seconds(it.clock) for it in clock[first:]])
+        walls = np.array(clock.times[first : first + len(stamps)])
+        assert np.polyfit(walls - walls[0], stamps - stamps[0], 1)[0] == pytest.approx(speed, rel=0.03)
+    steps = np.diff([seconds(it.clock) for it in clock])
+    assert steps.min() >= 0.0
+    assert np.median(steps) == pytest.approx(0.01, rel=0.05)
+    assert steps.max() < 0.3
+    assert not world.set_parameter(NAME, "speed_factor", 0.0)
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_the_laser_goes_by_simulated_time(world: Any, map_file: Path, together: bool) -> None:
+    if together:
+        world.start("all", map_file=map_file, laser_frequency=10.0, publish_rate=50.0, speed_factor=3.0, **QUIET)
+    else:
+        world.start("map", map_file=map_file)
+        world.start("robot", publish_rate=50.0, speed_factor=3.0, publish_map_transform=True)
+        world.start("laser", laser_frequency=10.0, use_sim_time=True)
+    scan, clock = world.subscribe("/scan", SCAN), world.subscribe("/clock", CLOCK)
+    scan.wait_for(10)
+    start, began = len(scan), time.monotonic()
+    time.sleep(4.0)
+    assert (len(scan) - start) / (time.monotonic() - began) == pytest.approx(30.0, rel=0.1)
+    assert seconds(scan[-1].header.stamp) == pytest.approx(seconds(clock[-1].clock), abs=0.3)
+
+
+def test_every_subscriber_matches(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, **QUIET)
+    for best_effort in (False, True):
+        for topic, ros_type in (("/scan", SCAN), ("/odom", ODOM), ("/tf", TF), ("/clock", CLOCK)):
+            world.subscribe(topic, ros_type, best_effort=best_effort).wait_for(2)
+    late = world.subscribe("/map", MAP, latched=True)
+    wait_until(lambda: late, "the map")
+
+
+def test_names_of_nav2_loopback_sim_are_announced_once(world: Any, map_file: Path) -> None:
+    process = world.start(
+        "all",
+        map_file=map_file,
+        update_duration=0.02,
+        odom_publish_dur=0.05,
+        scan_publish_dur=0.05,
+        publish_map_odom_tf=True,
+        base_frame_id="base_footprint",
+        scan_frame_id="base_scan",
+        scan_range_min=0.1,
+        scan_range_max=8.0,
+        scan_angle_min=-3.1415,
+        scan_angle_max=3.1415,
+        scan_angle_increment=0.02617,
+        scan_use_inf=False,
+        scan_noise_std=0.0,
+        enable_stamped_cmd_vel=False,
+    )
+    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+    last = scan.next()
+    assert (last.header.frame_id, last.range_max, len(last.ranges)) == ("base_scan", 8.0, 240)
+    assert last.scan_time == pytest.approx(0.05)
+    assert max(last.ranges) <= 8.0
+    assert odom.next().child_frame_id == "base_footprint"
+    world.publisher("/cmd_vel", "geometry_msgs/msg/Twist")(twist(0.25, 0.0))
+    odom.next(lambda it: it.twist.twist.linear.x == 0.25)
+    for name in ("update_duration", "base_frame_id", "scan_angle_min", "enable_stamped_cmd_vel"):
+        assert process.output.count(f"{name} is taken as") == 1
+    result = world.try_parameter(LASER, "scan_range_max", 5.0)
+    assert (result.successful, result.reason) == (False, "scan_range_max is another's name; change laser_max_range")
+
+
+def test_a_refused_change_says_why(world: Any) -> None:
+    world.start("laser")
+    result = world.try_parameter(LASER, "laser_beam_count", 0)
+    assert (result.successful, result.reason) == (False, "laser_beam_count must be greater than or equal to 1, got 0")
+
+
+def test_parameter_files_remappings_and_names(world: Any, tmp_path: Path) -> None:
+    file = tmp_path / "parameters.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    publish_rate: 20\n    base_link_frame: shell\n")
+    from worlds import COMMAND
+
+    world.run(
+        *(*COMMAND, "robot", "--ros-args", "--params-file", str(file), "-p", "odom_frame_id:=start"),
+        *("-r", "/odom:=/moved", "-r", "__node:=tortoise", "-r", "__ns:=/garden"),
+    )
+    odometry = world.subscribe("/moved", ODOM).next()
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("start", "shell")
+    names = wait_until(
+        lambda: ("tortoise", "/garden") in world.node.get_node_names_and_namespaces(), "the node under its name"
+    )
+    assert names
+
+
+def test_our_recordings_are_read_by_rclpy(tmp_path: Path, map_file: Path) -> None:
+    from rclpy.serialization import deserialize_message
+    from rosbags.rosbag2 import Reader
+
+    seen: dict[str, Any] = {}
+    with Reader(record_drive(map_file, tmp_path / "drive", "mcap")) as reader:
+        for connection, _, data in reader.messages():
+            seen[connection.topic] = deserialize_message(bytes(data), find(connection.msgtype))
+    assert {"/cmd_vel", "/odom", "/scan", "/tf", "/map", "/clock"} <= set(seen)
+    assert len(seen["/scan"].ranges) == 541
+    assert seen["/odom"].child_frame_id == "base_link"
+    assert seen["/map"].info.width == mrs.load_map(map_file).shape[1]
+
+
+def test_a_workspace_installs_the_package(tmp_path: Path) -> None:
+    for step in (
+        ["-S", str(ROOT), "-B", str(tmp_path / "build"), f"-DCMAKE_INSTALL_PREFIX={tmp_path}"],
+        ["--install", str(tmp_path / "build")],
+    ):
+        done = subprocess.run(["cmake", *step], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+    share = tmp_path / "share" / "mobile_robot_simulator"
+    assert (share / "launch" / "simulator.launch.py").is_file()
+    assert (share / "package.xml").is_file()
+    assert (tmp_path / "share/ament_index/resource_index/packages/mobile_robot_simulator").is_file()
+    node = tmp_path / "lib" / "mobile_robot_simulator" / "laser_scanner_simulator_node"
+    done = subprocess.run([node, "--ros-args", "-p", "laser_fov:=-1.0"], capture_output=True, text=True, check=False)
+    assert "laser_fov must be greater than 0" in done.stderr
+
+
+def test_the_launch_file_describes_three_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """PyPI has no launch_ros, so this reads the file with stand-ins of the classes that it uses."""
+
+    def stand_in(*arguments: Any, **options: Any) -> Any:
+        return SimpleNamespace(arguments=arguments, **options)
+
+    for name in (
+        "launch",
+        "launch.actions",
+        "launch.conditions",
+        "launch.substitutions",
+        "launch_ros",
+        "launch_ros.actions",
+    ):
+        module: Any = ModuleType(name)
+        module.LaunchDescription = list
+        for item in ("DeclareLaunchArgument", "IfCondition", "LaunchConfiguration", "PythonExpression", "Node"):
+            setattr(module, item, stand_in)
+        monkeypatch.setitem(sys.modules, name, module)
+    spec = spec_from_file_location("simulator_launch", ROOT / "launch" / "simulator.launch.py")
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    nodes = [item for item in module.generate_launch_description() if hasattr(item, "executable")]
+    assert {node.executable for node in nodes} == {path.name for path in (ROOT / "scripts").iterdir()}
+    known = {name for model in _models() for name in model.model_fields} | {"use_sim_time"}
+    assert {name for node in nodes for part in node.parameters if isinstance(part, dict) for name in part} <= known
+
+
+def _models() -> Any:
+    from mobile_robot_simulator.ros_nodes import MODELS
+
+    return MODELS.values()
