@@ -3,6 +3,7 @@
 # make build         .venv with an importable release build and the tools of development
 # make demo          a robot driving through a generated floor plan: the recording and a picture in demo/
 # make test          all of: lint, test-rust, test-python
+# make test-ros      the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
 # make wheel         one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
 # make lock          newest versions of what requirements-dev.txt pins
 # make clean         none of the above
@@ -18,7 +19,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo test lint test-rust test-python wheel lock clean
+.PHONY: build demo test lint test-rust test-python test-ros wheel lock clean
 
 build: $(CORE)
 
@@ -53,6 +54,9 @@ test-rust:
 test-python: build
 	$(BIN)/pytest
 
+test-ros: wheel
+	tests/ros/run dist/*.whl
+
 # Linked by zig against an old C library. No flag of the builder's own enters, such as for its own processor.
 wheel: .venv/tools
 	rm -rf dist
@@ -64,4 +68,4 @@ lock: .venv/tools
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv target dist demo $(CORE)
+	rm -rf .venv .venv-ros1 .venv-ros2 target dist demo $(CORE)

@@ -12,7 +12,7 @@ from . import messages
 from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
 from .map_node import from_message, is_of, with_unknown
 from .messages import GetMap, Header, LaserScan, Odometry, TFMessage, Time, TransformStamped
-from .node_interface import Client, Node, QoS
+from .node_interface import Client, Future, Node, QoS
 from .parameters import LaserParameters
 from .transforms import TransformBuffer
 
@@ -184,10 +184,13 @@ class LaserScannerSimulator:
         waiting = self._asked_ns is not None and 0 <= now - self._asked_ns < PATIENCE_NS
         if self._grid is None and not waiting and client.service_is_ready():
             self._asked_ns = now
-            client.call_async(GetMap.Request()).add_done_callback(lambda future: self._take_map(future.result().map))
+            client.call_async(GetMap.Request()).add_done_callback(self._take_answer)
+
+    def _take_answer(self, future: Future) -> None:
+        self._asked_ns = None
+        self._take_map(future.result().map)
 
     def _take_map(self, message: messages.OccupancyGrid) -> None:
-        self._asked_ns = None
         if self._grid is not None and is_of(message, self._grid):
             return
         try:

@@ -105,7 +105,7 @@ class MobileRobotSimulator:
         self.set_pose(self._first_pose)
 
     def set_parameters(self, **values: Any) -> None:
-        """Change parameters by their names, from now on; `velocity_timeout` from the next command on.
+        """Change parameters by their names, from now on. A command in force is held anew, for `velocity_timeout`.
 
         raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
         """
@@ -113,6 +113,9 @@ class MobileRobotSimulator:
         if after == before:
             return
         self._parameters = after
+        now = self._now()
+        if now < self._until_ns and after.velocity_timeout != before.velocity_timeout:
+            self._until_ns = self._end_of_command(now)
         if self._running is None:
             return
         self._node.set_speed(after.speed_factor)
@@ -215,8 +218,12 @@ class MobileRobotSimulator:
             return
         now = self._now()
         self._move_to(self._odom_from_base(now), now)
+        self._twist, self._until_ns = velocity, self._end_of_command(now)
+
+    def _end_of_command(self, now: int) -> int:
+        """Until when a command holds that comes now."""
         timeout = self._parameters.velocity_timeout
-        self._twist, self._until_ns = velocity, now + round(min(timeout * NANOSECONDS, FOREVER)) if timeout else FOREVER
+        return now + round(min(timeout * NANOSECONDS, FOREVER)) if timeout else FOREVER
 
     def _answer_reset(
         self, request: messages.TriggerRequest, response: messages.TriggerResponse

@@ -201,6 +201,7 @@ def run(name: str, arguments: list[str]) -> None:
         rclpy.init(args=["mobile-robot-simulator", *ros_arguments], signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
         raise ValueError(f"ROS 2 refuses its arguments: {error}") from None
+    context = rclpy.get_default_context()
     loop, nodes, threads = Loop(), list[Any](), list[Thread]()
     try:
         clock: PacedClock | None = None
@@ -226,6 +227,7 @@ def run(name: str, arguments: list[str]) -> None:
             thread.join(1.0)
         for node in nodes:
             node.destroy_node()
+        context.destroy()
 
 
 def _spin(node: Any, loop: Loop) -> None:

@@ -221,7 +221,7 @@ def test_garbage_commands_are_refused(world: Any, bad: float) -> None:
 def test_ctrl_c_ends_within_two_seconds(world: Any, map_file: Path, node: str) -> None:
     process = world.start(node, map_file=map_file if node in ("map", "all") else None)
     if node == "laser":
-        time.sleep(3.0)
+        world.publisher("/tf", TF)
     else:
         topic, ros_type = ("/odom", ODOM) if node != "map" else ("/map", MAP)
         inbox = world.subscribe(topic, ros_type, latched=node == "map")
