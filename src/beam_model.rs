@@ -5,6 +5,8 @@ pub(crate) mod normal;
 use rand::{Rng, RngExt};
 
 use crate::error::{Error, check_number};
+use crate::random::BeamBits;
+use crate::raycast::GROUP;
 
 /// Parameters of a [`BeamModel`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,40 +82,47 @@ impl BeamModel {
         self.options
     }
 
-    /// A reading of a beam whose true range is `hit`, `None` if it hits nothing within `max_range`. Lengths in metres.
-    pub fn sample(&self, hit: Option<f64>, max_range: f64, stream: &mut impl Rng) -> f64 {
-        let share = stream.random::<f64>();
-        let [hit_end, short_end, max_end] = self.shares;
-        if share < hit_end {
-            hit.map_or(max_range, |range| self.sample_hit(range, max_range, stream))
-        } else if share < short_end {
-            self.sample_short(hit.unwrap_or(max_range), stream)
-        } else if share < max_end {
-            max_range
-        } else {
-            stream.random::<f64>() * max_range
+    /// Readings of the beams of the scan named by `seed` and `index`, given their true ranges, infinite for a beam that hits
+    /// nothing within `max_range`. Lengths in metres.
+    ///
+    /// # Panics
+    /// If there are not as many readings as ranges.
+    pub fn sample(&self, ranges: &[f64], max_range: f64, (seed, index): (u64, u64), readings: &mut [f64]) {
+        assert_eq!(ranges.len(), readings.len(), "one reading per range");
+        let sampler = Sampler::new(self, max_range, BeamBits::new(seed, index));
+        let (groups, rest) = ranges.as_chunks::<GROUP>();
+        let padded = std::array::from_fn(|place| rest.get(place).copied().unwrap_or(f64::INFINITY));
+        for (group, (ranges, readings)) in groups.iter().chain([&padded]).zip(readings.chunks_mut(GROUP)).enumerate() {
+            readings.copy_from_slice(&sampler.sample(group, ranges)[..readings.len()]);
         }
     }
 
-    /// Normal around `range`, truncated to `[0, max_range]`, by rejection.
-    fn sample_hit(&self, range: f64, max_range: f64, stream: &mut impl Rng) -> f64 {
+    /// Normal around `range`, truncated to `[0, max_range]`, by rejection, from a first draw on.
+    fn sample_hit(&self, range: f64, max_range: f64, first: normal::Draw, stream: &mut impl Rng) -> f64 {
         let sigma = self.options.sigma_hit;
-        loop {
-            if sigma <= max_range {
-                // At least a third of a normal this narrow lies in the interval.
-                let reading = range + sigma * normal::sample(stream);
+        if self.is_narrow(max_range) {
+            let mut draw = first;
+            loop {
+                let reading = range + sigma * normal::layers().sample(draw, stream);
                 if (0.0..=max_range).contains(&reading) {
                     return reading;
                 }
-            } else {
-                // The density of a wider one falls to no less than exp(-1/2) of its peak within the interval.
-                let reading = stream.random::<f64>() * max_range;
-                let deviation = (reading - range) / sigma;
-                if stream.random::<f64>() < libm::exp(-0.5 * deviation * deviation) {
-                    return reading;
-                }
+                draw = normal::Draw::from_bits(stream.next_u64());
             }
         }
+        loop {
+            // The density of a wide one falls to no less than exp(-1/2) of its peak within the interval.
+            let reading = stream.random::<f64>() * max_range;
+            let deviation = (reading - range) / sigma;
+            if stream.random::<f64>() < libm::exp(-0.5 * deviation * deviation) {
+                return reading;
+            }
+        }
+    }
+
+    /// Whether the hit part is so narrow that at least a third of the normal lies in `[0, max_range]`.
+    fn is_narrow(&self, max_range: f64) -> bool {
+        self.options.sigma_hit <= max_range
     }
 
     /// Exponential, truncated to `[0, range]`, by its inverse distribution function.
@@ -175,4 +184,81 @@ impl BeamModel {
         };
         readings.into_iter().zip(ranges).map(each).collect()
     }
+}
+
+/// A beam model at work on one scan.
+///
+/// Each beam has 64 bits: the lowest byte and the upper half are the first draw of its normal number, and the 24 bits between
+/// choose its part of the mixture. For nearly all beams that decides; the few others go on with a stream of their own.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampler<'a> {
+    model: &'a BeamModel,
+    layers: &'static normal::Layers,
+    max_range: f64,
+    bits: BeamBits,
+    /// Choices below this are hits, whatever more digits they had.
+    sure_hits: u32,
+}
+
+/// Bits that choose a part of the mixture.
+const SHARE_BITS: u32 = 24;
+
+impl<'a> Sampler<'a> {
+    /// The sampler of a scan by its bits.
+    #[must_use]
+    pub fn new(model: &'a BeamModel, max_range: f64, bits: BeamBits) -> Self {
+        let sure_hits = if model.is_narrow(max_range) { model.shares[0] * f64::from(1u32 << SHARE_BITS) } else { 0.0 };
+        Self { model, layers: normal::layers(), max_range, bits, sure_hits: sure_hits as u32 }
+    }
+
+    /// Readings of a group of beams, given their true ranges, infinite for a beam that hits nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample(&self, group: usize, ranges: &[f64; GROUP]) -> [f64; GROUP] {
+        let first = (group * GROUP) as u64;
+        let (sigma, max_range) = (self.model.options.sigma_hit, self.max_range);
+        let mut readings = [0.0; GROUP];
+        let mut is_sure = [false; GROUP];
+        for place in 0..GROUP {
+            let bits = self.bits.of(first + place as u64);
+            let (deviation, is_inside) = self.layers.place(normal::Draw::from_bits(bits));
+            let reading = ranges[place] + sigma * deviation;
+            let misses = ranges[place] == f64::INFINITY;
+            let fits = is_inside & (reading >= 0.0) & (reading <= max_range);
+            readings[place] = if misses { max_range } else { reading };
+            is_sure[place] = (share(bits) < self.sure_hits) & (fits | misses);
+        }
+        for place in 0..GROUP {
+            if !is_sure[place] {
+                readings[place] = self.sample_one(first + place as u64, ranges[place]);
+            }
+        }
+        readings
+    }
+
+    /// A reading of a beam, without a shortcut.
+    #[cold]
+    fn sample_one(&self, beam: u64, range: f64) -> f64 {
+        let Self { model, max_range, .. } = *self;
+        let (bits, mut stream) = (self.bits.of(beam), self.bits.stream(beam));
+        let is_hit = range < f64::INFINITY;
+        let share = (f64::from(share(bits)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
+        let [hit_end, short_end, max_end] = model.shares;
+        if share < hit_end {
+            let draw = normal::Draw::from_bits(bits);
+            if is_hit { model.sample_hit(range, max_range, draw, &mut stream) } else { max_range }
+        } else if share < short_end {
+            model.sample_short(if is_hit { range } else { max_range }, &mut stream)
+        } else if share < max_end {
+            max_range
+        } else {
+            stream.random::<f64>() * max_range
+        }
+    }
+}
+
+/// The bits that choose a part of the mixture.
+#[inline(always)]
+fn share(bits: u64) -> u32 {
+    (bits as u32) >> 8
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 
 use crate::error::{Error, check_number};
-use crate::pose::{Pose, rotate};
+use crate::pose::Pose;
 use crate::random;
 use crate::raycast::Clearance;
 
@@ -49,6 +49,8 @@ pub struct OccupancyGrid {
     width: usize,
     height: usize,
     options: GridOptions,
+    /// Cosine and sine of the turn from the map frame into the grid's.
+    turn: DVec2,
     clearance: OnceLock<Clearance>,
 }
 
@@ -96,7 +98,8 @@ impl OccupancyGrid {
         check_number("origin x", origin[0], "finite", |_| true)?;
         check_number("origin y", origin[1], "finite", |_| true)?;
         check_number("origin yaw", origin[2], "finite", |_| true)?;
-        Ok(Self { cells, width, height, options, clearance: OnceLock::new() })
+        let (sin, cos) = libm::sincos(-options.origin.yaw);
+        Ok(Self { cells, width, height, options, turn: DVec2::new(cos, sin), clearance: OnceLock::new() })
     }
 
     /// Values of the cells, row by row from the bottom.
@@ -177,7 +180,7 @@ impl OccupancyGrid {
     #[must_use]
     pub fn pose_in_grid(&self, pose: Pose) -> Pose {
         let origin = self.options.origin;
-        Pose { position: rotate(pose.position - origin.position, -origin.yaw), yaw: pose.yaw - origin.yaw }
+        Pose { position: self.turn.rotate(pose.position - origin.position), yaw: pose.yaw - origin.yaw }
     }
 
     /// A point of the map frame in cells from the grid's corner; its floor names the cell.

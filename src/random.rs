@@ -12,18 +12,56 @@ pub type Stream = Xoshiro256PlusPlus;
 #[must_use]
 pub fn stream(seed: u64, index: u64) -> Stream {
     let mut state = [0; 32];
-    for (word, bytes) in (1..).zip(state.chunks_exact_mut(8)) {
-        let step = GOLDEN_GAMMA.wrapping_mul(word);
-        let hash = mix(mix(seed.wrapping_add(step)).wrapping_add(mix(index.wrapping_sub(step)).rotate_left(32)));
+    for (hash, bytes) in hashes(seed, index).into_iter().zip(state.chunks_exact_mut(8)) {
         bytes.copy_from_slice(&hash.to_le_bytes());
     }
     Stream::from_seed(state)
+}
+
+/// Four numbers, each hashed from both.
+fn hashes(seed: u64, index: u64) -> [u64; 4] {
+    [1, 2, 3, 4].map(|word| {
+        let step = GOLDEN_GAMMA.wrapping_mul(word);
+        mix(mix(seed.wrapping_add(step)).wrapping_add(mix(index.wrapping_sub(step)).rotate_left(32)))
+    })
+}
+
+/// Numbers for the beams of a scan, each of its own: any one of them can be had without those before it.
+///
+/// `SplitMix64` with a state and an increment that are hashed from the scan's name (Steele, Lea & Flood 2014).
+#[derive(Debug, Clone, Copy)]
+pub struct BeamBits {
+    state: u64,
+    increment: u64,
+}
+
+impl BeamBits {
+    /// The numbers of scan `index` under `seed`.
+    #[must_use]
+    pub fn new(seed: u64, index: u64) -> Self {
+        let [state, increment, ..] = hashes(seed, index);
+        Self { state, increment: increment | 1 }
+    }
+
+    /// 64 random bits for a beam.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(&self, beam: u64) -> u64 {
+        mix(self.state.wrapping_add(self.increment.wrapping_mul(beam)))
+    }
+
+    /// A stream for a beam that needs more than its bits.
+    #[must_use]
+    pub fn stream(&self, beam: u64) -> Stream {
+        stream(self.state ^ self.increment.rotate_left(32), beam)
+    }
 }
 
 /// 2⁶⁴ over the golden ratio, made odd.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The output function of `SplitMix64`: a bijection that scatters neighbours (Steele, Lea & Flood 2014; Stafford's variant 13).
+#[inline(always)]
 fn mix(word: u64) -> u64 {
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -48,6 +86,23 @@ mod tests {
     fn the_bytes_are_part_of_the_promise() {
         let mut stream = stream(7, 0);
         assert_eq!([stream.next_u64(), stream.next_u64()], [16_289_738_856_705_336_736, 14_129_060_576_366_663_060]);
+    }
+
+    #[test]
+    fn the_bits_of_beams_are_part_of_the_promise() {
+        let bits = BeamBits::new(7, 0);
+        assert_eq!([bits.of(0), bits.of(1)], [15_664_605_630_004_186_478, 8_877_590_085_255_707_112]);
+        assert_eq!(bits.stream(1).next_u64(), 10_425_784_549_852_804_206);
+    }
+
+    #[test]
+    fn bits_of_beams_are_balanced_and_unlike_their_neighbours() {
+        let words: Vec<u64> = (0..64).flat_map(|index| (0..64).map(move |beam| BeamBits::new(1, index).of(beam))).collect();
+        let ones: u32 = words.iter().map(|word| word.count_ones()).sum();
+        let changes: u32 = words.windows(2).map(|pair| (pair[0] ^ pair[1]).count_ones()).sum();
+        // 262,144 fair bits: mean 131,072, standard deviation 256.
+        assert!((130_000..132_200).contains(&ones), "{ones}");
+        assert!((130_000..132_200).contains(&changes), "{changes}");
     }
 
     #[test]

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use crate::beam_model::BeamModel;
+use crate::beam_model::{BeamModel, Sampler};
 use crate::error::{Error, check_number, check_rows};
 use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
-use crate::random;
+use crate::random::BeamBits;
 use crate::raycast::{Caster, Fan, GROUP, Group, Kernel};
 use crate::threads;
 use crate::world::World;
@@ -145,7 +145,7 @@ impl LaserScanner {
     /// A kernel asked for by the environment that this machine does not have.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let max_range = self.options.max_range;
-        self.cast(self.kernel()?, world.into(), map_from_base, ranges, |range| range.min(max_range));
+        self.cast(self.kernel()?, world.into(), map_from_base, ranges, |_, ranges| ranges.map(|range| range.min(max_range)));
         Ok(())
     }
 
@@ -173,13 +173,12 @@ impl LaserScanner {
         world.grid.prepare(threads);
         threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
             let pose = poses[scan].into();
-            if let Some(noise) = noise {
-                let mut stream = random::stream(noise.seed, noise.first_index.wrapping_add(scan as u64));
-                self.cast(kernel, world, pose, readings, |range| {
-                    noise.model.sample((range < max_range).then_some(range), max_range, &mut stream)
-                });
+            if let Some(noise) = &noise {
+                let bits = BeamBits::new(noise.seed, noise.first_index.wrapping_add(scan as u64));
+                let sampler = Sampler::new(&noise.model, max_range, bits);
+                self.cast(kernel, world, pose, readings, |group, ranges| sampler.sample(group, ranges));
             } else {
-                self.cast(kernel, world, pose, readings, |range| range.min(max_range));
+                self.cast(kernel, world, pose, readings, |_, ranges| ranges.map(|range| range.min(max_range)));
             }
         })
     }
@@ -227,14 +226,14 @@ impl LaserScanner {
         self.kernel.map_or_else(Kernel::chosen, Ok)
     }
 
-    /// Casts every beam in order, and stores what `read` makes of its range, which is infinite where there is no return.
+    /// Casts all beams, and stores what `read` makes of the ranges of each group, infinite where there is no return.
     fn cast(
         &self,
         kernel: Kernel,
         World { grid, obstacles }: World<'_>,
         map_from_base: Pose,
         readings: &mut [f32],
-        mut read: impl FnMut(f64) -> f64,
+        read: impl Fn(usize, &Group) -> Group,
     ) {
         assert_eq!(readings.len(), self.options.beam_count, "one reading per beam");
         let map_from_laser = map_from_base * self.options.mount;
@@ -255,9 +254,7 @@ impl LaserScanner {
             let mut ranges = *ranges;
             let (cos, sin) = (&self.cos[group], &self.sin[group]);
             view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges[..count]);
-            for (reading, range) in readings[..count].iter_mut().zip(ranges) {
-                *reading = read(range) as f32;
-            }
+            readings[..count].copy_from_slice(&read(group, &ranges).map(|reading| reading as f32)[..count]);
         });
     }
 

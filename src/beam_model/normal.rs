@@ -13,8 +13,9 @@ const LAYERS: usize = 256;
 /// Where the lowest layer's tail begins, for 256 layers (Marsaglia & Tsang 2000, sec. 3).
 const TAIL: f64 = 3.654_152_885_361_009;
 
-/// Right edges of the layers, and the (unnormalised) density there; layer 0 is the lowest.
-struct Layers {
+/// The layers that the density is cut into: right edges, and the (unnormalised) density there; layer 0 is the lowest.
+#[derive(Debug)]
+pub struct Layers {
     edge: [f64; LAYERS + 1],
     density: [f64; LAYERS + 1],
 }
@@ -33,24 +34,53 @@ static ZIGGURAT: LazyLock<Layers> = LazyLock::new(|| {
     Layers { edge, density: edge.map(bell) }
 });
 
-/// A standard normal number, by the ziggurat method (Marsaglia & Tsang 2000, sec. 2).
-pub fn sample(stream: &mut impl Rng) -> f64 {
-    let layers = &*ZIGGURAT;
-    loop {
-        let bits = stream.next_u64();
-        let layer = (bits % LAYERS as u64) as usize;
-        // The upper 53 bits as a number in [-1, 1); the layer's 8 bits are not among them.
-        let uniform = (bits >> 11) as f64 * (2.0 / (1u64 << 53) as f64) - 1.0;
-        let x = uniform * layers.edge[layer];
-        if x.abs() < layers.edge[layer + 1] {
-            return x;
-        }
-        if layer == 0 {
-            return sample_tail(stream).copysign(uniform);
-        }
-        let (low, high) = (layers.density[layer], layers.density[layer + 1]);
-        if low + (high - low) * stream.random::<f64>() < libm::exp(-0.5 * x * x) {
-            return x;
+/// A draw of the ziggurat method (Marsaglia & Tsang 2000, sec. 2): a layer, and how far out in it, as part of its width.
+#[derive(Debug, Clone, Copy)]
+pub struct Draw {
+    layer: u8,
+    uniform: f64,
+}
+
+impl Draw {
+    /// The draw that the lowest byte and the upper half of a word stand for.
+    #[inline(always)]
+    pub fn from_bits(bits: u64) -> Self {
+        // The middle of one of 2³² parts of (-1, 1).
+        let uniform = (f64::from((bits >> 32) as i32) + 0.5) * (1.0 / (1u64 << 31) as f64);
+        Self { layer: bits as u8, uniform }
+    }
+}
+
+/// The layers, made at the first call.
+pub fn layers() -> &'static Layers {
+    &ZIGGURAT
+}
+
+impl Layers {
+    /// The place of a draw, and whether it surely lies under the density, as 98.8 % do: then it is a standard normal number.
+    #[inline(always)]
+    pub fn place(&self, draw: Draw) -> (f64, bool) {
+        let layer = usize::from(draw.layer);
+        let place = draw.uniform * self.edge[layer];
+        (place, place.abs() < self.edge[layer + 1])
+    }
+
+    /// A standard normal number from a first draw and more of them from the stream.
+    pub fn sample(&self, mut draw: Draw, stream: &mut impl Rng) -> f64 {
+        loop {
+            let (x, is_inside) = self.place(draw);
+            if is_inside {
+                return x;
+            }
+            let layer = usize::from(draw.layer);
+            if layer == 0 {
+                return sample_tail(stream).copysign(x);
+            }
+            let (low, high) = (self.density[layer], self.density[layer + 1]);
+            if low + (high - low) * stream.random::<f64>() < libm::exp(-0.5 * x * x) {
+                return x;
+            }
+            draw = Draw::from_bits(stream.next_u64());
         }
     }
 }

@@ -22,6 +22,7 @@ pub use traversal::traverse;
 
 use crate::error::{Error, check_number, check_rows};
 use crate::grid::OccupancyGrid;
+use crate::obstacles::Obstacles;
 use crate::pose::Pose;
 use crate::threads;
 use crate::world::World;
@@ -76,6 +77,42 @@ impl<'grid> Caster<'grid> {
         self.cast(Rays { groups: &groups, count: fan.count }, sink);
     }
 
+    /// Ranges in metres of unrelated rays, each `[x, y, direction]` in the map frame, to the nearest of grid and obstacles; the
+    /// maximum where there is no return.
+    ///
+    /// # Errors
+    /// Rays that are not finite, a wrong number of `ranges`, no threads to be had.
+    pub fn cast_rays(
+        &self,
+        obstacles: &Obstacles,
+        rays: &[[f64; 3]],
+        threads: Option<usize>,
+        ranges: &mut [f32],
+    ) -> Result<(), Error> {
+        check_rows("rays", rays.iter().copied())?;
+        if ranges.len() != rays.len() {
+            return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
+        }
+        self.grid.prepare(threads);
+        threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
+            let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
+            for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
+                for (place, ray) in rays.iter().enumerate() {
+                    let ray = self.grid.pose_in_grid(Pose::from(*ray));
+                    let (sin, cos) = libm::sincos(ray.yaw);
+                    self.enter(group, place, ray.position / self.grid.resolution(), DVec2::new(cos, sin));
+                }
+            }
+            self.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
+                let rays = &rays[chunk * CHUNK + group * GROUP..];
+                for ((range, metres), ray) in ranges[group * GROUP..].iter_mut().zip(metres).zip(rays) {
+                    let metres = metres.min(self.max_range);
+                    *range = metres.min(obstacles.cast_pose(Pose::from(*ray), metres)) as f32;
+                }
+            });
+        })
+    }
+
     /// Puts the ray from `origin` along `direction` at a place of a group of rays astray, from where it enters the grid on.
     fn enter(&self, rays: &mut RayGroup, place: usize, origin: DVec2, direction: DVec2) {
         if let Some(ray) = Ray::entering(self.grid.width(), self.grid.height(), origin, direction) {
@@ -84,10 +121,10 @@ impl<'grid> Caster<'grid> {
     }
 }
 
-/// Ranges in metres of unrelated rays, each `[x, y, direction]` in the map frame; `max_range` where there is no return.
+/// [`Caster::cast_rays`] by the kernel chosen for this machine.
 ///
 /// # Errors
-/// Rays that are not finite, a `max_range` that is not positive, a wrong number of `ranges`, no threads to be had.
+/// Those, a `max_range` that is not positive or too large for a float32, a kernel asked for that this machine does not have.
 pub fn cast_rays<'a>(
     world: impl Into<World<'a>>,
     rays: &[[f64; 3]],
@@ -96,31 +133,9 @@ pub fn cast_rays<'a>(
     ranges: &mut [f32],
 ) -> Result<(), Error> {
     let World { grid, obstacles } = world.into();
-    check_rows("rays", rays.iter().copied())?;
     check_number("max_range", max_range, "positive", |value| value > 0.0)?;
     check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
-    if ranges.len() != rays.len() {
-        return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
-    }
-    let caster = Caster::new(grid, max_range, Kernel::chosen()?);
-    grid.prepare(threads);
-    threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
-        let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
-        for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
-            for (place, ray) in rays.iter().enumerate() {
-                let ray = grid.pose_in_grid(Pose::from(*ray));
-                let (sin, cos) = libm::sincos(ray.yaw);
-                caster.enter(group, place, ray.position / grid.resolution(), DVec2::new(cos, sin));
-            }
-        }
-        caster.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
-            let rays = &rays[chunk * CHUNK + group * GROUP..];
-            for ((range, metres), ray) in ranges[group * GROUP..].iter_mut().zip(metres).zip(rays) {
-                let metres = metres.min(max_range);
-                *range = metres.min(obstacles.cast_pose(Pose::from(*ray), metres)) as f32;
-            }
-        });
-    })
+    Caster::new(grid, max_range, Kernel::chosen()?).cast_rays(obstacles, rays, threads, ranges)
 }
 
 /// Rays that one thread takes at a time.

@@ -1,0 +1,114 @@
+//! Readings against the distribution function of the model (Thrun, Burgard & Fox 2006, ch. 6.3, each part normalised).
+
+use mobile_robot_simulator::{BeamModel, BeamModelOptions};
+
+const SEED: u64 = 31;
+
+const MAX_RANGE: f64 = 30.0;
+
+const BEAMS: usize = 1000;
+
+const SCANS: u64 = 300;
+
+/// A part each, and mixtures of them; the default among them.
+fn models() -> Vec<(&'static str, BeamModelOptions)> {
+    let weights = |z_hit, z_short, z_max, z_rand| BeamModelOptions {
+        sigma_hit: 0.2,
+        lambda_short: 0.5,
+        z_hit,
+        z_short,
+        z_max,
+        z_rand,
+    };
+    vec![
+        ("hit", weights(1.0, 0.0, 0.0, 0.0)),
+        ("short", weights(0.0, 1.0, 0.0, 0.0)),
+        ("max", weights(0.0, 0.0, 1.0, 0.0)),
+        ("random", weights(0.0, 0.0, 0.0, 1.0)),
+        ("mixture", weights(0.7, 0.1, 0.1, 0.1)),
+        ("wide", BeamModelOptions { sigma_hit: 12.0, ..weights(0.7, 0.1, 0.1, 0.1) }),
+        ("very wide", BeamModelOptions { sigma_hit: 50.0, ..weights(0.7, 0.1, 0.1, 0.1) }),
+        ("narrow", BeamModelOptions { sigma_hit: 1e-4, ..weights(0.999, 0.0, 0.0, 0.001) }),
+        ("default", BeamModelOptions::default()),
+    ]
+}
+
+fn normal_cdf(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Probability of a reading up to `z`, below the largest range.
+fn cdf(model: &BeamModelOptions, range: f64, z: f64) -> f64 {
+    let below = |z: f64| normal_cdf((z - range) / model.sigma_hit);
+    let hit = if range < MAX_RANGE { (below(z) - below(0.0)) / (below(MAX_RANGE) - below(0.0)) } else { 0.0 };
+    let grown = |z: f64| -libm::expm1(-model.lambda_short * z);
+    let short = if range == 0.0 { 1.0 } else { grown(z.min(range)) / grown(range) };
+    model.z_hit * hit + model.z_short * short + model.z_rand * z / MAX_RANGE
+}
+
+/// Sorted readings of a beam of this true range.
+fn readings(model: BeamModelOptions, range: f64) -> Vec<f64> {
+    let model = BeamModel::new(model).expect("a good model");
+    let ranges = vec![if range < MAX_RANGE { range } else { f64::INFINITY }; BEAMS];
+    let mut readings = vec![0.0; BEAMS * SCANS as usize];
+    for (index, readings) in (0..).zip(readings.chunks_mut(BEAMS)) {
+        model.sample(&ranges, MAX_RANGE, (SEED, index), readings);
+    }
+    readings.sort_by(f64::total_cmp);
+    readings
+}
+
+/// Kolmogorov and Smirnov's test, at a level of about 1e-5 each.
+#[test]
+fn readings_follow_the_distribution() {
+    for (name, options) in models() {
+        for range in [0.0, 0.05, 5.0, 29.9, MAX_RANGE] {
+            let readings = readings(options, range);
+            let count = readings.len() as f64;
+            let mut off: f64 = 0.0;
+            for (index, &reading) in readings.iter().enumerate().filter(|(_, reading)| **reading < MAX_RANGE) {
+                let expected = cdf(&options, range, reading);
+                off = off.max((expected - index as f64 / count).abs()).max((expected - (index + 1) as f64 / count).abs());
+            }
+            let at_max = readings.iter().filter(|reading| **reading == MAX_RANGE).count() as f64 / count;
+            let expected = options.z_max + if range < MAX_RANGE { 0.0 } else { options.z_hit };
+            let bound = 2.5 / count.sqrt();
+            // Where the true range is 0, short readings are all 0 and stand at one place.
+            let atom = if range == 0.0 { options.z_short } else { 0.0 };
+            assert!(off < bound + atom, "{name} at {range}: off by {off}, bound {bound}");
+            assert!((at_max - expected).abs() < bound, "{name} at {range}: {at_max} read the maximum, not {expected}");
+        }
+    }
+}
+
+/// The means computed for 5 m in the reference: E[short] = 1.552873, E[z] = 8.155287.
+#[test]
+fn means_are_those_of_the_reference() {
+    let mean = |name: &str| {
+        let options = models().into_iter().find(|model| model.0 == name).expect("a model of that name").1;
+        let readings = readings(options, 5.0);
+        readings.iter().sum::<f64>() / readings.len() as f64
+    };
+    assert!((mean("short") - 1.552_873).abs() < 0.012, "{}", mean("short"));
+    assert!((mean("mixture") - 8.155_287).abs() < 0.06, "{}", mean("mixture"));
+}
+
+/// Neighbouring beams and neighbouring scans have nothing to do with each other.
+#[test]
+fn readings_are_not_correlated() {
+    let options = BeamModelOptions { z_hit: 1.0, z_max: 0.0, ..BeamModelOptions::default() };
+    let model = BeamModel::new(options).expect("a good model");
+    let scan = |index| {
+        let mut readings = vec![0.0; BEAMS];
+        model.sample(&[5.0; BEAMS], MAX_RANGE, (SEED, index), &mut readings);
+        readings.iter().map(|reading| (reading - 5.0) / options.sigma_hit).collect::<Vec<f64>>()
+    };
+    let scans: Vec<_> = (0..SCANS).map(scan).collect();
+    let products = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let count = (BEAMS as f64 * SCANS as f64).sqrt();
+    let beams: f64 = scans.iter().map(|scan| products(scan, &scan[1..])).sum();
+    let successive: f64 = scans.windows(2).map(|pair| products(&pair[0], &pair[1])).sum();
+    let squares: f64 = scans.iter().map(|scan| products(scan, scan) / BEAMS as f64 - 1.0).sum::<f64>() / SCANS as f64;
+    assert!(beams.abs() < 4.5 * count && successive.abs() < 4.5 * count, "{beams} {successive}");
+    assert!(squares.abs() < 4.5 * 2f64.sqrt() / count, "{squares}");
+}
