@@ -3,6 +3,7 @@
 mod workloads;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use mobile_robot_simulator::Obstacles;
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 
 use workloads::{kernels, laser, maps, poses};
@@ -38,7 +39,7 @@ fn rays(criterion: &mut Criterion) {
         let max_range = 600.0 * grid.resolution();
         let ranges = |kernel| {
             let mut ranges = vec![0.0; rays.len()];
-            Caster::new(&grid, max_range, kernel).cast_rays(&rays, Some(1), &mut ranges).expect("ranges");
+            Caster::new(&grid, max_range, kernel).cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges).expect("ranges");
             ranges
         };
         let expected = ranges(Kernel::Traversal);
@@ -46,7 +47,7 @@ fn rays(criterion: &mut Criterion) {
             assert!(ranges(kernel) == expected, "{map} by {}", kernel.name());
             let (caster, mut ranges) = (Caster::new(&grid, max_range, kernel), vec![0.0; rays.len()]);
             group.bench_function(kernel.name(), |bencher| {
-                bencher.iter(|| caster.cast_rays(&rays, Some(1), &mut ranges));
+                bencher.iter(|| caster.cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges));
             });
         }
     }

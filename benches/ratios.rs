@@ -8,7 +8,7 @@ mod workloads;
 use std::time::Instant;
 
 use mobile_robot_simulator::raycast::{Caster, Kernel};
-use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, OccupancyGrid};
+use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, Obstacles, OccupancyGrid};
 
 use workloads::{kernels, laser, maps, poses};
 
@@ -70,7 +70,9 @@ fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> Vec<f64> {
     let mut cast = |piece: usize, kernel: Kernel| {
         let caster = Caster::new(grid, 600.0 * grid.resolution(), kernel);
         let start = Instant::now();
-        caster.cast_rays(&rays[piece * ranges.len()..][..ranges.len()], Some(1), &mut ranges).expect("ranges");
+        caster
+            .cast_rays(Obstacles::NONE, &rays[piece * ranges.len()..][..ranges.len()], Some(1), &mut ranges)
+            .expect("ranges");
         let time = start.elapsed().as_secs_f64();
         if kernel == Kernel::Traversal {
             expected = Some(ranges.clone());

@@ -150,20 +150,16 @@ impl OccupancyGrid {
     /// # Errors
     /// Values outside of -1..=100, a width that does not divide their number, a rectangle that does not lie on the grid.
     pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
-        if width == 0 || !values.len().is_multiple_of(width) {
-            return Err(Error::Length {
-                name: "cells",
-                value: values.len(),
-                needed: width * (values.len() / width.max(1) + 1),
-            });
+        if values.is_empty() || width == 0 {
+            return Err(Error::Count { name: "the number of cells", value: 0, needed: "at least 1" });
         }
-        let height = values.len() / width;
-        for (name, end, size) in
-            [("the last column", corner.col + width, self.width), ("the last row", corner.row + height, self.height)]
-        {
-            if end > size {
-                return Err(Error::Count { name, value: end - 1, needed: "on the grid" });
-            }
+        let height = values.len().div_ceil(width);
+        if height * width != values.len() {
+            return Err(Error::Length { name: "cells", value: values.len(), needed: height * width });
+        }
+        let last = (corner.row.saturating_add(height - 1), corner.col.saturating_add(width - 1));
+        if last.0 >= self.height || last.1 >= self.width {
+            return Err(Error::OffGrid { row: last.0, col: last.1, height: self.height, width: self.width });
         }
         check_cells(values, width)?;
         for (row, values) in values.chunks_exact(width).enumerate() {
@@ -411,5 +407,24 @@ mod tests {
         assert_eq!(error(&[0], 1, options), "occupied_threshold must be in 1..100, got 0");
         let options = GridOptions { origin: Pose::new(0.0, 0.0, f64::NAN), ..OPTIONS };
         assert_eq!(error(&[0], 1, options), "origin yaw must be finite, got NaN");
+    }
+
+    #[test]
+    fn cells_that_are_set_block_or_pass_at_once() {
+        let mut grid = grid(&[0; 12], 4, OPTIONS);
+        grid.prepare(Some(1));
+        grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
+        assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
+        let anew = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
+        assert_eq!(grid.clearance().lengths(), anew.clearance().lengths());
+        let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
+            grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()
+        };
+        assert_eq!(error(&mut grid, 3, 2, &[0, 0]), "row and column must be below 3 and 4, got 1 and 4");
+        assert_eq!(error(&mut grid, 0, 1, &[0; 3]), "row and column must be below 3 and 4, got 3 and 0");
+        assert_eq!(error(&mut grid, 0, 2, &[0; 3]), "cells must have 4 elements, got 3");
+        assert_eq!(error(&mut grid, 0, 2, &[]), "the number of cells must be at least 1, got 0");
+        assert_eq!(error(&mut grid, 0, 2, &[0, 101]), "cells must be in -1..100, got 101 at row 0, column 1");
+        assert_eq!(grid.cells(), anew.cells());
     }
 }

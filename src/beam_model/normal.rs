@@ -85,6 +85,11 @@ impl Layers {
     }
 }
 
+/// A standard normal number.
+pub fn sample(stream: &mut impl Rng) -> f64 {
+    layers().sample(Draw::from_bits(stream.next_u64()), stream)
+}
+
 /// A normal number beyond `TAIL`, by rejection from an exponential (Marsaglia 1964).
 fn sample_tail(stream: &mut impl Rng) -> f64 {
     loop {

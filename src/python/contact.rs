@@ -65,7 +65,7 @@ pub fn touches(
     obstacles: ObstaclesArgument,
 ) -> PyResult<bool> {
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
-    Ok(py.detach(|| crate::touches((grid, &obstacles.0), footprint, pose.0))?)
+    Ok(py.detach(|| crate::touches((&*grid, &obstacles.0), footprint, pose.0))?)
 }
 
 /// Distance [m] from a footprint at a pose to the nearest blocking cell or obstacle, exactly.
@@ -85,7 +85,7 @@ pub fn clearance(
     obstacles: ObstaclesArgument,
 ) -> PyResult<f64> {
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
-    Ok(py.detach(|| crate::clearance((grid, &obstacles.0), footprint, pose.0, limit))?)
+    Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
 }
 
 /// Where a robot comes to under a constant twist in ``dt`` seconds, and the first contact on its way, if any.
@@ -121,6 +121,6 @@ pub fn advance(
         other => return Err(PyValueError::new_err(format!("mode must be 'stop', 'slide' or 'report', got '{other}'"))),
     };
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
-    let step = py.detach(|| crate::advance((grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
+    let step = py.detach(|| crate::advance((&*grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
     Ok((Pose(step.0), step.1.map(Contact)))
 }

@@ -1,10 +1,11 @@
 //! `OccupancyGrid` for Python.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::DVec2;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 
 use super::arrays::{shape, typed, vector};
 use super::pose::{Pose, PoseArgument};
@@ -22,14 +23,17 @@ use crate::{Cell, GridOptions, Unknown};
 /// raises: ValueError for a value out of its range; TypeError for cells that are not int8.
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct OccupancyGrid {
-    core: crate::OccupancyGrid,
-    cells: PyOnceLock<Py<PyArray2<i8>>>,
+    /// The grid itself. Casts that began before cells were changed go on with the grid they began with.
+    core: Mutex<Arc<crate::OccupancyGrid>>,
+    /// The array handed out, until cells change.
+    cells: Mutex<Option<Py<PyArray2<i8>>>>,
 }
 
 impl OccupancyGrid {
-    /// The grid itself.
-    pub fn core(&self) -> &crate::OccupancyGrid {
-        &self.core
+    /// The grid as it is now.
+    pub fn core(&self) -> Arc<crate::OccupancyGrid> {
+        // A grid is whole even where somebody who held it panicked.
+        Arc::clone(&self.core.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -61,48 +65,77 @@ impl OccupancyGrid {
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells: Vec<i8> = cells.as_array().iter().copied().collect();
         let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
-        Ok(Self { core, cells: PyOnceLock::new() })
+        Ok(Self { core: Mutex::new(Arc::new(core)), cells: Mutex::new(None) })
     }
 
     /// Values of the cells, (H, W) int8, row 0 at the bottom. Read-only.
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
-        let array = self.cells.get_or_try_init(py, || {
-            let array = vector(py, self.core.cells().to_vec()).reshape([self.core.height(), self.core.width()])?;
-            array.readwrite().make_nonwriteable();
-            PyResult::Ok(array.unbind())
+        let mut cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(array) = &*cells {
+            return Ok(array.bind(py).clone());
+        }
+        let core = self.core();
+        let array = vector(py, core.cells().to_vec()).reshape([core.height(), core.width()])?;
+        array.readwrite().make_nonwriteable();
+        *cells = Some(array.clone().unbind());
+        Ok(array)
+    }
+
+    /// Gives the cells of a rectangle new values; what casting needs is kept, but for what the rectangle changes.
+    ///
+    /// row, col: the rectangle's lowest row and column. cells: (H, W) int8, -1 unknown, 0..100 occupancy. Copied.
+    /// Scans of other threads that are under way go on with the old values, and arrays got from `cells` keep them.
+    /// raises: ValueError for values out of range and for a rectangle that is not on the grid; TypeError for another dtype.
+    fn set_cells(
+        &self,
+        py: Python<'_>,
+        row: &Bound<'_, PyAny>,
+        col: &Bound<'_, PyAny>,
+        cells: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let corner = Cell { col: whole_number("col", col, "at least 0")?, row: whole_number("row", row, "at least 0")? };
+        let values = typed::<i8>("cells", cells)?;
+        let [_, width] = *values.shape() else {
+            return Err(PyValueError::new_err(format!("cells must have shape (H, W), got {}", shape(values.shape()))));
+        };
+        let values: Vec<i8> = values.as_array().iter().copied().collect();
+        py.detach(|| {
+            let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::make_mut(&mut core).set_cells(corner, width, &values)
         })?;
-        Ok(array.bind(py).clone())
+        *self.cells.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        Ok(())
     }
 
     /// Number of rows and columns.
     #[getter]
     fn shape(&self) -> (usize, usize) {
-        (self.core.height(), self.core.width())
+        (self.core().height(), self.core().width())
     }
 
     /// Side of a cell [m].
     #[getter]
     fn resolution(&self) -> f64 {
-        self.core.resolution()
+        self.core().resolution()
     }
 
     /// Pose of the lower-left corner of cell (0, 0) in the map frame.
     #[getter]
     fn origin(&self) -> Pose {
-        Pose(self.core.options().origin)
+        Pose(self.core().options().origin)
     }
 
     /// Cells of this value and above block beams.
     #[getter]
     fn occupied_threshold(&self) -> i8 {
-        self.core.options().occupied_threshold
+        self.core().options().occupied_threshold
     }
 
     /// What unknown cells are to beams, "free" or "occupied".
     #[getter]
     fn unknown(&self) -> &'static str {
-        match self.core.options().unknown {
+        match self.core().options().unknown {
             Unknown::Free => "free",
             Unknown::Occupied => "occupied",
         }
@@ -110,14 +143,15 @@ impl OccupancyGrid {
 
     /// Builds what casting needs now rather than at the first cast.
     fn prepare(&self, py: Python<'_>) {
+        let core = self.core();
         py.detach(|| {
-            self.core.clearance();
+            core.clearance();
         });
     }
 
     /// The cell (row, column) that a point of the map frame lies in, or None off the grid.
     fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
-        self.core.cell_at(DVec2::new(x, y)).map(|cell| (cell.row, cell.col))
+        self.core().cell_at(DVec2::new(x, y)).map(|cell| (cell.row, cell.col))
     }
 
     /// Centre (x, y) of a cell in the map frame [m].
@@ -125,14 +159,14 @@ impl OccupancyGrid {
     /// raises: ValueError for a cell that the grid does not have.
     fn center(&self, row: &Bound<'_, PyAny>, col: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
         let (row, col) = (whole_number("row", row, "at least 0")?, whole_number("col", col, "at least 0")?);
-        Ok(self.core.checked_center(Cell { col, row })?.into())
+        Ok(self.core().checked_center(Cell { col, row })?.into())
     }
 
     /// Whether no blocking cell reaches into a disc around a point of the map frame [m], exactly. Off the grid is free.
     ///
     /// raises: ValueError for numbers that are not finite or a negative radius.
     fn is_free_disc(&self, x: f64, y: f64, radius: f64) -> PyResult<bool> {
-        Ok(self.core.is_free_disc(DVec2::new(x, y), radius)?)
+        Ok(self.core().is_free_disc(DVec2::new(x, y), radius)?)
     }
 
     /// A pose drawn from the known free cells' centres, where a disc of this radius [m] is free.
@@ -142,16 +176,16 @@ impl OccupancyGrid {
     #[pyo3(signature = (*, radius, seed))]
     fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
         let seed = stream_number("seed", Some(seed))?;
-        Ok(Pose(py.detach(|| self.core.draw_free_pose(radius, seed))?))
+        Ok(Pose(py.detach(|| self.core().draw_free_pose(radius, seed))?))
     }
 
     fn __repr__(&self) -> String {
-        let [x, y, yaw] = self.core.options().origin.to_array();
+        let [x, y, yaw] = self.core().options().origin.to_array();
         format!(
             "<OccupancyGrid {}x{} cells of {} m, origin ({x}, {y}, {yaw})>",
-            self.core.width(),
-            self.core.height(),
-            self.core.resolution()
+            self.core().width(),
+            self.core().height(),
+            self.core().resolution()
         )
     }
 

@@ -29,5 +29,5 @@ pub fn cast_rays<'py>(
     out: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (grid, rays, threads) = (grid.get().core(), rows("rays", rays)?, thread_count(threads)?);
-    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((grid, &obstacles.0), &rays, max_range, threads, ranges))
+    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), &rays, max_range, threads, ranges))
 }

@@ -121,7 +121,7 @@ impl LaserScanner {
         obstacles: ObstaclesArgument,
     ) -> PyResult<Bound<'py, PyAny>> {
         let grid = grid.get().core();
-        fill(py, None, &[self.beam_count()], |ranges| self.0.scan((grid, &obstacles.0), pose.0, ranges))
+        fill(py, None, &[self.beam_count()], |ranges| self.0.scan((&*grid, &obstacles.0), pose.0, ranges))
     }
 
     /// Ranges measured from each pose.
@@ -152,7 +152,7 @@ impl LaserScanner {
         let (seed, first_index) = (stream_number("seed", seed)?, stream_number("first_index", first_index)?);
         let noise = noise.map(|model| Noise { model: model.0, seed, first_index });
         fill(py, out, &[poses.len(), self.beam_count()], |readings| {
-            self.0.scan_batch((grid, &obstacles.0), &poses, noise, threads, readings)
+            self.0.scan_batch((&*grid, &obstacles.0), &poses, noise, threads, readings)
         })
     }
 

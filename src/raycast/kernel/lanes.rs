@@ -6,6 +6,8 @@
 pub trait Lanes: Copy {
     /// Lanes in a vector.
     const COUNT: usize;
+    /// Steps between two times that the rays still on their way move up.
+    const STEPS: usize = 2;
     /// A vector of float32.
     type Float: Copy;
     /// A vector of int32.

@@ -13,9 +13,6 @@ use crate::raycast::block::{BLOCK, Block, RoughAxis};
 use crate::raycast::source::{GROUP, Source};
 use crate::raycast::track::{Track, distance};
 
-/// Steps in a pass.
-const STEPS: usize = 2;
-
 /// A crossing this near to a grid line, by the distance travelled, has to be decided exactly.
 ///
 /// The distance to a line is off by at most 5 roundings, the place across by 2 more, each of 2⁻²⁴ of the distance; two lines'
@@ -86,14 +83,14 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let mut ended = 0;
         while rest > 0 {
             // The last ones are not worth moving up.
-            let steps = if rest > 2 * L::COUNT { STEPS } else { usize::MAX };
+            let steps = if rest > 2 * L::COUNT { L::STEPS } else { usize::MAX };
             let mut kept = 0;
             for at in (0..rest).step_by(2 * L::COUNT) {
                 let begun = [self.lanes.first(rest - at), self.lanes.first((rest - at).saturating_sub(L::COUNT))];
                 let mut a = self.load(block, at, begun[0]);
                 let mut b = self.load(block, at + L::COUNT, begun[1]);
                 for step in 0..steps {
-                    if step >= STEPS && self.lanes.bits(a.active) | self.lanes.bits(b.active) == 0 {
+                    if step >= L::STEPS && self.lanes.bits(a.active) | self.lanes.bits(b.active) == 0 {
                         break;
                     }
                     a = self.step(block, &a);

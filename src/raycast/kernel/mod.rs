@@ -4,17 +4,14 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
 mod lanes;
-#[cfg(target_arch = "x86_64")]
 mod march;
 mod portable;
+mod scalar;
 
 use std::sync::LazyLock;
 
-use super::block::Block;
-#[cfg(target_arch = "x86_64")]
-use super::block::fits;
+use super::block::{Block, fits};
 use super::source::{GROUP, Source};
 use super::{Ray, traverse};
 use crate::error::Error;
@@ -102,15 +99,18 @@ impl<F: FnMut(usize, &[f64; GROUP])> Sink for F {}
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` may be infinite. In cells.
 ///
-/// A kernel that this machine cannot run, or whose numbers cannot name all cells of so large a grid, leaves the work to the
-/// portable one.
+/// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
+/// int32 cannot number its bytes to a loop over single rays.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
     if kernel == Kernel::Traversal {
         return each(source, sink, |ray| ray.gap + traverse(grid, ray, limit).max(0.0));
     }
     let clearance = grid.clearance();
+    if !fits(clearance) {
+        return each(source, sink, |ray| scalar::cast(clearance, ray, limit));
+    }
     #[cfg(target_arch = "x86_64")]
-    if fits(clearance) {
+    {
         if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
             return lanes.cast(clearance, source, limit, block, &mut sink);
         }
@@ -118,7 +118,7 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
             return lanes.cast(clearance, source, limit, block, &mut sink);
         }
     }
-    each(source, sink, |ray| portable::cast(clearance, ray, limit));
+    march::cast(portable::Portable, clearance, source, limit, block, &mut sink);
 }
 
 /// Casts one ray after the other.

@@ -1,24 +1,206 @@
-//! The jump loop in portable code: in float64, one ray after the other.
+//! Any processor: 8 rays to an array, in loops that compilers make vectors of, and independent of each other where they do not.
+#![allow(unsafe_code, reason = "conversions to integers that do not saturate")]
 
-use crate::raycast::track::Track;
-use crate::raycast::{Clearance, Ray};
+use super::lanes::Lanes;
 
-/// Distance in cells from a ray's origin to the boundary by which it enters a blocking cell, infinite if there is none; one beyond
-/// `limit` may be infinite.
-///
-/// A ray in a cell leaves that cell's free box through one of its two far sides.
-#[inline]
-pub fn cast(clearance: &Clearance, ray: &Ray, limit: f64) -> f64 {
-    let track = Track::new(clearance, ray);
-    let lengths = clearance.lengths();
-    let stride = clearance.stride(track.sector);
-    let first = clearance.index(ray.col, ray.row, track.sector);
-    let mut cell = (0, 0);
-    loop {
-        let length = lengths[first + cell.1 as usize * stride + cell.0 as usize];
-        if length == 0 || track.major.distance(cell.0) > limit {
-            return track.distance(ray, cell);
+/// Every processor has what this needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Portable;
+
+const COUNT: usize = 8;
+
+/// What `of` makes of each lane.
+#[inline(always)]
+fn each<T>(of: impl Fn(usize) -> T) -> [T; COUNT] {
+    std::array::from_fn(of)
+}
+
+/// All bits set, or none.
+#[inline(always)]
+fn all_bits(set: bool) -> u32 {
+    if set { u32::MAX } else { 0 }
+}
+
+/// Truncates numbers that an int32 holds.
+#[inline(always)]
+fn truncate(a: f32) -> i32 {
+    // Cells are counted up to 65,536 or so. Whatever else comes here is brought into range, if not into the right one.
+    let a = if a < 1e9 { a } else { 0.0 };
+    let a = if a > -1e9 { a } else { 0.0 };
+    // SAFETY: the number is finite and within what an int32 holds.
+    unsafe { a.to_int_unchecked() }
+}
+
+impl Lanes for Portable {
+    const COUNT: usize = COUNT;
+    const STEPS: usize = 4;
+    type Float = [f32; COUNT];
+    type Int = [i32; COUNT];
+    type Mask = [u32; COUNT];
+
+    #[inline(always)]
+    fn float(self, number: f32) -> [f32; COUNT] {
+        [number; COUNT]
+    }
+
+    #[inline(always)]
+    fn int(self, number: i32) -> [i32; COUNT] {
+        [number; COUNT]
+    }
+
+    #[inline(always)]
+    fn add(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| a[lane] + b[lane])
+    }
+
+    #[inline(always)]
+    fn multiply(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| a[lane] * b[lane])
+    }
+
+    #[inline(always)]
+    fn multiply_add(self, a: [f32; COUNT], b: [f32; COUNT], c: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| a[lane] * b[lane] + c[lane])
+    }
+
+    #[inline(always)]
+    fn multiply_subtract(self, a: [f32; COUNT], b: [f32; COUNT], c: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| a[lane] * b[lane] - c[lane])
+    }
+
+    #[inline(always)]
+    fn lesser(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| if a[lane] < b[lane] { a[lane] } else { b[lane] })
+    }
+
+    #[inline(always)]
+    fn floor(self, a: [f32; COUNT]) -> [f32; COUNT] {
+        // Cells are counted from -1 on.
+        each(|lane| (truncate(a[lane] + 1.0) - 1) as f32)
+    }
+
+    #[inline(always)]
+    fn ceil(self, a: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| -((truncate(256.0 - a[lane]) - 256) as f32))
+    }
+
+    #[inline(always)]
+    fn off_whole(self, a: [f32; COUNT]) -> [f32; COUNT] {
+        let floor = self.floor(a);
+        each(|lane| {
+            let beyond = a[lane] - floor[lane];
+            if beyond < 0.5 { beyond } else { 1.0 - beyond }
+        })
+    }
+
+    #[inline(always)]
+    fn to_int(self, a: [f32; COUNT]) -> [i32; COUNT] {
+        each(|lane| truncate(a[lane]))
+    }
+
+    #[inline(always)]
+    fn to_float(self, a: [i32; COUNT]) -> [f32; COUNT] {
+        each(|lane| a[lane] as f32)
+    }
+
+    #[inline(always)]
+    fn as_int(self, a: [f32; COUNT]) -> [i32; COUNT] {
+        each(|lane| a[lane].to_bits() as i32)
+    }
+
+    #[inline(always)]
+    fn as_float(self, a: [i32; COUNT]) -> [f32; COUNT] {
+        each(|lane| f32::from_bits(a[lane] as u32))
+    }
+
+    #[inline(always)]
+    fn add_int(self, a: [i32; COUNT], b: [i32; COUNT]) -> [i32; COUNT] {
+        each(|lane| a[lane].wrapping_add(b[lane]))
+    }
+
+    #[inline(always)]
+    fn multiply_int(self, a: [i32; COUNT], b: [i32; COUNT]) -> [i32; COUNT] {
+        each(|lane| a[lane].wrapping_mul(b[lane]))
+    }
+
+    #[inline(always)]
+    fn pack(self, a: [i32; COUNT], b: [i32; COUNT]) -> [i32; COUNT] {
+        each(|lane| (a[lane] << 16).wrapping_add(b[lane]))
+    }
+
+    #[inline(always)]
+    fn gather(self, bytes: &[u8], places: [i32; COUNT]) -> [i32; COUNT] {
+        each(|lane| bytes.get(places[lane] as u32 as usize).copied().unwrap_or(0).into())
+    }
+
+    #[inline(always)]
+    fn is_less(self, a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| all_bits(a[lane] < b[lane]))
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| all_bits(a[lane] <= b[lane]))
+    }
+
+    #[inline(always)]
+    fn is_positive(self, a: [i32; COUNT]) -> [u32; COUNT] {
+        each(|lane| all_bits(a[lane] > 0))
+    }
+
+    #[inline(always)]
+    fn first(self, count: usize) -> [u32; COUNT] {
+        each(|lane| all_bits(lane < count))
+    }
+
+    #[inline(always)]
+    fn both(self, a: [u32; COUNT], b: [u32; COUNT]) -> [u32; COUNT] {
+        each(|lane| a[lane] & b[lane])
+    }
+
+    #[inline(always)]
+    fn without(self, a: [u32; COUNT], b: [u32; COUNT]) -> [u32; COUNT] {
+        each(|lane| a[lane] & !b[lane])
+    }
+
+    #[inline(always)]
+    fn bits(self, mask: [u32; COUNT]) -> u32 {
+        (0..COUNT).map(|lane| mask[lane] & 1 << lane).sum()
+    }
+
+    #[inline(always)]
+    fn select(self, mask: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
+        each(|lane| f32::from_bits(a[lane].to_bits() & mask[lane] | b[lane].to_bits() & !mask[lane]))
+    }
+
+    #[inline(always)]
+    fn compress(self, bits: u32, a: [i32; COUNT]) -> [i32; COUNT] {
+        let mut kept = [0; COUNT];
+        let mut count = 0;
+        for (lane, &a) in a.iter().enumerate() {
+            kept[count & 7] = a;
+            count += (bits >> lane & 1) as usize;
         }
-        cell = track.step(cell, i32::from(length));
+        kept
+    }
+
+    #[inline(always)]
+    fn load(self, numbers: &[f32], at: usize) -> [f32; COUNT] {
+        *numbers[at..].first_chunk().expect("as many numbers as a vector has")
+    }
+
+    #[inline(always)]
+    fn load_int(self, numbers: &[i32], at: usize) -> [i32; COUNT] {
+        *numbers[at..].first_chunk().expect("as many numbers as a vector has")
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
+        numbers[at..at + COUNT].copy_from_slice(&a);
+    }
+
+    #[inline(always)]
+    fn store_int(self, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
+        numbers[at..at + COUNT].copy_from_slice(&a);
     }
 }

@@ -1,0 +1,152 @@
+//! Fifty million beams and more, by every kernel of this machine: all equal to the plain traversal's, to the last bit.
+//!
+//! `cargo test --release --test exact`
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use mobile_robot_simulator::raycast::{Caster, Kernel};
+use mobile_robot_simulator::{
+    GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
+};
+use rand::{Rng, RngExt};
+
+const SEED: u64 = 50;
+
+/// Whether a cell blocks, by its column, row and a number drawn for it.
+type Kind = fn(usize, usize, u64) -> bool;
+
+/// Grids of every kind and shape; the extreme ones are as long as a side may be.
+const GRIDS: [(&str, usize, usize, Kind); 14] = [
+    ("one free cell", 1, 1, |_, _, _| false),
+    ("one wall", 1, 1, |_, _, _| true),
+    ("column", 1, 500, |_, row, _| row % 97 == 50),
+    ("row", 500, 1, |col, _, _| col % 97 == 50),
+    ("longest row", 65_535, 1, |_, _, draw| draw % 20_000 == 0),
+    ("longest column", 1, 65_535, |_, _, draw| draw % 20_000 == 0),
+    ("long strip", 65_535, 3, |_, row, draw| row == 1 && draw % 3000 == 0),
+    ("empty", 300, 200, |_, _, _| false),
+    ("sparse", 700, 500, |_, _, draw| draw % 500 == 0),
+    ("dense", 400, 400, |_, _, draw| draw % 4 == 0),
+    ("poles", 300, 300, |col, row, _| col % 7 == 3 && row % 5 == 2),
+    ("checkerboard", 200, 200, |col, row, _| (col + row) % 2 == 0),
+    ("corridor", 600, 300, |_, row, _| row % 30 == 0),
+    ("diagonal walls", 500, 500, |col, row, _| (col + row) % 60 == 0 || (col + 500 - row) % 83 == 0),
+];
+
+/// Real maps of the folder beside the project, where there is one.
+const IMAGES: [&str; 4] = [
+    "nav2_depot/depot.pgm",
+    "nav2_tb3_sandbox/tb3_sandbox.pgm",
+    "rl_basement_hallways_5cm/basement_hallways_5cm.png",
+    "willow_2010_0.10/willow-2010-02-18-0.10.pgm",
+];
+
+const BEAMS: usize = 541;
+
+/// Scans of each grid that is made here; with the rays, 50 million beams.
+const SCANS: usize = 6000;
+
+/// Scans of each real map.
+const REAL_SCANS: usize = 1500;
+
+const RAYS: usize = 400_000;
+
+fn grids() -> impl Iterator<Item = (String, OccupancyGrid)> {
+    let mut stream = random::stream(SEED, 0);
+    let made = GRIDS.into_iter().map(move |(name, width, height, blocks)| {
+        let blocking = (0..width * height).map(|index| blocks(index % width, index / width, stream.next_u64()));
+        (name.to_owned(), grid(blocking, width))
+    });
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
+    if !folder.is_dir() {
+        eprintln!("passed over: no real maps in {}", folder.display());
+    }
+    let real = IMAGES.into_iter().filter_map(move |name| {
+        let pixels = image::open(folder.join(name)).ok()?.into_luma8();
+        let width = pixels.width() as usize;
+        Some((name.to_owned(), grid(pixels.as_raw().chunks(width).rev().flatten().map(|&pixel| pixel < 90), width)))
+    });
+    made.chain(real)
+}
+
+fn grid(blocking: impl Iterator<Item = bool>, width: usize) -> OccupancyGrid {
+    let cells = blocking.map(|blocks| if blocks { 100 } else { 0 }).collect();
+    let (origin, occupied_threshold) = (Pose::default(), OCCUPIED_THRESHOLD);
+    let options = GridOptions { resolution: 0.5, origin, occupied_threshold, unknown: Unknown::Free };
+    OccupancyGrid::new(cells, width, options).expect("a grid")
+}
+
+/// Poses on the grid and around it, many on boundaries and corners of cells, many along an axis or a diagonal.
+fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
+    let mut stream = random::stream(SEED, index);
+    let one_in = |count: u64, index: u64| random::stream(SEED + 1, index).next_u64().is_multiple_of(count);
+    let resolution = grid.resolution();
+    (0..count as u64)
+        .map(|pose| {
+            let mut along = |size: usize, salt: u64| {
+                let at = (stream.random::<f64>() * 1.1 - 0.05) * size as f64;
+                let at = if one_in(4, 8 * pose + salt) { at.round() } else { at };
+                // A hair off the line.
+                let at =
+                    if one_in(8, 8 * pose + salt + 1) { at.round() + 1e-13 * (stream.random::<f64>() - 0.5) } else { at };
+                at * resolution
+            };
+            let (x, y) = (along(grid.width(), 0), along(grid.height(), 2));
+            let angle = stream.random::<f64>() * TAU;
+            let angle = if one_in(4, 8 * pose + 4) { (angle / TAU * 8.0).round() / 8.0 * TAU } else { angle };
+            let far = if one_in(64, 8 * pose + 5) { 1e7 } else { 1.0 };
+            [x * far, y, angle]
+        })
+        .collect()
+}
+
+/// The kernels but for the plain traversal; says which ones this machine does not have.
+fn kernels() -> Vec<Kernel> {
+    let (there, missing): (Vec<_>, Vec<_>) = Kernel::ALL.into_iter().skip(1).partition(|kernel| kernel.is_available());
+    missing.iter().for_each(|kernel| eprintln!("passed over: this machine has no {}", kernel.name()));
+    there
+}
+
+fn check(what: &str, kernel: Kernel, found: &[f32], expected: &[f32], poses: &[[f64; 3]]) {
+    let bits = |ranges: &[f32]| ranges.iter().map(|range| range.to_bits()).collect::<Vec<_>>();
+    if bits(found) == bits(expected) {
+        return;
+    }
+    let beam = found.iter().zip(expected).position(|(a, b)| a.to_bits() != b.to_bits()).expect("a difference");
+    let pose = poses[beam * poses.len() / found.len()];
+    panic!("{what} by {}: beam {beam} from {pose:?} is {}, not {}", kernel.name(), found[beam], expected[beam]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes long without optimisation: cargo test --release --test exact")]
+fn all_kernels_are_exact() {
+    let kernels = kernels();
+    let mut count = 0;
+    for (index, (name, grid)) in (1..).zip(grids()) {
+        let options = ScannerOptions { fov: TAU, beam_count: BEAMS, max_range: 100.0, ..ScannerOptions::default() };
+        let laser = LaserScanner::new(options).expect("a scanner");
+        let scans = if index as usize <= GRIDS.len() { SCANS } else { REAL_SCANS };
+        let starts = poses(&grid, scans, index);
+        let scan = |kernel| {
+            let mut ranges = vec![0.0; scans * BEAMS];
+            let laser = laser.clone().with_kernel(kernel);
+            laser.scan_batch(&grid, &starts, None, None, &mut ranges).expect("scans");
+            ranges
+        };
+        let expected = scan(Kernel::Traversal);
+        kernels.iter().for_each(|&kernel| check(&name, kernel, &scan(kernel), &expected, &starts));
+
+        // Unrelated rays, and as far as they go.
+        let rays = poses(&grid, RAYS, 1000 + index);
+        let cast = |kernel| {
+            let mut ranges = vec![0.0; RAYS];
+            Caster::new(&grid, 1e30, kernel).cast_rays(&rays, None, &mut ranges).expect("rays");
+            ranges
+        };
+        let far = cast(Kernel::Traversal);
+        kernels.iter().for_each(|&kernel| check(&name, kernel, &cast(kernel), &far, &rays));
+        count += expected.len() + far.len();
+    }
+    assert!(count >= 50_000_000, "only {count} beams");
+}
