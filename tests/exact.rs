@@ -7,7 +7,7 @@ use std::path::Path;
 
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{
-    GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
+    GridOptions, LaserScanner, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
 };
 use rand::{Rng, RngExt};
 
@@ -141,7 +141,7 @@ fn all_kernels_are_exact() {
         let rays = poses(&grid, RAYS, 1000 + index);
         let cast = |kernel| {
             let mut ranges = vec![0.0; RAYS];
-            Caster::new(&grid, 1e30, kernel).cast_rays(&rays, None, &mut ranges).expect("rays");
+            Caster::new(&grid, 1e30, kernel).cast_rays(Obstacles::NONE, &rays, None, &mut ranges).expect("rays");
             ranges
         };
         let far = cast(Kernel::Traversal);
