@@ -104,7 +104,9 @@ fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
 /// The kernels but for the plain traversal; says which ones this machine does not have.
 fn kernels() -> Vec<Kernel> {
     let (there, missing): (Vec<_>, Vec<_>) = Kernel::ALL.into_iter().skip(1).partition(|kernel| kernel.is_available());
-    missing.iter().for_each(|kernel| eprintln!("passed over: this machine has no {}", kernel.name()));
+    for kernel in missing {
+        eprintln!("passed over: this machine has no {}", kernel.name());
+    }
     there
 }
 
@@ -135,7 +137,9 @@ fn all_kernels_are_exact() {
             ranges
         };
         let expected = scan(Kernel::Traversal);
-        kernels.iter().for_each(|&kernel| check(&name, kernel, &scan(kernel), &expected, &starts));
+        for &kernel in &kernels {
+            check(&name, kernel, &scan(kernel), &expected, &starts);
+        }
 
         // Unrelated rays, and as far as they go.
         let rays = poses(&grid, RAYS, 1000 + index);
@@ -145,7 +149,9 @@ fn all_kernels_are_exact() {
             ranges
         };
         let far = cast(Kernel::Traversal);
-        kernels.iter().for_each(|&kernel| check(&name, kernel, &cast(kernel), &far, &rays));
+        for &kernel in &kernels {
+            check(&name, kernel, &cast(kernel), &far, &rays);
+        }
         count += expected.len() + far.len();
     }
     assert!(count >= 50_000_000, "only {count} beams");
