@@ -141,6 +141,15 @@ impl OccupancyGrid {
         }
     }
 
+    fn __copy__(&self) -> Self {
+        // Cells are shared until one of the two changes them.
+        Self { core: Mutex::new(self.core()), cells: Mutex::new(None) }
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.__copy__()
+    }
+
     /// Builds what casting needs now rather than at the first cast.
     fn prepare(&self, py: Python<'_>) {
         let core = self.core();

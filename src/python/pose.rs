@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::arrays::type_name;
+use crate::error::check_number;
 use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
 
 /// Position [m] and heading [rad] of one frame in another; unpacks as ``x, y, yaw``.
@@ -71,6 +72,15 @@ impl Pose {
     /// The pose reached under a constant twist ``(vx, vy, wz)`` [m/s, rad/s] after ``dt`` seconds, exactly.
     fn integrate(&self, twist: [f64; 3], dt: f64) -> PyResult<Self> {
         Ok(Self(integrate(self.0, Twist::from(twist), dt).checked()?))
+    }
+
+    /// The constant twist ``(vx, vy, wz)`` [m/s, rad/s] that leads from this pose to another in ``dt`` seconds, turning by half
+    /// a turn at most.
+    ///
+    /// raises: ValueError for a dt that is not positive and finite.
+    fn twist_to(&self, other: PoseArgument, dt: f64) -> PyResult<(f64, f64, f64)> {
+        check_number("dt", dt, "positive", |value| value > 0.0)?;
+        Ok(Twist::between(self.0, other.0, dt).to_array().into())
     }
 
     /// The pose on the arc from this one (fraction 0) to another (fraction 1), or beyond them.
