@@ -25,6 +25,7 @@ from ._core import (
 
 if TYPE_CHECKING:
     from . import messages
+    from .bus_node import Node
     from .floor_plans import floor_plan
     from .laser_node import LaserScannerSimulator
     from .map_node import MapServer
@@ -39,10 +40,13 @@ if TYPE_CHECKING:
         PoseWithCovariance,
         PoseWithCovarianceStamped,
         Quaternion,
+        SetPose,
+        String,
         TFMessage,
         Time,
         Transform,
         TransformStamped,
+        Trigger,
         Twist,
         TwistStamped,
         TwistWithCovariance,
@@ -52,6 +56,7 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 _HOMES = {
+    "bus_node": ["Node"],
     "floor_plans": ["floor_plan"],
     "laser_node": ["LaserScannerSimulator"],
     "map_node": ["MapServer"],
@@ -66,10 +71,13 @@ _HOMES = {
         "PoseWithCovariance",
         "PoseWithCovarianceStamped",
         "Quaternion",
+        "SetPose",
+        "String",
         "TFMessage",
         "Time",
         "Transform",
         "TransformStamped",
+        "Trigger",
         "Twist",
         "TwistStamped",
         "TwistWithCovariance",
@@ -93,6 +101,7 @@ __all__ = [
     "MapServer",
     "MobileRobotSimulator",
     "MotionNoise",
+    "Node",
     "OccupancyGrid",
     "Odometry",
     "Point",
@@ -100,12 +109,15 @@ __all__ = [
     "PoseWithCovariance",
     "PoseWithCovarianceStamped",
     "Quaternion",
+    "SetPose",
     "Shape",
     "Simulation",
+    "String",
     "TFMessage",
     "Time",
     "Transform",
     "TransformStamped",
+    "Trigger",
     "Twist",
     "TwistStamped",
     "TwistWithCovariance",

@@ -4,46 +4,74 @@ Everything that happens is an event at a time. Events of one moment come in a fi
 order in which they were sent, then timers in the order in which they were created. A message goes to those who are
 subscribed when it is sent, after the callback that sent it has returned. Messages are handed on as they are, not copied:
 whoever gets one leaves it unchanged.
+
+A bus can be saved and put back as it was: its time, what is under way, timers, subscriptions, latest messages, nodes.
+Callbacks are called again as they are; what they keep elsewhere is not the bus's (`Simulation.keep`).
 """
 
 from __future__ import annotations
 
 import heapq
-import logging
 import math
+from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic
+from typing import TYPE_CHECKING, Any, Generic
 
-from .messages import Message, Time
-from .node_interface import M, QoS
+from .clock import NANOSECONDS
+from .messages import Message
+from .node_interface import M
+
+if TYPE_CHECKING:
+    from .bus_node import BusNode as BusNode
 
 Tap = Callable[[str, Message, int], None]
 
-NANOSECONDS = 1_000_000_000
+Filter = Callable[[str, Message], list[tuple[int, Message]] | None]
+"""What becomes of a message sent to a topic: copies and how much later each goes out [ns]; None lets it pass as it is."""
 
 LONGEST_CHAIN, MOST_ANSWERS = 10_000, 100_000
 """More messages at one moment, each sent upon the one before, or upon any other, are taken for an endless loop."""
 
 
-class Bus:
+class Handle:
+    """Something that is itself wherever it is kept: a copy of what holds it holds the same one."""
+
+    def __deepcopy__(self, memo: object) -> Any:
+        return self
+
+
+class Bus(Handle):
     """The world that nodes live in: a clock, and what happens when."""
 
     def __init__(self) -> None:
         self.time_ns = 0
+        self.clock_offset_ns = 0
         self.taps: list[Tap] = []
-        self._events: list[tuple[int, int, int, Callable[[], None], int]] = []
+        self.filters: list[Filter] = []
+        self.nodes: list[BusNode] = []
+        self.timers: dict[Timer, None] = {}
+        self._events: list[tuple[int, int, int, Callable[[], None]]] = []
+        self._at_once: deque[tuple[Callable[[], None], int]] = deque()
         self._chain, self._answers = 0, 0
+        self._calls: dict[Future, None] = {}
         self._sent = 0
-        self._timers = 0
-        self._running = False
+        self._timer_count = 0
+        self._running = self._closed = False
         self._topics: dict[str, Topic] = {}
         self._services: dict[str, Service] = {}
 
-    def create_node(self, name: str) -> BusNode:
+    @property
+    def clock_ns(self) -> int:
+        """What clocks show: the time, and whatever they are off by."""
+        return self.time_ns + self.clock_offset_ns
+
+    def create_node(self, name: str, *, namespace: str = "/") -> BusNode:
         """A node of this name."""
-        return BusNode(self, name)
+        from .bus_node import BusNode
+
+        return BusNode(self, name, namespace=namespace)
 
     def run_until(self, time_ns: int) -> None:
         """Let everything happen up to and at a time; the clock then shows that time.
@@ -53,52 +81,72 @@ class Bus:
         """
         if time_ns < self.time_ns:
             raise ValueError(f"the time to run to must not have passed, got {time_ns} ns at {self.time_ns} ns")
-        if self._running:
-            raise RuntimeError("the bus is running already: a callback must not run it")
+        self._check_idle("run it")
         self._running = True
         try:
-            while self._events and self._events[0][0] <= time_ns:
-                before = self.time_ns
-                self.time_ns, _, _, happen, self._chain = heapq.heappop(self._events)
-                self._answers = self._answers + (self._chain > 1) if self.time_ns == before else 0
-                if self._chain > LONGEST_CHAIN or self._answers > MOST_ANSWERS:
-                    raise RuntimeError(
-                        f"time stands still at {self.time_ns / NANOSECONDS} s: "
-                        "callbacks answer each other's messages without end"
-                    )
+            events, at_once = self._events, self._at_once
+            while True:
+                # What was sent to this moment from an earlier one is older than what was sent at it.
+                if at_once and not (events and events[0][0] <= self.time_ns and events[0][1] == 0):
+                    happen, self._chain = at_once.popleft()
+                    self._answers += self._chain > 1
+                    if self._chain > LONGEST_CHAIN or self._answers > MOST_ANSWERS:
+                        raise RuntimeError(
+                            f"time stands still at {self.time_ns / NANOSECONDS} s: "
+                            "callbacks answer each other's messages without end"
+                        )
+                elif events and events[0][0] <= time_ns:
+                    before = self.time_ns
+                    self.time_ns, _, _, happen = heapq.heappop(events)
+                    self._chain = 0
+                    if self.time_ns != before:
+                        self._answers = 0
+                else:
+                    break
                 happen()
             self.time_ns = time_ns
         finally:
-            self._running, self._chain = False, 0
+            self._running, self._chain, self._answers = False, 0, 0
+
+    def next_ns(self) -> int | None:
+        """When something happens next, None if nothing does."""
+        if self._at_once:
+            return self.time_ns
+        return self._events[0][0] if self._events else None
 
     def topic_names(self) -> list[str]:
         """Names of all topics, sorted."""
         return sorted(self._topics)
 
+    def topics(self) -> list[Topic]:
+        """All topics, sorted by their names."""
+        return [self._topics[name] for name in self.topic_names()]
+
     def latest(self, topic: str) -> Message | None:
-        """The message last published to a topic, None if there was none."""
+        """The message last sent to a topic, None if there was none."""
         found = self._topics.get(absolute(topic))
         return found.latest if found else None
 
     def latched(self) -> list[tuple[str, Message, int]]:
         """What is kept for those who come later: topic, message and when it was sent."""
-        topics = (self._topics[name] for name in self.topic_names())
-        return [(topic.name, topic.latest, topic.latest_ns) for topic in topics if topic.latched and topic.latest]
+        return [(topic.name, topic.latest, topic.latest_ns) for topic in self.topics() if topic.latched and topic.latest]
 
     def schedule(self, time_ns: int, happen: Callable[[], None]) -> None:
         """Have something happen at a time, in the order of sending."""
-        self._sent += 1
-        chain = self._chain + 1 if time_ns == self.time_ns else 0
-        heapq.heappush(self._events, (time_ns, 0, self._sent, happen, chain))
+        if time_ns <= self.time_ns:
+            self._at_once.append((happen, self._chain + 1))
+        else:
+            self._sent += 1
+            heapq.heappush(self._events, (time_ns, 0, self._sent, happen))
 
     def schedule_timer(self, time_ns: int, order: int, happen: Callable[[], None]) -> None:
         """Have a timer fire at a time, after all messages, in the order of the timers."""
-        heapq.heappush(self._events, (time_ns, 1, order, happen, 0))
+        heapq.heappush(self._events, (time_ns, 1, order, happen))
 
     def next_timer_order(self) -> int:
         """The place of a new timer among the others."""
-        self._timers += 1
-        return self._timers
+        self._timer_count += 1
+        return self._timer_count
 
     def topic(self, name: str, msg_type: type[Message]) -> Topic:
         """The topic of a name, which carries messages of one type."""
@@ -120,11 +168,91 @@ class Bus:
         """Send a message to all who are subscribed now."""
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
+        if self.filters:
+            self._publish_filtered(topic, message)
+        else:
+            self._send(topic, message)
+
+    def call(self, service: Service, request: Any) -> Future:
+        """Ask a service; the answer comes at the same moment, and never if nobody answers."""
+        future = Future()
+        self._calls[future] = None
+        self.schedule(self.time_ns, partial(self._answer, service, request, future))
+        return future
+
+    def save(self) -> Any:
+        """All that `restore` needs to put the bus back as it is now. raises: RuntimeError if called from a callback."""
+        self._check_idle("save it")
+        return (
+            (self.time_ns, self.clock_offset_ns, self._sent, self._timer_count),
+            (list(self._events), list(self._at_once), list(self.filters)),
+            [(topic, topic.save()) for topic in self._topics.values()],
+            [(service, service.handler) for service in self._services.values()],
+            [(timer, timer.save()) for timer in self.timers],
+            [(future, future.save()) for future in self._calls],
+            [(node, node.save()) for node in self.nodes],
+        )
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved. Handles made since are void. raises: RuntimeError if called from a callback."""
+        self._check_idle("restore it")
+        counters, (events, at_once, filters), topics, services, timers, calls, nodes = state
+        self.time_ns, self.clock_offset_ns, self._sent, self._timer_count = counters
+        self._events, self._at_once, self.filters = list(events), deque(at_once), list(filters)
+        for topic in self._topics.values():
+            topic.restore(topic.empty)
+        for service in self._services.values():
+            service.handler = None
+        for timer in self.timers:
+            timer.cancel()
+        self._topics = {topic.name: topic for topic, _ in topics}
+        self._services = {service.name: service for service, _ in services}
+        for service, handler in services:
+            service.handler = handler
+        self.timers = {timer: None for timer, _ in timers}
+        self._calls = {future: None for future, _ in calls}
+        self.nodes = [node for node, _ in nodes]
+        for keeper, kept in (*topics, *timers, *calls, *nodes):
+            keeper.restore(kept)
+
+    def close(self) -> None:
+        """Forget all that is under way, and whom to call. Time does not go on after."""
+        self.restore(((self.time_ns, 0, 0, 0), ((), (), ()), (), (), (), (), ()))
+        self.taps.clear()
+        self._closed = True
+
+    def _send(self, topic: Topic, message: Message) -> None:
         topic.latest, topic.latest_ns = message, self.time_ns
+        topic.count += 1
         for tap in self.taps:
             tap(topic.name, message, self.time_ns)
         for subscription in topic.subscriptions:
-            self.schedule(self.time_ns, partial(subscription.hand, message))
+            self._at_once.append((partial(subscription.hand, message), self._chain + 1))
+
+    def _publish_filtered(self, topic: Topic, message: Message) -> None:
+        copies = [(0, message)]
+        for change in tuple(self.filters):
+            passed: list[tuple[int, Message]] = []
+            for delay_ns, copy in copies:
+                made = change(topic.name, copy)
+                passed += [(delay_ns, copy)] if made is None else [(delay_ns + more_ns, new) for more_ns, new in made]
+            copies = passed
+        for delay_ns, copy in copies:
+            if delay_ns <= 0:
+                self._send(topic, copy)
+            else:
+                self.schedule(self.time_ns + delay_ns, partial(self._send, topic, copy))
+
+    def _answer(self, service: Service, request: Any, future: Future) -> None:
+        self._calls.pop(future, None)
+        if service.handler is not None:
+            future.set_result(service.handler(request, service.srv_type.Response()))
+
+    def _check_idle(self, deed: str) -> None:
+        if self._closed:
+            raise RuntimeError("the simulation is closed")
+        if self._running:
+            raise RuntimeError(f"the bus is running already: a callback must not {deed}")
 
 
 def absolute(name: str) -> str:
@@ -134,13 +262,14 @@ def absolute(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def _check_callback(callback: object) -> None:
+def check_callback(callback: object) -> None:
+    """Refuse what cannot be called."""
     if not callable(callback):
         raise TypeError(f"a callback must be callable, got {callback!r}")
 
 
 @dataclass(eq=False)
-class Subscription(Generic[M]):
+class Subscription(Handle, Generic[M]):
     """A callback that gets the messages of a topic."""
 
     topic: Topic
@@ -154,62 +283,111 @@ class Subscription(Generic[M]):
 
 
 @dataclass(eq=False)
-class Topic:
+class Topic(Handle):
     """A name that messages of one type are sent to."""
 
     name: str
     msg_type: type[Message]
-    subscriptions: list[Subscription[Any]] = field(default_factory=list)
+    subscriptions: tuple[Subscription[Any], ...] = ()
     latest: Message | None = None
     latest_ns: int = 0
     latched: bool = False
+    count: int = 0
+
+    empty = ((), None, 0, False, 0)
+
+    def save(self) -> Any:
+        """Who is subscribed, and what was last sent."""
+        return self.subscriptions, self.latest, self.latest_ns, self.latched, self.count
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        for subscription in self.subscriptions:
+            subscription.active = False
+        self.subscriptions, self.latest, self.latest_ns, self.latched, self.count = state
+        for subscription in self.subscriptions:
+            subscription.active = True
 
 
 @dataclass(eq=False)
-class Publisher(Generic[M]):
+class Publisher(Handle, Generic[M]):
     """Sends messages to a topic."""
 
     bus: Bus
     topic: Topic
 
+    @property
+    def topic_name(self) -> str:
+        """The topic's name."""
+        return self.topic.name
+
     def publish(self, message: M) -> None:
         """Send one message."""
         self.bus.publish(self.topic, message)
 
+    def get_subscription_count(self) -> int:
+        """How many are subscribed."""
+        return len(self.topic.subscriptions)
 
-class Timer:
+
+class Timer(Handle):
     """Fires at multiples of its period after its start: rounded to nanoseconds, without drift."""
 
     def __init__(self, bus: Bus, period: float, callback: Callable[[], None]) -> None:
         if not 1 <= period * NANOSECONDS < math.inf:
             raise ValueError(f"a timer's period must be at least a nanosecond, and finite, got {period} s")
-        _check_callback(callback)
+        check_callback(callback)
         self._bus, self._period, self._callback = bus, period, callback
-        self._start_ns, self._order, self._fired = bus.time_ns, bus.next_timer_order(), 0
-        self._cancelled = False
-        self._wait()
+        self._order, self._due_ns = bus.next_timer_order(), 0
+        bus.timers[self] = None
+        self.reset()
+
+    @property
+    def timer_period_ns(self) -> int:
+        """The period [ns]."""
+        return round(self._period * NANOSECONDS)
 
     def cancel(self) -> None:
-        """Never fire again."""
+        """Fire no more, until `reset`."""
         self._cancelled = True
 
     def is_canceled(self) -> bool:
         """Whether the timer was cancelled."""
         return self._cancelled
 
+    def reset(self) -> None:
+        """Fire one period from now, and each period after; also if it was cancelled."""
+        self._start_ns, self._fired, self._cancelled = self._bus.time_ns, 0, False
+        self._wait()
+
+    def time_until_next_call(self) -> int | None:
+        """Nanoseconds until it fires, None if it was cancelled."""
+        return None if self._cancelled else self._due_ns - self._bus.time_ns
+
+    def save(self) -> Any:
+        """When it fires next."""
+        return self._start_ns, self._fired, self._cancelled, self._due_ns
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        self._start_ns, self._fired, self._cancelled, self._due_ns = state
+
     def _wait(self) -> None:
-        offset = round((self._fired + 1) * self._period * NANOSECONDS)
-        self._bus.schedule_timer(self._start_ns + offset, self._order, self._fire)
+        due_ns = self._start_ns + round((self._fired + 1) * self._period * NANOSECONDS)
+        if due_ns != self._due_ns:
+            self._due_ns = due_ns
+            self._bus.schedule_timer(due_ns, self._order, self._fire)
 
     def _fire(self) -> None:
-        if self._cancelled:
+        # An event that was planned before a reset comes at a time that is no longer due.
+        if self._cancelled or self._bus.time_ns != self._due_ns:
             return
         self._fired += 1
         self._wait()
         self._callback()
 
 
-class Future:
+class Future(Handle):
     """A service's answer, once it is there."""
 
     def __init__(self) -> None:
@@ -239,9 +417,18 @@ class Future:
         else:
             self._callbacks.append(callback)
 
+    def save(self) -> Any:
+        """Whether it is done, and who waits."""
+        return self._done, self._result, tuple(self._callbacks)
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        self._done, self._result, callbacks = state
+        self._callbacks = list(callbacks)
+
 
 @dataclass(eq=False)
-class Service:
+class Service(Handle):
     """A name that requests are sent to, and who answers them."""
 
     name: str
@@ -250,7 +437,7 @@ class Service:
 
 
 @dataclass(eq=False)
-class Client:
+class Client(Handle):
     """Calls a service."""
 
     bus: Bus
@@ -269,112 +456,17 @@ class Client:
         if not isinstance(request, self.service.srv_type.Request):
             expected = self.service.srv_type.Request.__name__
             raise TypeError(f"{self.service.name} takes a {expected}, got {type(request).__name__}")
-        future = Future()
+        return self.bus.call(self.service, request)
 
-        def answer() -> None:
-            if self.service.handler is not None:
-                future.set_result(self.service.handler(request, self.service.srv_type.Response()))
-
-        self.bus.schedule(self.bus.time_ns, answer)
-        return future
+    def call(self, request: Any) -> Any:
+        """Not on the bus, where a callback that waits would wait for ever. raises: RuntimeError."""
+        raise RuntimeError(f"a callback must not wait for {self.service.name}: use call_async and add_done_callback")
 
 
-@dataclass(frozen=True)
-class Instant:
-    """A moment of the bus's clock."""
+def __getattr__(name: str) -> Any:
+    """The bus's node, which has a module of its own."""
+    if name == "BusNode":
+        from .bus_node import BusNode
 
-    nanoseconds: int
-
-    def to_msg(self) -> Time:
-        """The moment as a message."""
-        return Time.from_nanoseconds(self.nanoseconds)
-
-
-@dataclass(eq=False)
-class Clock:
-    """The bus's clock."""
-
-    bus: Bus
-
-    def now(self) -> Instant:
-        """The moment it is."""
-        return Instant(self.bus.time_ns)
-
-
-class BusNode:
-    """The surroundings of a node on the bus, under rclpy's names."""
-
-    def __init__(self, bus: Bus, name: str) -> None:
-        self._bus, self._name = bus, name
-        self._logger = logging.getLogger(f"mobile_robot_simulator.{name}")
-
-    def get_name(self) -> str:
-        """The node's name."""
-        return self._name
-
-    def get_clock(self) -> Clock:
-        """The bus's clock."""
-        return Clock(self._bus)
-
-    def set_speed(self, factor: float) -> None:
-        """Nothing: time on the bus goes on as it is run."""
-
-    def get_logger(self) -> logging.Logger:
-        """A logger of the standard library."""
-        return self._logger
-
-    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS | int = QoS.DEFAULT) -> Publisher[M]:
-        """A publisher to a topic."""
-        found = self._bus.topic(topic, msg_type)
-        found.latched |= qos_profile is QoS.LATCHED
-        return Publisher(self._bus, found)
-
-    def create_subscription(
-        self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS | int = QoS.DEFAULT
-    ) -> Subscription[M]:
-        """Have every message of a topic handed to the callback; of a latched one also the last message there was."""
-        found = self._bus.topic(topic, msg_type)
-        _check_callback(callback)
-        subscription = Subscription(found, callback)
-        found.subscriptions.append(subscription)
-        if found.latched and found.latest is not None:
-            message = found.latest
-            self._bus.schedule(self._bus.time_ns, partial(subscription.hand, message))
-        return subscription
-
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
-        """Have the callback called once a period, first after one period."""
-        return Timer(self._bus, timer_period_sec, callback)
-
-    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]) -> Service:
-        """Answer requests with what the callback makes of the request and an empty response."""
-        service = self._bus.service(srv_name, srv_type)
-        _check_callback(callback)
-        if service.handler is not None:
-            raise ValueError(f"{service.name} is answered already")
-        service.handler = callback
-        return service
-
-    def create_client(self, srv_type: Any, srv_name: str) -> Client:
-        """A client of a service."""
-        return Client(self._bus, self._bus.service(srv_name, srv_type))
-
-    def destroy_publisher(self, publisher: Publisher[Any]) -> None:
-        """Take a publisher away."""
-
-    def destroy_subscription(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription away: messages on their way no longer reach it. The second time, nothing happens."""
-        if subscription.active:
-            subscription.active = False
-            subscription.topic.subscriptions.remove(subscription)
-
-    def destroy_timer(self, timer: Timer) -> None:
-        """Take a timer away."""
-        timer.cancel()
-
-    def destroy_service(self, service: Service) -> None:
-        """No longer answer requests."""
-        service.handler = None
-
-    def destroy_client(self, client: Client) -> None:
-        """Take a client away."""
+        return BusNode
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from . import messages
 from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
+from .handles import Handles
 from .map_node import from_message, is_of, with_unknown
-from .messages import GetMap, Header, LaserScan, Odometry, TFMessage, Time, TransformStamped
+from .messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
 from .node_interface import Client, Future, Node, QoS
 from .parameters import LaserParameters
-from .transforms import TransformBuffer
+from .transforms import TransformBuffer, TransformListener
+from .world import Carrier, Placed
 
 NO_INTENSITIES = np.zeros(0, np.float32)
 
 PATIENCE_NS = 10_000_000_000
 """How long an answer of the map's service is waited for before it is asked again."""
+
+WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
 
 SET_UP = (
     "laser_topic",
@@ -32,8 +36,6 @@ SET_UP = (
     "base_link_frame",
 )
 """Parameters that what `start` sets up hangs on."""
-
-WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
 
 
 def scanner_of(parameters: LaserParameters, mount: Pose | None = None) -> LaserScanner:
@@ -62,16 +64,28 @@ class LaserScannerSimulator:
     scanner's mount is its transform from the robot's base if tf knows it, else `laser_mount`. If the map frame is not known
     to tf, the frame that the robot's base hangs from stands for it.
 
-    node: what to publish and subscribe through. grid: the map, if it need not be asked of a service.
+    node: what to publish and subscribe through. grid: the map, if it need not be asked of a service. carrier: the robot that
+    it really stands on, which then says where it is, and what else is there to see. transforms: what is known of tf, if that
+    is kept elsewhere.
     """
 
-    def __init__(self, node: Node, parameters: LaserParameters | None = None, *, grid: OccupancyGrid | None = None) -> None:
+    def __init__(
+        self,
+        node: Node,
+        parameters: LaserParameters | None = None,
+        *,
+        grid: OccupancyGrid | None = None,
+        carrier: Carrier | None = None,
+        transforms: TransformBuffer | None = None,
+    ) -> None:
         self._node = node
         self._grid = grid
-        self._transforms = TransformBuffer()
+        self._carrier = carrier
+        self._transforms = TransformBuffer() if transforms is None else transforms
+        self._listener = TransformListener(node, self._transforms) if transforms is None else None
         self._index = 0
         self._asked_ns: int | None = None
-        self._running: ExitStack | None = None
+        self._running: Handles | None = None
         self._use(parameters or LaserParameters())
 
     @property
@@ -118,37 +132,44 @@ class LaserScannerSimulator:
             return
         node, parameters = self._node, self._parameters
         self._asked_ns = None
-        with ExitStack() as handles:
+        with Handles() as handles:
             self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
-            handles.callback(node.destroy_publisher, self._scans)
+            handles.add(node.destroy_publisher, self._scans)
             if parameters.laser_mount is not None:
                 static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-                handles.callback(node.destroy_publisher, static)
+                handles.add(node.destroy_publisher, static)
                 transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
                 header = Header(Time.from_nanoseconds(self._now()), parameters.base_link_frame)
                 static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
-            transforms = node.create_subscription(TFMessage, "/tf", self._take_transforms, QoS.DEFAULT)
-            handles.callback(node.destroy_subscription, transforms)
-            twists = node.create_subscription(Odometry, parameters.odometry_topic, self._transforms.add_twist, QoS.DEFAULT)
-            handles.callback(node.destroy_subscription, twists)
-            mounts = node.create_subscription(TFMessage, "/tf_static", self._take_static_transforms, QoS.LATCHED)
-            handles.callback(node.destroy_subscription, mounts)
+            if self._listener is not None:
+                self._listener.start(parameters.odometry_topic)
+                handles.add(self._listener.stop)
             if parameters.map_topic:
                 maps = node.create_subscription(messages.OccupancyGrid, parameters.map_topic, self._take_map, QoS.LATCHED)
-                handles.callback(node.destroy_subscription, maps)
+                handles.add(node.destroy_subscription, maps)
             client = node.create_client(GetMap, parameters.map_service)
-            handles.callback(node.destroy_client, client)
+            handles.add(node.destroy_client, client)
             self._ask_for_map(client)
-            asking = node.create_timer(1.0, lambda: self._ask_for_map(client))
-            handles.callback(node.destroy_timer, asking)
-            handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.laser_frequency, self._scan))
-            self._running = handles.pop_all()
+            asking = node.create_timer(1.0, partial(self._ask_for_map, client))
+            handles.add(node.destroy_timer, asking)
+            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.laser_frequency, self._scan))
+            self._running = handles
 
     def stop(self) -> None:
         """Scan no more; `start` goes on from here."""
         if self._running is not None:
             self._running.close()
             self._running = None
+
+    def save(self) -> Any:
+        """All that `restore` needs, but for what the node's surroundings keep."""
+        return dict(vars(self)), self._transforms.save()
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        attributes, transforms = state
+        vars(self).update(attributes)
+        self._transforms.restore(transforms)
 
     def _restart(self) -> None:
         """Set everything up afresh."""
@@ -165,19 +186,6 @@ class LaserScannerSimulator:
 
     def _now(self) -> int:
         return self._node.get_clock().now().nanoseconds
-
-    def _take_transforms(self, message: TFMessage) -> None:
-        self._add(message, static=False)
-
-    def _take_static_transforms(self, message: TFMessage) -> None:
-        self._add(message, static=True)
-
-    def _add(self, message: TFMessage, *, static: bool) -> None:
-        for transform in message.transforms:
-            try:
-                self._transforms.add(transform, static=static)
-            except ValueError as error:
-                self._node.get_logger().warning(f"transform of {transform.child_frame_id} refused: {error}")
 
     def _ask_for_map(self, client: Client) -> None:
         now = self._now()
@@ -204,7 +212,12 @@ class LaserScannerSimulator:
     def _scan(self) -> None:
         now, parameters = self._now(), self._parameters
         base, frame = parameters.base_link_frame, parameters.laser_frame_id
-        map_from_base = self._transforms.lookup_or_root(parameters.map_frame_id, base, now)
+        obstacles: list[Placed] = []
+        if self._carrier is not None:
+            map_from_base: Pose | None = self._carrier.pose
+            obstacles = self._carrier.surroundings
+        else:
+            map_from_base = self._transforms.lookup_or_root(parameters.map_frame_id, base, now)
         if self._grid is None or map_from_base is None:
             return
         mount = self._transforms.lookup(base, frame, now) if frame != base else None
@@ -213,7 +226,8 @@ class LaserScannerSimulator:
         scanner = self._scanner
         readings = scanner.scan_batch(
             self._grid,
-            np.array([tuple(map_from_base)]),
+            np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
+            obstacles=obstacles,
             noise=self._noise if parameters.apply_noise else None,
             seed=parameters.seed,
             first_index=self._index,

@@ -96,6 +96,14 @@ class MapServer:
             self._node.destroy_service(service)
             self._handles = None
 
+    def save(self) -> Any:
+        """Whether the map is served."""
+        return self._handles
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        self._handles = state
+
     def _answer(self, request: messages.GetMapRequest, response: messages.GetMapResponse) -> messages.GetMapResponse:
         response.map = self._message
         return response

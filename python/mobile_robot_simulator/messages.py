@@ -266,6 +266,14 @@ class Clock(Message):
 
 
 @dataclass(slots=True, eq=False)
+class String(Message):
+    """A text."""
+
+    ros_type = "std_msgs/msg/String"
+    data: str = ""
+
+
+@dataclass(slots=True, eq=False)
 class GetMapRequest(Message):
     """Asks for the map."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from .bus import Instant
+from .clock import Instant
 
 
 class PacedClock:

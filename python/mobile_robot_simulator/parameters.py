@@ -12,6 +12,8 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
+from ._core import Limits, Shape
+
 T = TypeVar("T", bound="Parameters")
 
 
@@ -34,6 +36,9 @@ Weight = Annotated[Number, Field(ge=0.0)]
 Count = Annotated[int, BeforeValidator(_no_bool)]
 Name = Annotated[str, Field(min_length=1)]
 Triple = tuple[Number, Number, Number]
+Alpha = Annotated[Number, Field(ge=0.0)]
+Limit = Annotated[float, BeforeValidator(_no_bool), Field(ge=0.0)]
+LimitTriple = tuple[Limit, Limit, Limit]
 
 
 def _topic(name: str) -> str:
@@ -44,6 +49,21 @@ def _topic(name: str) -> str:
 
 
 Topic = Annotated[str, AfterValidator(_topic)]
+
+
+def _outline_text(value: object) -> object:
+    """Corners given as such, as text."""
+    return value if isinstance(value, str) else yaml.safe_dump(value, default_flow_style=True, width=math.inf).strip()
+
+
+def _check_outline(text: str) -> str:
+    """Refuse what is no outline."""
+    if text:
+        try:
+            Shape.polygon(yaml.safe_load(text))
+        except (ValueError, TypeError, yaml.YAMLError) as error:
+            raise ValueError(f"corners [[x, y], ...] of an outline ({error})") from None
+    return text
 
 
 class Parameters(BaseModel):
@@ -93,6 +113,54 @@ class RobotParameters(Parameters):
     velocity_timeout: Annotated[Number, Field(ge=0.0)] = Field(
         0.5, description="a command is held for so long, s; 0 holds it for ever"
     )
+    robot_radius: Annotated[Number, Field(ge=0.0, le=1e6)] = Field(
+        0.0, description="radius of the robot's footprint, m; 0 for none: then nothing holds it back"
+    )
+    footprint: Annotated[str, BeforeValidator(_outline_text), AfterValidator(_check_outline)] = Field(
+        "", description="corners of the robot's footprint instead, m, as [[x, y], ...]; empty for none"
+    )
+    contact: Literal["stop", "slide", "report"] = Field(
+        "stop", description="what contact with walls and others does to the robot: stop, slide or report"
+    )
+    velocity_limits: LimitTriple | None = Field(None, description="most of [vx, vy, wz] either way, m/s and rad/s")
+    acceleration_limits: LimitTriple | None = Field(
+        None, description="most that [vx, vy, wz] grow by in a second, m/s^2 and rad/s^2"
+    )
+    deceleration_limits: LimitTriple | None = Field(
+        None, description="most that they fall by in a second; acceleration_limits if not given"
+    )
+    odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
+        None, description="drift of the odometry: alpha1 to alpha6 of Probabilistic Robotics, table 5.3; none if not given"
+    )
+    odometry_seed: Annotated[Count, AfterValidator(_seed)] = Field(
+        0, description="seed of the odometry's drift; Simulation and run: that of the noise unless set"
+    )
+
+    @model_validator(mode="after")
+    def _have_one_footprint(self) -> RobotParameters:
+        if self.robot_radius and self.footprint:
+            raise ValueError(
+                f"one of robot_radius and footprint must be left out, got {self.robot_radius} and {self.footprint}"
+            )
+        return self
+
+    @property
+    def shape(self) -> Shape | None:
+        """The robot's footprint."""
+        if self.footprint:
+            return Shape.polygon(yaml.safe_load(self.footprint))
+        return Shape.disc(self.robot_radius) if self.robot_radius else None
+
+    @property
+    def limits(self) -> Limits | None:
+        """What the robot's velocity is held to."""
+        given = {
+            "velocity": self.velocity_limits,
+            "acceleration": self.acceleration_limits,
+            "deceleration": self.deceleration_limits or self.acceleration_limits,
+        }
+        limits = {name: triple for name, triple in given.items() if triple is not None}
+        return Limits(**limits) if limits else None
 
 
 class LaserParameters(Parameters):

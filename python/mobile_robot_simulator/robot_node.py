@@ -3,45 +3,34 @@
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from . import messages
-from ._core import Pose
+from ._core import MotionNoise, Pose, Shape
+from .handles import Handles
 from .messages import (
     Clock,
     Header,
     Odometry,
+    PoseWithCovariance,
     PoseWithCovarianceStamped,
     SetPose,
     TFMessage,
     Time,
+    Transform,
     TransformStamped,
     Trigger,
+    TwistWithCovariance,
+    Vector3,
 )
 from .messages import Twist as TwistMessage
+from .motion import Motion, Velocity
 from .node_interface import Node, QoS
+from .odometer import PLANAR_COVARIANCE, Odometer
 from .parameters import RobotParameters
-
-NANOSECONDS = 1e9
-
-FOREVER = 2**62
-"""A time in nanoseconds that is never reached."""
-
-FASTEST = 1e3
-"""Commands beyond this [m/s, rad/s] are no robot's, and are refused."""
-
-EXACT, UNMEASURED = 1e-9, 1e6
-_covariance = np.zeros((6, 6))
-np.fill_diagonal(_covariance, [EXACT, EXACT, UNMEASURED, UNMEASURED, UNMEASURED, EXACT])
-PLANAR_COVARIANCE = _covariance.reshape(-1)
-"""What is known of a robot that moves exactly in the plane: x, y and yaw for sure, height, roll and pitch not at all.
-
-Not zero, which means "not known" to some readers and cannot be inverted by others.
-"""
-PLANAR_COVARIANCE.flags.writeable = False
+from .pushed_motion import PushedMotion
+from .world import Placed, World
 
 SET_UP = (
     "publish_map_transform",
@@ -54,8 +43,11 @@ SET_UP = (
 )
 """Parameters that what `start` sets up hangs on."""
 
-Velocity = tuple[float, float, float]
-STANDING: Velocity = (0.0, 0.0, 0.0)
+PUSHED = ("robot_radius", "footprint", "contact", "velocity_limits", "acceleration_limits", "deceleration_limits")
+"""Parameters of what holds the robot back; the robot stands when they change."""
+
+FASTEST = 1e3
+"""Commands beyond this [m/s, rad/s] are no robot's, and are refused."""
 
 
 class MobileRobotSimulator:
@@ -63,19 +55,37 @@ class MobileRobotSimulator:
 
     Takes velocity commands (Twist or TwistStamped) and holds each until the next, or until `velocity_timeout`. Publishes
     odometry, the transform odom -> base_link and the clock at `publish_rate`, and, with `publish_map_transform`, the
-    transform map -> odom; then it also takes /initialpose. The pose at any time is computed from the last command on,
+    transform map -> odom; then it also takes initialpose. The pose at any time is computed from the last command on,
     exactly, so that it does not depend on the publishing rate. The service `reset` puts the robot back to where it was at
     first, `set_pose` anywhere.
 
-    node: what to publish and subscribe through. start_pose: where in the map frame the robot is at first.
+    With limits its velocity follows the commands no faster than they let it, with a footprint the world pushes back, and
+    with `odometry_alphas` odometry drifts, and says by its covariance how far; map -> odom makes up for that.
+
+    The robot moves by the world's time; stamps are those of the node's clock, which may be off.
+
+    node: what to publish and subscribe through. start_pose: where in the map frame the robot is at first. world: what is
+    around it; nothing, and the node's clock is right, if None. name: what others call the robot.
     """
 
-    def __init__(self, node: Node, parameters: RobotParameters | None = None, *, start_pose: Pose | None = None) -> None:
+    def __init__(
+        self,
+        node: Node,
+        parameters: RobotParameters | None = None,
+        *,
+        start_pose: Pose | None = None,
+        world: World | None = None,
+        name: str = "",
+    ) -> None:
         self._node = node
+        self.body_name = name
         self._parameters = parameters or RobotParameters()
+        self._world = world or World(lambda: node.get_clock().now().nanoseconds)
         self._first_pose = start_pose or Pose()
-        self._running: ExitStack | None = None
+        self._running: Handles | None = None
+        self._footprint = self._parameters.shape
         self.reset()
+        self._world.join(self)
 
     @property
     def parameters(self) -> RobotParameters:
@@ -83,26 +93,50 @@ class MobileRobotSimulator:
         return self._parameters
 
     @property
+    def motion(self) -> Motion:
+        """The way of the robot."""
+        return self._motion
+
+    @property
+    def footprint(self) -> Shape | None:
+        """The robot's outline."""
+        return self._footprint
+
+    @property
+    def surroundings(self) -> list[Placed]:
+        """What can be seen from the robot now, but for the map."""
+        return self._world.seen_by(self)
+
+    @property
+    def believed_pose(self) -> Pose:
+        """Where odometry last said that the robot is, in the odometry's frame."""
+        return self._believed
+
+    @property
     def pose(self) -> Pose:
         """Where the robot is now, in the map frame."""
-        return (self._map_from_odom * self._odom_from_base(self._now())).wrapped()
+        return self._motion.map_pose(self._world.now_ns())
 
     @property
     def velocity(self) -> Velocity:
         """How the robot moves now: forward, leftward [m/s] and turning [rad/s]."""
-        return self._twist if self._now() < self._until_ns else STANDING
+        return self._motion.velocity(self._world.now_ns())
 
     @property
     def distance(self) -> float:
         """Length of the way driven so far [m]."""
-        return self._driven(self._now())
+        return self._motion.distance(self._world.now_ns())
 
     def reset(self) -> None:
         """Put the robot back to where it was at first, at rest, with odometry as it was then and no distance driven."""
-        self._map_from_odom = self._odom_from_start = Pose()
-        self._twist, self._driven_to_start = STANDING, 0.0
-        self._start_ns = self._until_ns = self._now()
-        self.set_pose(self._first_pose)
+        now, parameters, first = self._world.now_ns(), self._parameters, self._first_pose
+        frames = (first, Pose()) if parameters.publish_map_transform else (Pose(), first)
+        self._motion = self._motion_from(now, *frames)
+        alphas = parameters.odometry_alphas
+        noise = None if alphas is None else noise_of(alphas)
+        self._odometer = Odometer(frames[1], now, noise=noise, seed=parameters.odometry_seed)
+        self._believed = frames[1]
+        self._world.changed()
 
     def set_parameters(self, **values: Any) -> None:
         """Change parameters by their names, from now on. A command in force is held anew, for `velocity_timeout`.
@@ -112,10 +146,14 @@ class MobileRobotSimulator:
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
             return
+        now = self._world.now_ns()
+        if after.velocity_timeout != before.velocity_timeout:
+            self._motion.hold_anew(after.velocity_timeout, now)
         self._parameters = after
-        now = self._now()
-        if now < self._until_ns and after.velocity_timeout != before.velocity_timeout:
-            self._until_ns = self._end_of_command(now)
+        if any(getattr(before, name) != getattr(after, name) for name in PUSHED):
+            self._footprint = after.shape
+            self._motion = self._motion_from(now, self._motion.map_from_own, self._motion.pose(now)).after(self._motion)
+            self._world.changed()
         if self._running is None:
             return
         self._node.set_speed(after.speed_factor)
@@ -134,55 +172,86 @@ class MobileRobotSimulator:
         With the map transform, odometry goes on as if nothing had happened and map -> odom takes up the change; without,
         odometry itself starts anew from there.
         """
-        now = self._now()
-        odom_from_base = self._odom_from_base(now)
+        now = self._world.now_ns()
         if self._parameters.publish_map_transform:
-            self._map_from_odom = (pose * odom_from_base.inverse()).wrapped()
+            self._motion.move_frame((pose * self._motion.pose(now).inverse()).wrapped(), now)
         else:
-            self._move_to(pose, now)
+            self._motion.place(pose, now)
+            self._odometer.place(pose, now)
+        self._world.changed()
+
+    def slip(self, share: float) -> None:
+        """From now on, have the robot move by this share less than its wheels turn, of which odometry knows nothing."""
+        self._motion.slip(share, self._world.now_ns())
+
+    def drift(self, noise: MotionNoise | None, seed: int) -> None:
+        """From now on, have odometry err so; as sure of where it is now as it was at first."""
+        now = self._world.now_ns()
+        self._odometer = Odometer(self._motion.wheels(now), now, noise=noise, seed=seed)
 
     def start(self) -> None:
         """Take commands and publish from now on."""
         if self._running is not None:
             return
         node, parameters = self._node, self._parameters
-        with ExitStack() as handles:
+        with Handles() as handles:
             self._odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
-            handles.callback(node.destroy_publisher, self._odometry)
+            handles.add(node.destroy_publisher, self._odometry)
             self._transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
-            handles.callback(node.destroy_publisher, self._transforms)
+            handles.add(node.destroy_publisher, self._transforms)
             self._clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
             if self._clock is not None:
-                handles.callback(node.destroy_publisher, self._clock)
+                handles.add(node.destroy_publisher, self._clock)
             if parameters.cmd_vel_stamped:
                 commands = node.create_subscription(
-                    messages.TwistStamped,
-                    parameters.velocity_topic,
-                    lambda message: self._command(message.twist),
-                    QoS.DEFAULT,
+                    messages.TwistStamped, parameters.velocity_topic, self._take_stamped_command, QoS.DEFAULT
                 )
             else:
-                commands = node.create_subscription(TwistMessage, parameters.velocity_topic, self._command, QoS.DEFAULT)
-            handles.callback(node.destroy_subscription, commands)
+                commands = node.create_subscription(TwistMessage, parameters.velocity_topic, self._take_command, QoS.DEFAULT)
+            handles.add(node.destroy_subscription, commands)
             if parameters.publish_map_transform:
-                poses = node.create_subscription(PoseWithCovarianceStamped, "/initialpose", self._take_pose, QoS.DEFAULT)
-                handles.callback(node.destroy_subscription, poses)
-            handles.callback(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
-            handles.callback(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
+                poses = node.create_subscription(PoseWithCovarianceStamped, "initialpose", self._take_pose, QoS.DEFAULT)
+                handles.add(node.destroy_subscription, poses)
+            handles.add(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
+            handles.add(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
             node.set_speed(parameters.speed_factor)
-            handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
+            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
             if parameters.clock_rate > 0.0:
-                handles.callback(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
-            self._running = handles.pop_all()
+                handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
+            self._running = handles
 
     def stop(self) -> None:
         """Stand still, take no more commands and publish nothing; `start` goes on from here."""
         if self._running is not None:
             self._running.close()
             self._running = None
-            now = self._now()
-            self._move_to(self._odom_from_base(now), now)
-            self._twist = STANDING
+            self._motion.stand(self._world.now_ns())
+
+    def save(self) -> Any:
+        """All that `restore` needs, but for what the node's surroundings keep."""
+        return dict(vars(self)), self._motion.save(), self._odometer.save()
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        attributes, motion, odometer = state
+        vars(self).update(attributes)
+        self._motion.restore(motion)
+        self._odometer.restore(odometer)
+
+    def _motion_from(self, time_ns: int, map_from_own: Pose, start: Pose) -> Motion:
+        parameters = self._parameters
+        if self._footprint is None and parameters.limits is None:
+            return Motion(time_ns, parameters.velocity_timeout, map_from_own, start)
+        return PushedMotion(
+            time_ns,
+            parameters.velocity_timeout,
+            map_from_own,
+            start,
+            world=self._world,
+            body=self,
+            limits=parameters.limits,
+            mode=parameters.contact,
+        )
 
     def _restart(self) -> None:
         """Set everything up afresh, without standing still."""
@@ -191,39 +260,17 @@ class MobileRobotSimulator:
             self._running = None
         self.start()
 
-    def _now(self) -> int:
-        return self._node.get_clock().now().nanoseconds
+    def _take_stamped_command(self, message: messages.TwistStamped) -> None:
+        self._take_command(message.twist)
 
-    def _moving(self, time_ns: int) -> float:
-        """Seconds that the robot has moved under the last command since it was at its last known pose."""
-        return max(0, min(time_ns, self._until_ns) - self._start_ns) / NANOSECONDS
-
-    def _odom_from_base(self, time_ns: int) -> Pose:
-        return self._odom_from_start.integrate(self._twist, self._moving(time_ns))
-
-    def _driven(self, time_ns: int) -> float:
-        return self._driven_to_start + math.hypot(*self._twist[:2]) * self._moving(time_ns)
-
-    def _move_to(self, odom_from_base: Pose, time_ns: int) -> None:
-        """Be at a pose, and move on from there as before."""
-        self._driven_to_start = self._driven(time_ns)
-        self._odom_from_start, self._start_ns = odom_from_base.wrapped(), time_ns
-
-    def _command(self, twist: TwistMessage) -> None:
+    def _take_command(self, twist: TwistMessage) -> None:
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
         if not all(math.isfinite(value) and abs(value) <= FASTEST for value in velocity):
             self._node.get_logger().warning(
                 f"velocity command refused: vx, vy and wz must be finite and at most {FASTEST:g}, got {velocity}"
             )
             return
-        now = self._now()
-        self._move_to(self._odom_from_base(now), now)
-        self._twist, self._until_ns = velocity, self._end_of_command(now)
-
-    def _end_of_command(self, now: int) -> int:
-        """Until when a command holds that comes now."""
-        timeout = self._parameters.velocity_timeout
-        return now + round(min(timeout * NANOSECONDS, FOREVER)) if timeout else FOREVER
+        self._motion.command(velocity, self._world.now_ns())
 
     def _answer_reset(
         self, request: messages.TriggerRequest, response: messages.TriggerResponse
@@ -252,33 +299,41 @@ class MobileRobotSimulator:
 
     def _publish_clock(self) -> None:
         if self._clock is not None:
-            self._clock.publish(Clock(Time.from_nanoseconds(self._now())))
+            self._clock.publish(Clock(self._stamp()))
+
+    def _stamp(self) -> Time:
+        return Time.from_nanoseconds(self._node.get_clock().now().nanoseconds)
 
     def _publish(self) -> None:
-        now = self._now()
-        stamp, parameters = Time.from_nanoseconds(now), self._parameters
-        odom_from_base = self._odom_from_base(now).wrapped()
-        vx, vy, wz = self.velocity
-        if parameters.clock_rate == 0.0:
-            self._publish_clock()
+        now, stamp, parameters, motion = self._world.now_ns(), self._stamp(), self._parameters, self._motion
+        if parameters.clock_rate == 0.0 and self._clock is not None:
+            self._clock.publish(Clock(stamp))
+        odom_from_base, covariance = self._odometer.read(motion.wheels(now).wrapped(), now)
+        self._believed = odom_from_base
+        pose = messages.Pose.from_planar(odom_from_base)
+        vx, vy, wz = motion.wheel_velocity(now)
+        header = Header(stamp, parameters.odom_frame_id)
         self._odometry.publish(
             Odometry(
-                Header(stamp, parameters.odom_frame_id),
+                header,
                 parameters.base_link_frame,
-                messages.PoseWithCovariance(messages.Pose.from_planar(odom_from_base), PLANAR_COVARIANCE),
-                messages.TwistWithCovariance(
-                    TwistMessage(messages.Vector3(vx, vy), messages.Vector3(z=wz)), PLANAR_COVARIANCE
-                ),
+                PoseWithCovariance(pose, covariance),
+                TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
             )
         )
-        links = [(parameters.odom_frame_id, parameters.base_link_frame, odom_from_base)]
+        position = pose.position
+        odom_from_base_message = Transform(Vector3(position.x, position.y), pose.orientation)
+        transforms = [TransformStamped(header, parameters.base_link_frame, odom_from_base_message)]
         if parameters.publish_map_transform:
-            links.insert(0, (parameters.map_frame_id, parameters.odom_frame_id, self._map_from_odom))
-        self._transforms.publish(
-            TFMessage(
-                [
-                    TransformStamped(Header(stamp, parent), child, messages.Transform.from_planar(pose))
-                    for parent, child, pose in links
-                ]
-            )
-        )
+            map_from_odom = motion.map_from_own
+            if motion.slipped or self._odometer.errs:
+                map_from_odom = (motion.map_pose(now) * odom_from_base.inverse()).wrapped()
+            map_header = Header(stamp, parameters.map_frame_id)
+            transform = Transform.from_planar(map_from_odom)
+            transforms.insert(0, TransformStamped(map_header, parameters.odom_frame_id, transform))
+        self._transforms.publish(TFMessage(transforms))
+
+
+def noise_of(alphas: Sequence[float]) -> MotionNoise:
+    """The error of odometry of these six numbers."""
+    return MotionNoise(**{f"alpha{number}": alpha for number, alpha in enumerate(alphas, start=1)})

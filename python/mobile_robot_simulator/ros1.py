@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .bus import Future, Instant
+from .bus import Future
+from .clock import Instant
 from .messages import Message
 from .node_interface import Logger, M, QoS
 from .paced_clock import PacedClock

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ._core import Pose
-from .messages import Odometry, TransformStamped
+from .handles import Handles
+from .messages import Odometry, TFMessage, TransformStamped
+from .node_interface import Node, QoS
 
 Velocity = tuple[float, float, float]
 
@@ -65,6 +68,15 @@ class TransformBuffer:
         ancestors = list(self._ancestors(_bare(source), time_ns).values())
         return ancestors[-1] if len(ancestors) > 1 else None
 
+    def save(self) -> Any:
+        """All that is known now."""
+        return dict(self._links), dict(self._twists)
+
+    def restore(self, state: Any) -> None:
+        """Know what was known then."""
+        links, twists = state
+        self._links, self._twists = dict(links), dict(twists)
+
     def _knows(self, frame: str) -> bool:
         return frame in self._links or any(link.parent == frame for link in self._links.values())
 
@@ -80,6 +92,46 @@ class TransformBuffer:
             frame, pose = link.parent, parent_from_frame * pose
             found[frame] = pose
         return found
+
+
+class TransformListener:
+    """Fills a buffer with what goes over /tf, /tf_static and topics of odometry."""
+
+    def __init__(self, node: Node, buffer: TransformBuffer) -> None:
+        self._node, self._buffer = node, buffer
+        self._running: Handles | None = None
+
+    def start(self, odometry_topic: str) -> None:
+        """Listen from now on."""
+        if self._running is None:
+            node = self._node
+            with Handles() as handles:
+                moving = node.create_subscription(TFMessage, "/tf", self._take, QoS.DEFAULT)
+                handles.add(node.destroy_subscription, moving)
+                twists = node.create_subscription(Odometry, odometry_topic, self._buffer.add_twist, QoS.DEFAULT)
+                handles.add(node.destroy_subscription, twists)
+                static = node.create_subscription(TFMessage, "/tf_static", self._take_static, QoS.LATCHED)
+                handles.add(node.destroy_subscription, static)
+            self._running = handles
+
+    def stop(self) -> None:
+        """Listen no more."""
+        if self._running is not None:
+            self._running.close()
+            self._running = None
+
+    def _take(self, message: TFMessage) -> None:
+        self._add(message, static=False)
+
+    def _take_static(self, message: TFMessage) -> None:
+        self._add(message, static=True)
+
+    def _add(self, message: TFMessage, *, static: bool) -> None:
+        for transform in message.transforms:
+            try:
+                self._buffer.add(transform, static=static)
+            except ValueError as error:
+                self._node.get_logger().warning(f"transform of {transform.child_frame_id} refused: {error}")
 
 
 @dataclass(frozen=True)

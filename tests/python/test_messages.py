@@ -38,6 +38,7 @@ FIELDS = {
     "MapMetaData": ("nav_msgs/msg/MapMetaData", "map_load_time resolution width height origin"),
     "OccupancyGrid": ("nav_msgs/msg/OccupancyGrid", "header info data"),
     "Clock": ("rosgraph_msgs/msg/Clock", "clock"),
+    "String": ("std_msgs/msg/String", "data"),
     "GetMapRequest": ("nav_msgs/srv/GetMap_Request", ""),
     "GetMapResponse": ("nav_msgs/srv/GetMap_Response", "map"),
     "TriggerRequest": ("std_srvs/srv/Trigger_Request", ""),

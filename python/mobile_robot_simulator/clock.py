@@ -1,0 +1,75 @@
+"""Time as nodes on the bus see it: moments, durations and the clock, under rclpy's names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, overload
+
+from .messages import Time
+
+if TYPE_CHECKING:
+    from .bus import Bus
+
+NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True, order=True, init=False)
+class Duration:
+    """A span of time."""
+
+    nanoseconds: int
+
+    def __init__(self, *, seconds: float = 0.0, nanoseconds: int = 0) -> None:
+        object.__setattr__(self, "nanoseconds", round(seconds * NANOSECONDS) + int(nanoseconds))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _duration, (self.nanoseconds,)
+
+
+def _duration(nanoseconds: int) -> Duration:
+    return Duration(nanoseconds=nanoseconds)
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Instant:
+    """A moment of the bus's clock."""
+
+    nanoseconds: int
+
+    def to_msg(self) -> Time:
+        """The moment as a message."""
+        return Time.from_nanoseconds(self.nanoseconds)
+
+    @classmethod
+    def from_msg(cls, msg: Time) -> Instant:
+        """The moment that a message names."""
+        return cls(msg.nanoseconds)
+
+    def seconds_nanoseconds(self) -> tuple[int, int]:
+        """Whole seconds, and the nanoseconds beyond them."""
+        return divmod(self.nanoseconds, NANOSECONDS)
+
+    def __add__(self, span: Duration) -> Instant:
+        return Instant(self.nanoseconds + span.nanoseconds)
+
+    @overload
+    def __sub__(self, other: Instant) -> Duration: ...
+    @overload
+    def __sub__(self, other: Duration) -> Instant: ...
+    def __sub__(self, other: Instant | Duration) -> Instant | Duration:
+        left = self.nanoseconds - other.nanoseconds
+        return Duration(nanoseconds=left) if isinstance(other, Instant) else Instant(left)
+
+
+class Clock:
+    """The clock that nodes on the bus read: the bus's time, and whatever it is off by."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+
+    def __deepcopy__(self, memo: object) -> Clock:
+        return self
+
+    def now(self) -> Instant:
+        """The moment it is."""
+        return Instant(self._bus.clock_ns)

@@ -1,0 +1,33 @@
+"""Handles: what a node has taken hold of, to be let go together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+
+class Handles:
+    """Publishers, subscriptions, timers: each with what lets go of it.
+
+    In a `with` block, all is let go of if the block raises.
+    """
+
+    def __init__(self) -> None:
+        self._undo: list[Callable[[], object]] = []
+
+    def add(self, let_go: Callable[..., object], *handle: Any) -> None:
+        """Remember a handle, and what lets go of it."""
+        self._undo.append(partial(let_go, *handle))
+
+    def close(self) -> None:
+        """Let go of everything, the last first."""
+        for undo in reversed(self._undo):
+            undo()
+
+    def __enter__(self) -> Handles:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is not None:
+            self.close()
