@@ -1,0 +1,1 @@
+"""Two controllers written for rclpy, that know nothing of a simulator."""

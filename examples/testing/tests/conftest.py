@@ -1,0 +1,7 @@
+"""The controllers, imported without ROS. The fixtures of the simulator need nothing here."""
+
+from mobile_robot_simulator.rclpy_names import stand_in
+
+with stand_in():
+    import followers.pure_pursuit
+    import followers.wall_follower  # noqa: F401
