@@ -1,0 +1,142 @@
+"""Figures of the harness: how long drives, recordings and fresh simulations take.
+
+Run: python benches/harness.py [--json FILE]. Each figure is the least of a few runs, in one process, with the simulator's
+own work on one thread; beside the wall's seconds are those of the processor, which tell more on a busy machine. What is
+driven is checked: that all of it was, and that robots see one another.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import mobile_robot_simulator as mrs
+
+SEED = 1
+
+
+class Figure(NamedTuple):
+    """Seconds that something took, of the wall and of the processor."""
+
+    wall: float
+    processor: float
+
+
+class Watch:
+    """Measures from when it is made."""
+
+    def __init__(self) -> None:
+        self._wall, self._processor = time.perf_counter(), time.process_time()
+
+    def read(self) -> Figure:
+        """How long it is since."""
+        return Figure(time.perf_counter() - self._wall, time.process_time() - self._processor)
+
+
+TEN_MINUTES = 600.0
+REPEATS = 3
+
+
+def office() -> mrs.OccupancyGrid:
+    """1000 x 1000 cells of 5 cm: rooms of 5 m with doors, which bound what beams see."""
+    cells = np.zeros((1000, 1000), np.int8)
+    cells[::100, :] = cells[:, ::100] = cells[-1, :] = cells[:, -1] = 100
+    for wall in range(100, 1000, 100):
+        for room in range(0, 1000, 100):
+            cells[wall, room + 40 : room + 60] = cells[room + 40 : room + 60, wall] = 0
+    return mrs.OccupancyGrid(cells, resolution=0.05)
+
+
+def circling(grid: mrs.OccupancyGrid) -> mrs.Simulation:
+    """A robot that circles in a room: odometry at 50 Hz, and a noisy scanner of 541 beams at 10 Hz."""
+    parameters = {"publish_rate": 50.0, "velocity_timeout": 0.0}
+    simulation = mrs.Simulation(grid, parameters=parameters, seed=SEED, start=(22.5, 21.5, 0.0))
+    simulation.publish("/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.5), angular=mrs.Vector3(z=0.5)))
+    return simulation
+
+
+def drive(grid: mrs.OccupancyGrid) -> Figure:
+    """Ten minutes, recording off."""
+    simulation = circling(grid)
+    watch = Watch()
+    simulation.run_for(TEN_MINUTES)
+    took = watch.read()
+    assert simulation.latest("/scan").header.stamp.nanoseconds == TEN_MINUTES * 1e9
+    assert math.isclose(simulation.truth.distance, 0.5 * TEN_MINUTES)
+    return took
+
+
+def recorded_drive(grid: mrs.OccupancyGrid) -> Figure:
+    """The same ten minutes, recorded to MCAP."""
+    from mobile_robot_simulator.recording import Recorder
+
+    with tempfile.TemporaryDirectory() as folder:
+        simulation = circling(grid)
+        watch = Watch()
+        with Recorder(folder) as recorder:
+            simulation.record(recorder.write)
+            simulation.run_for(TEN_MINUTES)
+        took = watch.read()
+        assert sum(file.stat().st_size for file in recorder.path.iterdir()) > 6000 * 541 * 4
+    return took
+
+
+def fresh(grid: mrs.OccupancyGrid) -> Figure:
+    """A simulation of a map of 1000 x 1000 cells that no one has cast in, to its first scan."""
+    cells = grid.cells.copy()
+    watch = Watch()
+    simulation = mrs.Simulation(mrs.OccupancyGrid(cells, resolution=0.05), start=(22.5, 21.5, 0.0))
+    simulation.run_for(0.1)
+    took = watch.read()
+    assert simulation.latest("/scan") is not None
+    return took
+
+
+def twenty_robots(grid: mrs.OccupancyGrid) -> Figure:
+    """A minute of twenty robots that see and could touch one another, with the default rates and 541 noisy beams each."""
+    robots = {f"robot{index}": (22.5 + 5.0 * (index % 5 - 2), 22.5 + 5.0 * (index // 5 - 2), index) for index in range(20)}
+    simulation = mrs.Simulation(grid, parameters={"velocity_timeout": 0.0}, seed=SEED, robots=robots)
+    for name in robots:
+        simulation.publish(f"/{name}/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.4), angular=mrs.Vector3(z=0.4)))
+    watch = Watch()
+    simulation.run_for(60.0)
+    took = watch.read()
+    assert len(simulation.robot.surroundings) == 19 and not simulation.truth.contacts
+    return took
+
+
+def main() -> None:
+    """Measure, print, and write if asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="file to write the figures to")
+    options = parser.parse_args()
+    grid = office()
+    grid.prepare()
+    figures: dict[str, dict[str, float]] = {}
+
+    def report(name: str, measure: Callable[[mrs.OccupancyGrid], Figure], simulated: float, goal: float) -> None:
+        took = min(measure(grid) for _ in range(REPEATS))
+        figures[name] = took._asdict()
+        speed = f"{simulated / took.wall:7.0f} times real time" if simulated else ""
+        print(f"{name:28s} {took.wall:8.3f} s   processor {took.processor:8.3f} s   goal {goal:5.2f} s   {speed}")
+
+    print(f"Python {platform.python_version()}, {platform.machine()}, version {mrs.__version__}")
+    report("drive/ten_minutes", drive, TEN_MINUTES, 0.6)
+    report("drive/ten_minutes_mcap", recorded_drive, TEN_MINUTES, 2.5)
+    report("fresh/1000x1000", fresh, 0.0, 0.05)
+    report("robots/twenty_for_a_minute", twenty_robots, 60.0, 1.2)
+    if options.json:
+        options.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

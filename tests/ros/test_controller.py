@@ -1,0 +1,55 @@
+"""The example's controller, which the bus runs as it is, on the real rclpy: the same file, the same way."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from test_nodes import ODOM
+from worlds import VERSION, wait_until
+
+EXAMPLE = Path(__file__).parents[2] / "examples/testing"
+PATH = [0.0, 0.0, 2.0, 0.0, 2.0, 1.5]
+
+if VERSION != "2":
+    pytest.skip("the controller is written for rclpy", allow_module_level=True)
+
+
+def on_the_bus() -> np.ndarray[Any, Any]:
+    """The way that the controller takes on the bus, in a process where no rclpy is imported."""
+    from mobile_robot_simulator.rclpy_names import stand_in
+
+    sys.path.insert(0, str(EXAMPLE))
+    with stand_in():
+        from followers.pure_pursuit import PurePursuit
+    grid = mrs.OccupancyGrid(np.zeros((10, 10), np.int8), resolution=1.0, origin=(-5.0, -5.0, 0.0))
+    parameters = {"publish_map_transform": False, "publish_rate": 50.0}
+    sim = mrs.Simulation(grid, parameters=parameters)
+    sim.spawn(PurePursuit, parameters={"path": PATH})
+    sim.run_until(lambda sim: math.hypot(sim.pose.x - 2.0, sim.pose.y - 1.5) < 0.12, 30.0)
+    return sim.truth.path[:, 1:3]
+
+
+def test_one_controller_runs_on_the_bus_and_on_rclpy(world: Any) -> None:
+    expected = on_the_bus()
+    world.start("robot", publish_rate=50.0, cmd_vel_stamped=False)
+    odom = world.subscribe("/odom", ODOM)
+    odom.wait_for(1)
+    world.environment = {**world.environment, "PYTHONPATH": str(EXAMPLE)}
+    controller = world.run(
+        sys.executable, "-m", "followers.pure_pursuit", "--ros-args", "-p", f"path:={PATH}", "-p", "use_sim_time:=true"
+    )
+
+    def way() -> np.ndarray[Any, Any]:
+        return np.array([(it.pose.pose.position.x, it.pose.pose.position.y) for it in odom])
+
+    wait_until(lambda: math.hypot(*(way()[-1] - (2.0, 1.5))) < 0.12, "the end of the path", 60.0)
+    assert controller.running, controller.output
+    apart = [np.hypot(*(expected - point).T).min() for point in way()]
+    assert max(apart) < 0.1
