@@ -247,7 +247,7 @@ def test_a_node_that_is_killed_can_come_back(world: Any, map_file: Path) -> None
     scan.wait_for(5)
 
 
-def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path, record_property: Any) -> None:
+def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path) -> None:
     process = world.start("all", map_file=map_file, publish_rate=100.0, laser_frequency=40.0, publish_map_transform=True)
     scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
     scan.wait_for(20)
@@ -262,7 +262,8 @@ def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path, record_pro
         f"latency of a scan: median {np.median(delays) * 1e3:.2f} ms, 99 % {np.quantile(delays, 0.99) * 1e3:.2f} ms"
     )
     assert rates == (pytest.approx(40.0, rel=0.05), pytest.approx(100.0, rel=0.05))
-    assert share < 0.2
+    # A tenth to a sixth on a quiet machine; more where others keep the caches cold.
+    assert share < 0.4
 
 
 @pytest.mark.parametrize(
