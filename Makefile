@@ -34,7 +34,8 @@ $(CORE): .venv/tools pyproject.toml Cargo.toml Cargo.lock $(shell find src -name
 	@touch $@
 
 demo: build
-	$(BIN)/python examples/demo.py
+	$(BIN)/mobile-robot-simulator floor-plan demo/office.yaml --seed 1
+	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
 
 test: lint test-rust test-python
 
