@@ -2,6 +2,7 @@
 
 mod block;
 mod clearance;
+mod direction;
 mod kernel;
 mod ray;
 mod sector;
@@ -27,6 +28,7 @@ use crate::pose::Pose;
 use crate::threads;
 use crate::world::World;
 use block::Block;
+use direction::directions;
 
 /// Casts rays over one grid up to one range.
 #[derive(Debug, Clone, Copy)]
@@ -96,13 +98,11 @@ impl<'grid> Caster<'grid> {
         self.grid.prepare(threads);
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
             let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
-            for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
-                for (place, ray) in rays.iter().enumerate() {
-                    let ray = self.grid.pose_in_grid(Pose::from(*ray));
-                    let (sin, cos) = libm::sincos(ray.yaw);
-                    self.enter(group, place, ray.position / self.grid.resolution(), DVec2::new(cos, sin));
+            self.kernel.lend(|| {
+                for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
+                    self.enter_all(group, rays);
                 }
-            }
+            });
             self.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
                 let rays = &rays[chunk * CHUNK + group * GROUP..];
                 for ((range, metres), ray) in ranges[group * GROUP..].iter_mut().zip(metres).zip(rays) {
@@ -111,6 +111,20 @@ impl<'grid> Caster<'grid> {
                 }
             });
         })
+    }
+
+    /// Puts rays of the map frame into a group, and where there are fewer the last one again.
+    #[inline(always)]
+    fn enter_all(&self, group: &mut RayGroup, rays: &[[f64; 3]]) {
+        let last = rays.len() - 1;
+        let placed: [Pose; GROUP] = std::array::from_fn(|place| self.grid.pose_in_grid(rays[place.min(last)].into()));
+        let (cos, sin) = directions(&placed.map(|ray| ray.yaw));
+        let origins = placed.map(|ray| ray.position / self.grid.resolution());
+        let outside = group.start(self.grid.width(), self.grid.height(), &origins, &cos, &sin);
+        for place in (0..GROUP).filter(|place| outside[*place]) {
+            group.go_astray(place);
+            self.enter(group, place, origins[place], DVec2::new(cos[place], sin[place]));
+        }
     }
 
     /// Puts the ray from `origin` along `direction` at a place of a group of rays astray, from where it enters the grid on.

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::Ray;
 use super::ray::still;
+use super::{Clearance, Ray, Sector};
 
 /// Rays come in groups of this many, so that loops over them have a fixed length.
 pub const GROUP: usize = 32;
@@ -18,6 +18,11 @@ pub trait Source: Copy {
 
     /// The ray at a place of a group. Behind the last ray there are others of no meaning, up to the group's end.
     fn ray(&self, group: usize, place: usize) -> Ray;
+
+    /// Whether walls are next to where all rays start, so that most of them end before a jump would pay.
+    fn is_hemmed_in(&self, _: &Clearance) -> bool {
+        false
+    }
 }
 
 /// Rays that start at one place of the grid.
@@ -49,6 +54,10 @@ impl Source for Fan<'_> {
         let direction = DVec2::new(still(turned.x), still(turned.y));
         Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
     }
+
+    fn is_hemmed_in(&self, clearance: &Clearance) -> bool {
+        Sector::all().all(|sector| clearance.length(self.cell.0, self.cell.1, sector) <= 1)
+    }
 }
 
 /// A group of rays each with an origin of its own, side by side.
@@ -69,6 +78,37 @@ impl RayGroup {
         let zero = [0.0; GROUP];
         Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
     };
+
+    /// Puts rays into the group as far as they start on a grid of this size; returns which do not.
+    #[inline(always)]
+    pub fn start(
+        &mut self,
+        width: usize,
+        height: usize,
+        origins: &[DVec2; GROUP],
+        cos: &Group,
+        sin: &Group,
+    ) -> [bool; GROUP] {
+        let (width, height) = (width as f64, height as f64);
+        let mut outside = [false; GROUP];
+        for place in 0..GROUP {
+            let (x, y) = (origins[place].x, origins[place].y);
+            let on_grid = (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height);
+            outside[place] = !on_grid;
+            (self.x[place], self.y[place]) = (x, y);
+            (self.dx[place], self.dy[place]) = (still(cos[place]), still(sin[place]));
+            self.gap[place] = 0.0;
+            // On the grid, truncation is the floor.
+            self.col[place] = if on_grid { x as i32 } else { 0 };
+            self.row[place] = if on_grid { y as i32 } else { 0 };
+        }
+        outside
+    }
+
+    /// Puts a ray that never gets to the grid at a place.
+    pub fn go_astray(&mut self, place: usize) {
+        self.set(place, &Ray { origin: DVec2::ZERO, direction: DVec2::X, col: 0, row: 0, gap: f64::INFINITY });
+    }
 
     /// Puts a ray at a place.
     #[inline]

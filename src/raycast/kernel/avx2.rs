@@ -26,6 +26,16 @@ impl Avx2 {
         (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
     }
 
+    /// Does some work with the instruction set.
+    pub fn lend<R>(self, work: impl FnOnce() -> R) -> R {
+        #[target_feature(enable = "avx2,fma")]
+        fn lend<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        // SAFETY: `self` is proof that the processor has the instruction set.
+        unsafe { lend(work) }
+    }
+
     /// See [`march::cast`].
     pub fn cast(self, clearance: &Clearance, source: impl Source, limit: f64, block: &mut Block, sink: &mut impl Sink) {
         #[target_feature(enable = "avx2,fma")]

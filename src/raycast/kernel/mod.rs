@@ -34,6 +34,21 @@ pub enum Kernel {
 pub const KERNEL_VARIABLE: &str = "MOBILE_ROBOT_SIMULATOR_KERNEL";
 
 impl Kernel {
+    /// Does some work with the kernel's instruction set, as far as the compiler can make it part of this call.
+    #[inline]
+    pub(super) fn lend<R>(self, work: impl FnOnce() -> R) -> R {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if let (Self::Avx512, Some(lanes)) = (self, avx512::Avx512::new()) {
+                return lanes.lend(work);
+            }
+            if let (Self::Avx2, Some(lanes)) = (self, avx2::Avx2::new()) {
+                return lanes.lend(work);
+            }
+        }
+        work()
+    }
+
     /// All there are, slowest first.
     pub const ALL: [Self; 4] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512];
 
@@ -109,6 +124,12 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     if !fits(clearance) {
         return each(source, sink, |ray| scalar::cast(clearance, ray, limit));
     }
+    if source.is_hemmed_in(clearance) {
+        return each(source, sink, |ray| {
+            let near = traverse(grid, ray, HEMMED_IN);
+            if near.is_finite() { near.max(0.0) } else { scalar::cast(clearance, ray, limit) }
+        });
+    }
     #[cfg(target_arch = "x86_64")]
     {
         if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
@@ -120,6 +141,9 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     }
     march::cast(portable::Portable, clearance, source, limit, block, &mut sink);
 }
+
+/// Cells that a ray which starts between walls goes step by step before it jumps.
+const HEMMED_IN: f64 = 2.0;
 
 /// Casts one ray after the other.
 fn each<S: Source>(source: S, mut sink: impl Sink, cast: impl Fn(&Ray) -> f64) {

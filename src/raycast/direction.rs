@@ -1,0 +1,108 @@
+//! Directions from angles, in a form that vectorises, with the same bytes on every machine.
+
+use super::source::{GROUP, Group};
+
+/// Angles up to here are reduced by multiples of π/2 that leave the first part of it exact.
+const LARGEST: f64 = 1e5;
+
+/// π/2 in three parts, the first two with 33 bits each (fdlibm, `e_rem_pio2.c`).
+const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
+
+/// Adding this to a number of less than 51 bits and taking it off again rounds to a whole number.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// Cosines and sines of angles, to within an ulp or so.
+///
+/// The polynomials of fdlibm (`k_sin.c`, `k_cos.c`) after a reduction to [-π/4, π/4] by Cody & Waite (1980); angles too large for
+/// it go to `libm`.
+#[inline(always)]
+pub fn directions(angles: &Group) -> (Group, Group) {
+    let (mut cos, mut sin) = ([0.0; GROUP], [0.0; GROUP]);
+    for place in 0..GROUP {
+        (cos[place], sin[place]) = direction(angles[place]);
+    }
+    for place in 0..GROUP {
+        if angles[place].abs() > LARGEST {
+            (sin[place], cos[place]) = libm::sincos(angles[place]);
+        }
+    }
+    (cos, sin)
+}
+
+#[inline(always)]
+fn direction(angle: f64) -> (f64, f64) {
+    let shifted = angle * std::f64::consts::FRAC_2_PI + ROUND;
+    let quarters = shifted - ROUND;
+    let quarter = shifted.to_bits();
+    let near = (angle - quarters * HALF_PI[0]) - quarters * HALF_PI[1];
+    let x = near - quarters * HALF_PI[2];
+    let z = x * x;
+    let sin = x + x * z * polynomial(z, &SIN);
+    let cos = 1.0 - (0.5 * z - z * z * polynomial(z, &COS));
+    let (along, across) = if quarter & 1 == 0 { (cos, sin) } else { (sin, cos) };
+    let cos = if (quarter.wrapping_add(1)) & 2 == 0 { along } else { -along };
+    let sin = if quarter & 2 == 0 { across } else { -across };
+    (cos, sin)
+}
+
+/// (sin x - x) / x³ in powers of x².
+const SIN: [f64; 6] = [
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_795e-4,
+    2.755_731_370_707_006_8e-6,
+    -2.505_076_025_340_686_3e-8,
+    1.589_690_995_211_55e-10,
+];
+
+/// (cos x - 1 + x²/2) / x⁴ in powers of x².
+const COS: [f64; 6] = [
+    4.166_666_666_666_66e-2,
+    -1.388_888_888_887_411e-3,
+    2.480_158_728_947_673e-5,
+    -2.755_731_435_139_066_3e-7,
+    2.087_572_321_298_175e-9,
+    -1.135_964_755_778_819_5e-11,
+];
+
+#[inline(always)]
+fn polynomial(x: f64, coefficients: &[f64; 6]) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use rand::RngExt;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn directions_are_those_of_libm() {
+        let mut stream = random::stream(3, 0);
+        let mut angle = |scale: f64| (stream.random::<f64>() - 0.5) * scale;
+        for scale in [1e-300, 1e-9, 1.0, 7.0, 100.0, 2e5, 1e300] {
+            for _ in 0..2000 {
+                let mut angles = [0.0; GROUP];
+                angles.fill_with(|| angle(scale));
+                let (cos, sin) = directions(&angles);
+                for place in 0..GROUP {
+                    let (expected_sin, expected_cos) = libm::sincos(angles[place]);
+                    let off = (cos[place] - expected_cos).abs().max((sin[place] - expected_sin).abs());
+                    assert!(off < 3e-16, "{} is off by {off}", angles[place]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn quarters_of_a_turn_go_along_the_axes() {
+        let angles = std::array::from_fn(|place| (place as f64 - 16.0) * FRAC_PI_2);
+        let (cos, sin) = directions(&angles);
+        for place in 0..GROUP {
+            let (expected_sin, expected_cos) = libm::sincos(angles[place]);
+            assert!((cos[place] - expected_cos).abs() < 1e-17 || cos[place] == expected_cos, "{place}");
+            assert!((sin[place] - expected_sin).abs() < 1e-17 || sin[place] == expected_sin, "{place}");
+        }
+    }
+}
