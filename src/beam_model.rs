@@ -98,7 +98,7 @@ impl BeamModel {
     }
 
     /// Normal around `range`, truncated to `[0, max_range]`, by rejection, from a first draw on.
-    fn sample_hit(&self, range: f64, max_range: f64, first: normal::Draw, stream: &mut impl Rng) -> f64 {
+    fn sample_hit(&self, range: f64, max_range: f64, first: u64, stream: &mut impl Rng) -> f64 {
         let sigma = self.options.sigma_hit;
         if self.is_narrow(max_range) {
             let mut draw = first;
@@ -107,7 +107,7 @@ impl BeamModel {
                 if (0.0..=max_range).contains(&reading) {
                     return reading;
                 }
-                draw = normal::Draw::from_bits(stream.next_u64());
+                draw = stream.next_u64();
             }
         }
         loop {
@@ -217,21 +217,30 @@ impl<'a> Sampler<'a> {
     pub fn sample(&self, group: usize, ranges: &[f64; GROUP]) -> [f64; GROUP] {
         let first = (group * GROUP) as u64;
         let (sigma, max_range) = (self.model.options.sigma_hit, self.max_range);
-        let mut readings = [0.0; GROUP];
-        let mut is_sure = [false; GROUP];
-        for place in 0..GROUP {
-            let bits = self.bits.of(first + place as u64);
-            let (deviation, is_inside) = self.layers.place(normal::Draw::from_bits(bits));
-            let reading = ranges[place] + sigma * deviation;
-            let misses = ranges[place] == f64::INFINITY;
-            let fits = is_inside & (reading >= 0.0) & (reading <= max_range);
-            readings[place] = if misses { max_range } else { reading };
-            is_sure[place] = (share(bits) < self.sure_hits) & (fits | misses);
+        let (mut readings, mut is_unsure) = ([0.0; GROUP], [0; GROUP]);
+        let (mut bits, mut edges) = ([0; GROUP], [[0.0; GROUP]; 2]);
+        // A number of turns that the compiler does not know keeps it from unrolling what it should make vectors of; the look-ups
+        // go by themselves, which it would rather not make a vector of.
+        let count = std::hint::black_box(GROUP).min(GROUP);
+        for place in 0..count {
+            bits[place] = self.bits.of(first + place as u64);
         }
         for place in 0..GROUP {
-            if !is_sure[place] {
-                readings[place] = self.sample_one(first + place as u64, ranges[place]);
-            }
+            [edges[0][place], edges[1][place]] = self.layers.edges(bits[place]);
+        }
+        for place in 0..count {
+            let deviation = normal::uniform(bits[place]) * edges[0][place];
+            let reading = ranges[place] + sigma * deviation;
+            let misses = ranges[place] == f64::INFINITY;
+            let fits = (deviation.abs() < edges[1][place]) & (reading >= 0.0) & (reading <= max_range);
+            readings[place] = if misses { max_range } else { reading };
+            is_unsure[place] = u64::from(!((share(bits[place]) < self.sure_hits) & (fits | misses)));
+        }
+        let mut rest: u32 = (0..GROUP).map(|place| (is_unsure[place] as u32) << place).sum();
+        while rest != 0 {
+            let place = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            readings[place] = self.sample_one(first + place as u64, ranges[place]);
         }
         readings
     }
@@ -245,8 +254,7 @@ impl<'a> Sampler<'a> {
         let share = (f64::from(share(bits)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
         let [hit_end, short_end, max_end] = model.shares;
         if share < hit_end {
-            let draw = normal::Draw::from_bits(bits);
-            if is_hit { model.sample_hit(range, max_range, draw, &mut stream) } else { max_range }
+            if is_hit { model.sample_hit(range, max_range, bits, &mut stream) } else { max_range }
         } else if share < short_end {
             model.sample_short(if is_hit { range } else { max_range }, &mut stream)
         } else if share < max_end {

@@ -9,7 +9,7 @@ use crate::error::{Error, check_number, check_rows};
 use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Caster, Fan, GROUP, Group, Kernel};
+use crate::raycast::{Caster, Fan, GROUP, Group, Kernel, Sink, UpTo, store};
 use crate::threads;
 use crate::world::World;
 
@@ -145,7 +145,8 @@ impl LaserScanner {
     /// A kernel asked for by the environment that this machine does not have.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let max_range = self.options.max_range;
-        self.cast(self.kernel()?, world.into(), map_from_base, ranges, |_, ranges| ranges.map(|range| range.min(max_range)));
+        assert_eq!(ranges.len(), self.options.beam_count, "one range per beam");
+        self.cast(self.kernel()?, world.into(), map_from_base, UpTo { max_range, ranges });
         Ok(())
     }
 
@@ -176,9 +177,9 @@ impl LaserScanner {
             if let Some(noise) = &noise {
                 let bits = BeamBits::new(noise.seed, noise.first_index.wrapping_add(scan as u64));
                 let sampler = Sampler::new(&noise.model, max_range, bits);
-                self.cast(kernel, world, pose, readings, |group, ranges| sampler.sample(group, ranges));
+                self.cast(kernel, world, pose, Noisy { sampler, readings });
             } else {
-                self.cast(kernel, world, pose, readings, |_, ranges| ranges.map(|range| range.min(max_range)));
+                self.cast(kernel, world, pose, UpTo { max_range, ranges: readings });
             }
         })
     }
@@ -226,16 +227,8 @@ impl LaserScanner {
         self.kernel.map_or_else(Kernel::chosen, Ok)
     }
 
-    /// Casts all beams, and stores what `read` makes of the ranges of each group, infinite where there is no return.
-    fn cast(
-        &self,
-        kernel: Kernel,
-        World { grid, obstacles }: World<'_>,
-        map_from_base: Pose,
-        readings: &mut [f32],
-        read: impl Fn(usize, &Group) -> Group,
-    ) {
-        assert_eq!(readings.len(), self.options.beam_count, "one reading per beam");
+    /// Casts all beams from a pose.
+    fn cast(&self, kernel: Kernel, World { grid, obstacles }: World<'_>, map_from_base: Pose, sink: impl Sink) {
         let map_from_laser = map_from_base * self.options.mount;
         let grid_from_laser = grid.pose_in_grid(map_from_laser);
         let (sin, cos) = libm::sincos(grid_from_laser.yaw);
@@ -248,18 +241,46 @@ impl LaserScanner {
             count: self.options.beam_count,
         };
         let view = View::new(obstacles, map_from_laser, self.spread(), self.options.max_range);
-        Caster::new(grid, self.options.max_range, kernel).cast_fan(fan, |group, ranges| {
-            let readings = &mut readings[group * GROUP..];
-            let count = readings.len().min(GROUP);
-            let mut ranges = *ranges;
-            let (cos, sin) = (&self.cos[group], &self.sin[group]);
-            view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges[..count]);
-            readings[..count].copy_from_slice(&read(group, &ranges).map(|reading| reading as f32)[..count]);
-        });
+        let sink = Shortened { view, cos: &self.cos, sin: &self.sin, sink };
+        Caster::new(grid, self.options.max_range, kernel).cast_fan(fan, sink);
     }
 
     fn spread(&self) -> Spread {
         let Self { options: ScannerOptions { beam_count, .. }, angle_min, angle_increment, .. } = *self;
         Spread { angle_min, angle_increment, beam_count }
+    }
+}
+
+/// Shortens ranges to what obstacles leave of them.
+struct Shortened<'a, S> {
+    view: View<'a>,
+    cos: &'a [Group],
+    sin: &'a [Group],
+    sink: S,
+}
+
+impl<S: Sink> Sink for Shortened<'_, S> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        if self.view.is_empty() {
+            return self.sink.take(group, ranges);
+        }
+        let mut ranges = *ranges;
+        let (cos, sin) = (&self.cos[group], &self.sin[group]);
+        self.view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges);
+        self.sink.take(group, &ranges);
+    }
+}
+
+/// Stores readings sampled from a beam model.
+struct Noisy<'a> {
+    sampler: Sampler<'a>,
+    readings: &'a mut [f32],
+}
+
+impl Sink for Noisy<'_> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        store(self.readings, group, &self.sampler.sample(group, ranges));
     }
 }

@@ -34,21 +34,11 @@ static ZIGGURAT: LazyLock<Layers> = LazyLock::new(|| {
     Layers { edge, density: edge.map(bell) }
 });
 
-/// A draw of the ziggurat method (Marsaglia & Tsang 2000, sec. 2): a layer, and how far out in it, as part of its width.
-#[derive(Debug, Clone, Copy)]
-pub struct Draw {
-    layer: u8,
-    uniform: f64,
-}
-
-impl Draw {
-    /// The draw that the lowest byte and the upper half of a word stand for.
-    #[inline(always)]
-    pub fn from_bits(bits: u64) -> Self {
-        // The middle of one of 2³² parts of (-1, 1).
-        let uniform = (f64::from((bits >> 32) as i32) + 0.5) * (1.0 / (1u64 << 31) as f64);
-        Self { layer: bits as u8, uniform }
-    }
+/// How far out a draw is in its layer, as part of the layer's width: by the upper half of its bits, the middle of one of 2³² parts
+/// of (-1, 1).
+#[inline(always)]
+pub fn uniform(bits: u64) -> f64 {
+    (f64::from((bits >> 32) as i32) + 0.5) * (1.0 / (1u64 << 31) as f64)
 }
 
 /// The layers, made at the first call.
@@ -57,22 +47,24 @@ pub fn layers() -> &'static Layers {
 }
 
 impl Layers {
-    /// The place of a draw, and whether it surely lies under the density, as 98.8 % do: then it is a standard normal number.
+    /// Right edges of a draw's layer, by its lowest byte, and of the layer above.
+    ///
+    /// A draw that is not as far out as the latter surely lies under the density, as 98.8 % do: then it is a normal number.
     #[inline(always)]
-    pub fn place(&self, draw: Draw) -> (f64, bool) {
-        let layer = usize::from(draw.layer);
-        let place = draw.uniform * self.edge[layer];
-        (place, place.abs() < self.edge[layer + 1])
+    pub fn edges(&self, bits: u64) -> [f64; 2] {
+        let layer = (bits & 0xff) as usize;
+        [self.edge[layer], self.edge[layer + 1]]
     }
 
-    /// A standard normal number from a first draw and more of them from the stream.
-    pub fn sample(&self, mut draw: Draw, stream: &mut impl Rng) -> f64 {
+    /// A standard normal number, by the ziggurat method (Marsaglia & Tsang 2000, sec. 2), from a first draw and more of them from
+    /// the stream.
+    pub fn sample(&self, mut bits: u64, stream: &mut impl Rng) -> f64 {
         loop {
-            let (x, is_inside) = self.place(draw);
-            if is_inside {
+            let layer = (bits & 0xff) as usize;
+            let x = uniform(bits) * self.edge[layer];
+            if x.abs() < self.edge[layer + 1] {
                 return x;
             }
-            let layer = usize::from(draw.layer);
             if layer == 0 {
                 return sample_tail(stream).copysign(x);
             }
@@ -80,14 +72,14 @@ impl Layers {
             if low + (high - low) * stream.random::<f64>() < libm::exp(-0.5 * x * x) {
                 return x;
             }
-            draw = Draw::from_bits(stream.next_u64());
+            bits = stream.next_u64();
         }
     }
 }
 
 /// A standard normal number.
 pub fn sample(stream: &mut impl Rng) -> f64 {
-    layers().sample(Draw::from_bits(stream.next_u64()), stream)
+    layers().sample(stream.next_u64(), stream)
 }
 
 /// A normal number beyond `TAIL`, by rejection from an exponential (Marsaglia 1964).

@@ -65,6 +65,11 @@ impl<'a> View<'a> {
         Self { origin, heading, max_range, seen }
     }
 
+    /// Whether nothing is within reach.
+    pub fn is_empty(&self) -> bool {
+        self.seen.is_empty()
+    }
+
     /// Shortens the ranges \[m\] of the beams from `first` on, whose directions in the scanner's frame are given, to the nearest
     /// obstacle; what is infinite stays so where there is none within the maximum.
     pub fn shorten(&self, first: usize, direction: impl Fn(usize) -> DVec2, ranges: &mut [f64]) {

@@ -49,20 +49,12 @@ impl<'grid> Caster<'grid> {
     }
 
     /// Hands over, group by group, ranges in metres, infinite where there is no return within the maximum.
-    pub fn cast(&self, source: impl Source, mut sink: impl Sink) {
+    pub fn cast(&self, source: impl Source, sink: impl Sink) {
         thread_local! {
             static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
         }
-        let (resolution, max_range) = (self.grid.resolution(), self.max_range);
-        BLOCK.with_borrow_mut(|block| {
-            kernel::cast(self.kernel, self.grid, source, self.limit, block, |group, distances: &[f64; GROUP]| {
-                let metres = distances.map(|distance| {
-                    let metres = distance * resolution;
-                    if metres < max_range { metres } else { f64::INFINITY }
-                });
-                sink(group, &metres);
-            });
-        });
+        let sink = InMetres { resolution: self.grid.resolution(), max_range: self.max_range, sink };
+        BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
 
     /// [`cast`](Self::cast) of a fan that may start off the grid.
@@ -103,13 +95,13 @@ impl<'grid> Caster<'grid> {
                     self.enter_all(group, rays);
                 }
             });
-            self.cast(Rays { groups: &groups, count: ranges.len() }, |group, metres| {
-                let rays = &rays[chunk * CHUNK + group * GROUP..];
-                for ((range, metres), ray) in ranges[group * GROUP..].iter_mut().zip(metres).zip(rays) {
-                    let metres = metres.min(self.max_range);
-                    *range = metres.min(obstacles.cast_pose(Pose::from(*ray), metres)) as f32;
-                }
-            });
+            self.cast(Rays { groups: &groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
+            if obstacles.is_empty() {
+                return;
+            }
+            for (range, ray) in ranges.iter_mut().zip(&rays[chunk * CHUNK..]) {
+                *range = range.min(obstacles.cast_pose(Pose::from(*ray), f64::from(*range)) as f32);
+            }
         })
     }
 
@@ -132,6 +124,46 @@ impl<'grid> Caster<'grid> {
         if let Some(ray) = Ray::entering(self.grid.width(), self.grid.height(), origin, direction) {
             rays.set(place, &ray);
         }
+    }
+}
+
+/// Turns distances in cells into ranges in metres, infinite beyond the maximum.
+struct InMetres<S> {
+    resolution: f64,
+    max_range: f64,
+    sink: S,
+}
+
+impl<S: Sink> Sink for InMetres<S> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, distances: &Group) {
+        let metres = distances.map(|distance| distance * self.resolution);
+        self.sink.take(group, &metres.map(|range| if range < self.max_range { range } else { f64::INFINITY }));
+    }
+}
+
+/// Stores ranges as float32, the maximum where there is no return.
+pub(crate) struct UpTo<'a> {
+    pub max_range: f64,
+    pub ranges: &'a mut [f32],
+}
+
+impl Sink for UpTo<'_> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        store(self.ranges, group, &ranges.map(|range| range.min(self.max_range)));
+    }
+}
+
+/// Stores the numbers of a group as float32, as far as there is room.
+#[inline(always)]
+pub(crate) fn store(ranges: &mut [f32], group: usize, numbers: &Group) {
+    let numbers = numbers.map(|number| number as f32);
+    let rest = &mut ranges[group * GROUP..];
+    if let Some(room) = rest.first_chunk_mut() {
+        *room = numbers;
+    } else {
+        rest.copy_from_slice(&numbers[..rest.len()]);
     }
 }
 

@@ -51,7 +51,7 @@ pub fn cast<L: Lanes, S: Source>(
                 let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
                 *found = distance(clearance, &source.ray(first_group + group, place), cell);
             }
-            sink(first_group + group, &distances);
+            sink.take(first_group + group, &distances);
         }
     }
 }

@@ -12,7 +12,7 @@ mod scalar;
 use std::sync::LazyLock;
 
 use super::block::{Block, fits};
-use super::source::{GROUP, Source};
+use super::source::{GROUP, Group, Source};
 use super::{Ray, traverse};
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
@@ -106,10 +106,18 @@ impl Kernel {
     }
 }
 
-/// What takes the distances of a group of rays: called with the number of the group and the distances, which behind the last ray
-/// of all mean nothing.
-pub trait Sink: FnMut(usize, &[f64; GROUP]) {}
-impl<F: FnMut(usize, &[f64; GROUP])> Sink for F {}
+/// What takes the distances of rays, a group at a time. Closures do; a type of its own becomes part of the kernel that calls it.
+pub trait Sink {
+    /// Takes the distances of a group, which behind the last ray of all mean nothing.
+    fn take(&mut self, group: usize, distances: &Group);
+}
+
+impl<F: FnMut(usize, &Group)> Sink for F {
+    #[inline(always)]
+    fn take(&mut self, group: usize, distances: &Group) {
+        self(group, distances);
+    }
+}
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` may be infinite. In cells.
@@ -153,6 +161,6 @@ fn each<S: Source>(source: S, mut sink: impl Sink, cast: impl Fn(&Ray) -> f64) {
         for (place, distance) in distances[..count].iter_mut().enumerate() {
             *distance = cast(&source.ray(group, place));
         }
-        sink(group, &distances);
+        sink.take(group, &distances);
     }
 }
