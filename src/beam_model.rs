@@ -222,8 +222,8 @@ impl<'a> Sampler<'a> {
         // A number of turns that the compiler does not know keeps it from unrolling what it should make vectors of; the look-ups
         // go by themselves, which it would rather not make a vector of.
         let count = std::hint::black_box(GROUP).min(GROUP);
-        for place in 0..count {
-            bits[place] = self.bits.of(first + place as u64);
+        for (beam, bits) in (first..).zip(&mut bits[..count]) {
+            *bits = self.bits.of(beam);
         }
         for place in 0..GROUP {
             [edges[0][place], edges[1][place]] = self.layers.edges(bits[place]);

@@ -2,8 +2,9 @@
 
 use glam::DVec2;
 
+use super::Ray;
 use super::ray::still;
-use super::{Clearance, Ray, Sector};
+use crate::grid::{Cell, OccupancyGrid};
 
 /// Rays come in groups of this many, so that loops over them have a fixed length.
 pub const GROUP: usize = 32;
@@ -19,8 +20,8 @@ pub trait Source: Copy {
     /// The ray at a place of a group. Behind the last ray there are others of no meaning, up to the group's end.
     fn ray(&self, group: usize, place: usize) -> Ray;
 
-    /// Whether walls are next to where all rays start, so that most of them end before a jump would pay.
-    fn is_hemmed_in(&self, _: &Clearance) -> bool {
+    /// Whether the cell that all rays start in has walls on its four sides.
+    fn is_walled_in(&self, _: &OccupancyGrid) -> bool {
         false
     }
 }
@@ -55,8 +56,11 @@ impl Source for Fan<'_> {
         Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
     }
 
-    fn is_hemmed_in(&self, clearance: &Clearance) -> bool {
-        Sector::all().all(|sector| clearance.length(self.cell.0, self.cell.1, sector) <= 1)
+    fn is_walled_in(&self, grid: &OccupancyGrid) -> bool {
+        let (col, row) = (self.cell.0 as usize, self.cell.1 as usize);
+        let inside = col > 0 && row > 0 && col + 1 < grid.width() && row + 1 < grid.height();
+        let sides = [(col.wrapping_sub(1), row), (col + 1, row), (col, row.wrapping_sub(1)), (col, row + 1)];
+        inside && sides.into_iter().all(|(col, row)| grid.is_blocking(Cell { col, row }))
     }
 }
 

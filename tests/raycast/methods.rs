@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use glam::DVec2;
-use mobile_robot_simulator::raycast::{Caster, GROUP, Kernel, Ray, RayGroup, Rays};
+use mobile_robot_simulator::raycast::{Caster, GROUP, Group, Kernel, Ray, RayGroup, Rays};
 use mobile_robot_simulator::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Unknown};
 
 /// Start (in cells) and direction (a unit vector) of a ray.
@@ -35,7 +35,7 @@ pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f
     }
     let mut distances = Vec::new();
     let source = Rays { groups: &groups, count: starts.len() };
-    Caster::new(grid, FAR, kernel).cast(source, |_, ranges| distances.extend_from_slice(ranges));
+    Caster::new(grid, FAR, kernel).cast(source, |_, ranges: &Group| distances.extend_from_slice(ranges));
     distances.truncate(starts.len());
     distances
 }

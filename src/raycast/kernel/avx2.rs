@@ -29,11 +29,11 @@ impl Avx2 {
     /// Does some work with the instruction set.
     pub fn lend<R>(self, work: impl FnOnce() -> R) -> R {
         #[target_feature(enable = "avx2,fma")]
-        fn lend<R>(work: impl FnOnce() -> R) -> R {
+        fn lend<R>(_: Avx2, work: impl FnOnce() -> R) -> R {
             work()
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { lend(work) }
+        unsafe { lend(self, work) }
     }
 
     /// See [`march::cast`].

@@ -37,11 +37,11 @@ impl Avx512 {
     /// Does some work with the instruction set.
     pub fn lend<R>(self, work: impl FnOnce() -> R) -> R {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn lend<R>(work: impl FnOnce() -> R) -> R {
+        fn lend<R>(_: Avx512, work: impl FnOnce() -> R) -> R {
             work()
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { lend(work) }
+        unsafe { lend(self, work) }
     }
 
     /// See [`march::cast`].

@@ -125,18 +125,13 @@ impl<F: FnMut(usize, &Group)> Sink for F {
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
-    if kernel == Kernel::Traversal {
+    // Between four walls there is nothing to jump over.
+    if kernel == Kernel::Traversal || source.is_walled_in(grid) {
         return each(source, sink, |ray| ray.gap + traverse(grid, ray, limit).max(0.0));
     }
     let clearance = grid.clearance();
     if !fits(clearance) {
         return each(source, sink, |ray| scalar::cast(clearance, ray, limit));
-    }
-    if source.is_hemmed_in(clearance) {
-        return each(source, sink, |ray| {
-            let near = traverse(grid, ray, HEMMED_IN);
-            if near.is_finite() { near.max(0.0) } else { scalar::cast(clearance, ray, limit) }
-        });
     }
     #[cfg(target_arch = "x86_64")]
     {
@@ -149,9 +144,6 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     }
     march::cast(portable::Portable, clearance, source, limit, block, &mut sink);
 }
-
-/// Cells that a ray which starts between walls goes step by step before it jumps.
-const HEMMED_IN: f64 = 2.0;
 
 /// Casts one ray after the other.
 fn each<S: Source>(source: S, mut sink: impl Sink, cast: impl Fn(&Ray) -> f64) {
