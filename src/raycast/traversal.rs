@@ -11,7 +11,11 @@ use crate::grid::{Cell, OccupancyGrid};
 #[must_use]
 pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
     let inverse = ray.inverse();
+    let (right, up) = (ray.direction.x >= 0.0, ray.direction.y >= 0.0);
+    let to_col_line = |col: i64| ((col + i64::from(right)) as f64 - ray.origin.x) * inverse.x;
+    let to_row_line = |row: i64| ((row + i64::from(up)) as f64 - ray.origin.y) * inverse.y;
     let (mut col, mut row) = (i64::from(ray.col), i64::from(ray.row));
+    let (mut to_col, mut to_row) = (to_col_line(col), to_row_line(row));
     let mut distance = 0.0;
     loop {
         let on_grid = (0..grid.width() as i64).contains(&col) && (0..grid.height() as i64).contains(&row);
@@ -21,15 +25,14 @@ pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
         if grid.is_blocking(Cell { col: col as usize, row: row as usize }) {
             return distance;
         }
-        let (left, down) = (ray.direction.x < 0.0, ray.direction.y < 0.0);
-        let to_col = ((col + i64::from(!left)) as f64 - ray.origin.x) * inverse.x;
-        let to_row = ((row + i64::from(!down)) as f64 - ray.origin.y) * inverse.y;
         if to_col < to_row {
             distance = to_col;
-            col += if left { -1 } else { 1 };
+            col += if right { 1 } else { -1 };
+            to_col = to_col_line(col);
         } else {
             distance = to_row;
-            row += if down { -1 } else { 1 };
+            row += if up { 1 } else { -1 };
+            to_row = to_row_line(row);
         }
     }
 }
