@@ -17,7 +17,7 @@ use crate::threads;
 /// plane, and the cells it comes by are near each other in memory.
 #[derive(Debug, Clone)]
 pub struct Clearance {
-    /// Lengths, plane by plane, row by row; then what a read of four bytes may reach beyond the last of them.
+    /// Plane by plane, row by row.
     lengths: Vec<u8>,
     width: usize,
     height: usize,
@@ -28,9 +28,6 @@ pub const LONGEST: u8 = 254;
 
 /// Columns and rows of a grid.
 pub type Region = (Range<usize>, Range<usize>);
-
-/// Bytes that a four-byte read of the last length reaches beyond it.
-const READ_BEYOND: usize = 3;
 
 /// The cells across a box of this length.
 #[inline]
@@ -45,15 +42,14 @@ impl Clearance {
     #[must_use]
     pub fn new(width: usize, height: usize, threads: Option<usize>, blocks: impl Fn(usize) -> bool + Sync) -> Self {
         let plane = (width + 2) * (height + 2);
-        let mut lengths = vec![0; Sector::COUNT * plane + READ_BEYOND];
+        let mut lengths = vec![0; Sector::COUNT * plane];
         let shape = Self { lengths: Vec::new(), width, height };
         let fill = |sector: usize, lengths: &mut [u8]| {
             shape.fill(Sector::numbered(sector), lengths, (0..width, 0..height), &blocks);
         };
-        let planes = &mut lengths[..Sector::COUNT * plane];
-        if threads::for_each_chunk(threads, planes, plane, fill).is_err() {
+        if threads::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
             // Without threads to be had, the caller's has to do.
-            planes.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
+            lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
         }
         Self { lengths, ..shape }
     }

@@ -21,6 +21,9 @@ pub fn directions(angles: &Group) -> (Group, Group) {
     for place in 0..GROUP {
         (cos[place], sin[place]) = direction(angles[place]);
     }
+    if angles.iter().fold(true, |all, angle| all & (angle.abs() <= LARGEST)) {
+        return (cos, sin);
+    }
     for place in 0..GROUP {
         if angles[place].abs() > LARGEST {
             (sin[place], cos[place]) = libm::sincos(angles[place]);

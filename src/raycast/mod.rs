@@ -29,6 +29,7 @@ use crate::threads;
 use crate::world::World;
 use block::Block;
 use direction::directions;
+use kernel::Work;
 
 /// Casts rays over one grid up to one range.
 #[derive(Debug, Clone, Copy)]
@@ -83,18 +84,14 @@ impl<'grid> Caster<'grid> {
         threads: Option<usize>,
         ranges: &mut [f32],
     ) -> Result<(), Error> {
-        check_rows("rays", rays.iter().copied())?;
+        check_rows("rays", rays)?;
         if ranges.len() != rays.len() {
             return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
         }
         self.grid.prepare(threads);
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
             let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
-            self.kernel.lend(|| {
-                for (group, rays) in groups.iter_mut().zip(rays[chunk * CHUNK..].chunks(GROUP)) {
-                    self.enter_all(group, rays);
-                }
-            });
+            self.kernel.lend(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups: &mut groups });
             self.cast(Rays { groups: &groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
             if obstacles.is_empty() {
                 return;
@@ -105,17 +102,21 @@ impl<'grid> Caster<'grid> {
         })
     }
 
-    /// Puts rays of the map frame into a group, and where there are fewer the last one again.
+    /// Puts rays of the map frame into a group of rays astray.
     #[inline(always)]
-    fn enter_all(&self, group: &mut RayGroup, rays: &[[f64; 3]]) {
-        let last = rays.len() - 1;
-        let placed: [Pose; GROUP] = std::array::from_fn(|place| self.grid.pose_in_grid(rays[place.min(last)].into()));
-        let (cos, sin) = directions(&placed.map(|ray| ray.yaw));
-        let origins = placed.map(|ray| ray.position / self.grid.resolution());
-        let outside = group.start(self.grid.width(), self.grid.height(), &origins, &cos, &sin);
-        for place in (0..GROUP).filter(|place| outside[*place]) {
-            group.go_astray(place);
-            self.enter(group, place, origins[place], DVec2::new(cos[place], sin[place]));
+    fn enter_all(&self, group: &mut RayGroup, rays: &[[f64; 3]; GROUP]) {
+        let mut placed = [[0.0; GROUP]; 3];
+        for (place, &ray) in rays.iter().enumerate() {
+            let Pose { position, yaw } = self.grid.pose_in_grid(ray.into());
+            let origin = position / self.grid.resolution();
+            (placed[0][place], placed[1][place], placed[2][place]) = (origin.x, origin.y, yaw);
+        }
+        let [x, y, yaw] = placed;
+        let (cos, sin) = directions(&yaw);
+        if !group.start((self.grid.width(), self.grid.height()), (&x, &y), (&cos, &sin)) {
+            for place in 0..GROUP {
+                self.enter(group, place, DVec2::new(x[place], y[place]), DVec2::new(cos[place], sin[place]));
+            }
         }
     }
 
@@ -123,6 +124,29 @@ impl<'grid> Caster<'grid> {
     fn enter(&self, rays: &mut RayGroup, place: usize, origin: DVec2, direction: DVec2) {
         if let Some(ray) = Ray::entering(self.grid.width(), self.grid.height(), origin, direction) {
             rays.set(place, &ray);
+        }
+    }
+}
+
+/// Puts rays of the map frame into groups, and where there are none left the first one again.
+struct Enter<'a, 'grid> {
+    caster: &'a Caster<'grid>,
+    rays: &'a [[f64; 3]],
+    groups: &'a mut [RayGroup],
+}
+
+impl Work for Enter<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { caster, rays, groups } = self;
+        for (group, rays) in groups.iter_mut().zip(rays.chunks(GROUP)) {
+            if let Some(rays) = rays.first_chunk() {
+                caster.enter_all(group, rays);
+            } else {
+                let mut padded = [rays[0]; GROUP];
+                padded[..rays.len()].copy_from_slice(rays);
+                caster.enter_all(group, &padded);
+            }
         }
     }
 }

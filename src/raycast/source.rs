@@ -83,35 +83,29 @@ impl RayGroup {
         Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
     };
 
-    /// Puts rays into the group as far as they start on a grid of this size; returns which do not.
+    /// Puts rays into the group if all of them start on a grid of this size; returns whether they do.
     #[inline(always)]
     pub fn start(
         &mut self,
-        width: usize,
-        height: usize,
-        origins: &[DVec2; GROUP],
-        cos: &Group,
-        sin: &Group,
-    ) -> [bool; GROUP] {
+        (width, height): (usize, usize),
+        (x, y): (&Group, &Group),
+        (cos, sin): (&Group, &Group),
+    ) -> bool {
         let (width, height) = (width as f64, height as f64);
-        let mut outside = [false; GROUP];
-        for place in 0..GROUP {
-            let (x, y) = (origins[place].x, origins[place].y);
-            let on_grid = (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height);
-            outside[place] = !on_grid;
-            (self.x[place], self.y[place]) = (x, y);
-            (self.dx[place], self.dy[place]) = (still(cos[place]), still(sin[place]));
-            self.gap[place] = 0.0;
-            // On the grid, truncation is the floor.
-            self.col[place] = if on_grid { x as i32 } else { 0 };
-            self.row[place] = if on_grid { y as i32 } else { 0 };
+        let on_grid = |place: usize| (x[place] >= 0.0) & (x[place] < width) & (y[place] >= 0.0) & (y[place] < height);
+        if !(0..GROUP).fold(true, |all, place| all & on_grid(place)) {
+            return false;
         }
-        outside
-    }
-
-    /// Puts a ray that never gets to the grid at a place.
-    pub fn go_astray(&mut self, place: usize) {
-        self.set(place, &Ray { origin: DVec2::ZERO, direction: DVec2::X, col: 0, row: 0, gap: f64::INFINITY });
+        *self = Self {
+            x: *x,
+            y: *y,
+            dx: cos.map(still),
+            dy: sin.map(still),
+            gap: [0.0; GROUP],
+            col: x.map(floor),
+            row: y.map(floor),
+        };
+        true
     }
 
     /// Puts a ray at a place.
@@ -122,6 +116,16 @@ impl RayGroup {
         (self.col[place], self.row[place]) = (ray.col, ray.row);
         self.gap[place] = ray.gap;
     }
+}
+
+/// The floor of a number from 0 to 2³¹, in a form that vectorises.
+#[inline(always)]
+fn floor(number: f64) -> i32 {
+    // Numbers of 2⁵² and more are whole: adding it rounds to the nearest one, which its lowest bits are then.
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
+    let nearest = (number + WHOLE) - WHOLE;
+    let floor = if nearest > number { nearest - 1.0 } else { nearest };
+    (floor + WHOLE).to_bits() as i32
 }
 
 /// Rays each with an origin of its own.

@@ -2,16 +2,16 @@
 #![allow(unsafe_code, reason = "intrinsics")]
 
 use std::arch::x86_64::{
-    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps, _mm256_and_si256,
+    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
     _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps,
-    _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fmsub_ps,
-    _mm256_i32gather_epi32, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps,
+    _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
     _mm256_mul_ps, _mm256_mullo_epi32, _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
     _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 use super::lanes::Lanes;
-use super::{Sink, march};
+use super::{Sink, Work, march};
 use crate::raycast::Clearance;
 use crate::raycast::block::Block;
 use crate::raycast::source::Source;
@@ -27,10 +27,10 @@ impl Avx2 {
     }
 
     /// Does some work with the instruction set.
-    pub fn lend<R>(self, work: impl FnOnce() -> R) -> R {
+    pub fn lend(self, work: impl Work) {
         #[target_feature(enable = "avx2,fma")]
-        fn lend<R>(_: Avx2, work: impl FnOnce() -> R) -> R {
-            work()
+        fn lend(_: Avx2, work: impl Work) {
+            work.run();
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
         unsafe { lend(self, work) }
@@ -106,10 +106,11 @@ impl Lanes for Avx2 {
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
         multiply_int(a: __m256i, b: __m256i) -> __m256i { _mm256_mullo_epi32(a, b) }
         pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }
-        is_less(a: __m256, b: __m256) -> __m256 { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) }
-        is_at_most(a: __m256, b: __m256) -> __m256 { _mm256_cmp_ps::<_CMP_LE_OQ>(a, b) }
-        is_positive(a: __m256i) -> __m256 { _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))) }
-        both(a: __m256, b: __m256) -> __m256 { _mm256_and_ps(a, b) }
+        is_less(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }
+        is_at_most(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }
+        is_positive(within: __m256, a: __m256i) -> __m256 {
+            _mm256_and_ps(within, _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))))
+        }
         without(a: __m256, b: __m256) -> __m256 { _mm256_andnot_ps(b, a) }
         bits(mask: __m256) -> u32 { _mm256_movemask_ps(mask) as u32 }
         select(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_blendv_ps(b, a, mask) }
@@ -140,11 +141,15 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn gather(self, bytes: &[u8], places: __m256i) -> __m256i {
-        assert!((4..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: no place is beyond `bytes.len() - 4` after the minimum, and four bytes are read from each.
+        assert!((1..=i32::MAX as usize).contains(&bytes.len()));
+        // SAFETY: `self` is proof that the processor has the instruction set; no place is beyond the last one after the minimum.
         unsafe {
-            let places = _mm256_min_epu32(places, _mm256_set1_epi32((bytes.len() - 4) as i32));
-            _mm256_and_si256(_mm256_i32gather_epi32::<1>(bytes.as_ptr().cast(), places), _mm256_set1_epi32(0xff))
+            let places = _mm256_min_epu32(places, _mm256_set1_epi32((bytes.len() - 1) as i32));
+            let places: [u32; 8] = std::mem::transmute(places);
+            debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
+            let byte = |lane: usize| u64::from(*bytes.get_unchecked(places[lane] as usize)) << (8 * lane);
+            let gathered = (0..8).fold(0, |all, lane| all | byte(lane));
+            _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(gathered as i64))
         }
     }
 

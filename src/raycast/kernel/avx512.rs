@@ -3,15 +3,15 @@
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
-    _MM_FROUND_TO_POS_INF, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512,
-    _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps,
-    _mm512_i32gather_epi32, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_maskz_compress_epi32,
-    _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps, _mm512_roundscale_ps,
-    _mm512_set1_epi32, _mm512_set1_ps, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_test_epi32_mask,
+    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_castps_si512,
+    _mm512_castsi512_ps, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_test_epi32_mask,
+    _mm512_maskz_compress_epi32, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps,
+    _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::lanes::Lanes;
-use super::{Sink, march};
+use super::{Sink, Work, march};
 use crate::raycast::Clearance;
 use crate::raycast::block::Block;
 use crate::raycast::source::Source;
@@ -35,10 +35,10 @@ impl Avx512 {
     }
 
     /// Does some work with the instruction set.
-    pub fn lend<R>(self, work: impl FnOnce() -> R) -> R {
+    pub fn lend(self, work: impl Work) {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn lend<R>(_: Avx512, work: impl FnOnce() -> R) -> R {
-            work()
+        fn lend(_: Avx512, work: impl Work) {
+            work.run();
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
         unsafe { lend(self, work) }
@@ -97,9 +97,9 @@ impl Lanes for Avx512 {
         add_int(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(a, b) }
         multiply_int(a: __m512i, b: __m512i) -> __m512i { _mm512_mullo_epi32(a, b) }
         pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
-        is_less(a: __m512, b: __m512) -> __mmask16 { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) }
-        is_at_most(a: __m512, b: __m512) -> __mmask16 { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }
-        is_positive(a: __m512i) -> __mmask16 { _mm512_test_epi32_mask(a, a) }
+        is_less(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, a, b) }
+        is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
+        is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_test_epi32_mask(within, a, a) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
         compress(bits: u32, a: __m512i) -> __m512i { _mm512_maskz_compress_epi32(bits as __mmask16, a) }
     }
@@ -107,11 +107,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn first(self, count: usize) -> __mmask16 {
         if count < Self::COUNT { (1 << count) - 1 } else { !0 }
-    }
-
-    #[inline(always)]
-    fn both(self, a: __mmask16, b: __mmask16) -> __mmask16 {
-        a & b
     }
 
     #[inline(always)]
@@ -126,11 +121,19 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn gather(self, bytes: &[u8], places: __m512i) -> __m512i {
-        assert!((4..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: no place is beyond `bytes.len() - 4` after the minimum, and four bytes are read from each.
+        assert!((1..=i32::MAX as usize).contains(&bytes.len()));
+        // SAFETY: `self` is proof that the processor has the instruction set; no place is beyond the last one after the minimum.
         unsafe {
-            let places = _mm512_min_epu32(places, _mm512_set1_epi32((bytes.len() - 4) as i32));
-            _mm512_and_si512(_mm512_i32gather_epi32::<1>(places, bytes.as_ptr().cast()), _mm512_set1_epi32(0xff))
+            let places = _mm512_min_epu32(places, _mm512_set1_epi32((bytes.len() - 1) as i32));
+            let places: [u32; 16] = std::mem::transmute(places);
+            debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
+            let byte = |lane: usize| *bytes.get_unchecked(places[lane] as usize) as i8;
+            #[rustfmt::skip]
+            let gathered = _mm_setr_epi8(
+                byte(0), byte(1), byte(2), byte(3), byte(4), byte(5), byte(6), byte(7),
+                byte(8), byte(9), byte(10), byte(11), byte(12), byte(13), byte(14), byte(15),
+            );
+            _mm512_cvtepu8_epi32(gathered)
         }
     }
 

@@ -49,18 +49,16 @@ pub trait Lanes: Copy {
     fn multiply_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// a, 65,536-fold, plus b.
     fn pack(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// The bytes at these places, counted without sign; of places from `bytes.len() - 3` on, some other byte.
+    /// The bytes at these places, counted without sign; of places beyond the last, some byte.
     fn gather(self, bytes: &[u8], places: Self::Int) -> Self::Int;
-    /// Where a < b.
-    fn is_less(self, a: Self::Float, b: Self::Float) -> Self::Mask;
-    /// Where a <= b.
-    fn is_at_most(self, a: Self::Float, b: Self::Float) -> Self::Mask;
-    /// Where a is positive.
-    fn is_positive(self, a: Self::Int) -> Self::Mask;
+    /// Where a mask holds and a < b.
+    fn is_less(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Where a mask holds and a <= b.
+    fn is_at_most(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Where a mask holds and a is positive.
+    fn is_positive(self, within: Self::Mask, a: Self::Int) -> Self::Mask;
     /// The first lanes.
     fn first(self, count: usize) -> Self::Mask;
-    /// Where both hold.
-    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Where a holds and b does not.
     fn without(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// A bit for each lane.

@@ -152,8 +152,10 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let lanes = self.lanes;
         let row = lanes.multiply_int(lanes.to_int(rays.minor), lanes.load_int(&block.stride, rays.at));
         let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
-        let length = lanes.gather(self.clearance.lengths(), lanes.add_int(row, in_row));
-        let active = lanes.both(rays.active, lanes.is_positive(length));
+        let place = lanes.add_int(row, in_row);
+        debug_assert!(self.are_on_grid(rays.active, place), "a ray has left the border");
+        let length = lanes.gather(self.clearance.lengths(), place);
+        let active = lanes.is_positive(rays.active, length);
 
         let along = lanes.to_float(length);
         let far_major = lanes.add(rays.major, along);
@@ -163,7 +165,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         };
         let (to_major, to_minor) = (to_line(&block.major, far_major), to_line(&block.minor, far_minor));
         let distance = lanes.lesser(to_major, to_minor);
-        let crosses_major = lanes.both(active, lanes.is_less(to_major, to_minor));
+        let crosses_major = lanes.is_less(active, to_major, to_minor);
         let crosses_minor = lanes.without(active, crosses_major);
 
         let place = |axis: &RoughAxis| {
@@ -176,12 +178,22 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let mut minor = lanes.select(crosses_major, cell, far_minor);
 
         let near = lanes.multiply_add(distance, lanes.float(TIE_BY_DISTANCE), lanes.float(TIE));
-        let ties = lanes.bits(lanes.both(active, lanes.is_at_most(lanes.off_whole(across), near)));
+        let ties = lanes.bits(lanes.is_at_most(active, lanes.off_whole(across), near));
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
         }
-        let active = lanes.both(active, lanes.is_at_most(distance, lanes.float(self.limit)));
+        let active = lanes.is_at_most(active, distance, lanes.float(self.limit));
         Rays { at: rays.at, active, major, minor }
+    }
+
+    /// Whether the rays of a mask are at places that the lengths have.
+    fn are_on_grid(&self, active: L::Mask, places: L::Int) -> bool {
+        let mut list = [0; 16];
+        self.lanes.store_int(&mut list, 0, places);
+        let bits = self.lanes.bits(active);
+        list.iter()
+            .enumerate()
+            .all(|(lane, &place)| bits >> lane & 1 == 0 || (place as u32 as usize) < self.clearance.memory())
     }
 
     /// The cells that the rays step into, those of `ties` by the exact step.

@@ -34,21 +34,6 @@ pub enum Kernel {
 pub const KERNEL_VARIABLE: &str = "MOBILE_ROBOT_SIMULATOR_KERNEL";
 
 impl Kernel {
-    /// Does some work with the kernel's instruction set, as far as the compiler can make it part of this call.
-    #[inline]
-    pub(super) fn lend<R>(self, work: impl FnOnce() -> R) -> R {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if let (Self::Avx512, Some(lanes)) = (self, avx512::Avx512::new()) {
-                return lanes.lend(work);
-            }
-            if let (Self::Avx2, Some(lanes)) = (self, avx2::Avx2::new()) {
-                return lanes.lend(work);
-            }
-        }
-        work()
-    }
-
     /// All there are, slowest first.
     pub const ALL: [Self; 4] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512];
 
@@ -91,6 +76,21 @@ impl Kernel {
         }
     }
 
+    /// Does some work with the kernel's instruction set.
+    #[inline]
+    pub(super) fn lend(self, work: impl Work) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if let (Self::Avx512, Some(lanes)) = (self, avx512::Avx512::new()) {
+                return lanes.lend(work);
+            }
+            if let (Self::Avx2, Some(lanes)) = (self, avx2::Avx2::new()) {
+                return lanes.lend(work);
+            }
+        }
+        work.run();
+    }
+
     /// Whether this machine can run it.
     #[must_use]
     pub fn is_available(self) -> bool {
@@ -104,6 +104,12 @@ impl Kernel {
             Self::Avx2 | Self::Avx512 => false,
         }
     }
+}
+
+/// Work that becomes part of the function that does it, if its methods are marked to; a closure's need not be.
+pub trait Work {
+    /// Does it.
+    fn run(self);
 }
 
 /// What takes the distances of rays, a group at a time. Closures do; a type of its own becomes part of the kernel that calls it.

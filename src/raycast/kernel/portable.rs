@@ -134,28 +134,23 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn is_less(self, a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
-        each(|lane| all_bits(a[lane] < b[lane]))
+    fn is_less(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| within[lane] & all_bits(a[lane] < b[lane]))
     }
 
     #[inline(always)]
-    fn is_at_most(self, a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
-        each(|lane| all_bits(a[lane] <= b[lane]))
+    fn is_at_most(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| within[lane] & all_bits(a[lane] <= b[lane]))
     }
 
     #[inline(always)]
-    fn is_positive(self, a: [i32; COUNT]) -> [u32; COUNT] {
-        each(|lane| all_bits(a[lane] > 0))
+    fn is_positive(self, within: [u32; COUNT], a: [i32; COUNT]) -> [u32; COUNT] {
+        each(|lane| within[lane] & all_bits(a[lane] > 0))
     }
 
     #[inline(always)]
     fn first(self, count: usize) -> [u32; COUNT] {
         each(|lane| all_bits(lane < count))
-    }
-
-    #[inline(always)]
-    fn both(self, a: [u32; COUNT], b: [u32; COUNT]) -> [u32; COUNT] {
-        each(|lane| a[lane] & b[lane])
     }
 
     #[inline(always)]
