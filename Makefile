@@ -51,6 +51,7 @@ lint: build
 
 test-rust:
 	cargo test --locked
+	cargo test --locked --release --test exact
 
 test-python: build
 	$(BIN)/pytest

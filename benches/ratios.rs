@@ -1,4 +1,4 @@
-//! `cargo bench --bench ratios`: how many times as fast as the plain traversal each kernel is, in one run.
+//! `cargo bench --bench ratios [-- MAP...]`: how many times as fast as the plain traversal each kernel is, in one run.
 //!
 //! Kernels take turns on small pieces of the work, so that a busy machine slows all of them alike; of each piece the median time
 //! counts. Single thread, but for the line on threads.
@@ -24,7 +24,8 @@ fn main() {
         print!("{:>20}", kernel.name());
     }
     println!();
-    for (map, grid) in maps() {
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || wanted.iter().any(|name| name == map)) {
         let start = Instant::now();
         grid.prepare(Some(1));
         let build = start.elapsed().as_secs_f64() * 1e9 / grid.cells().len() as f64;
