@@ -139,8 +139,8 @@ impl OccupancyGrid {
 
     /// What fast casting needs, built at the first call, by so many threads or as many as there are cores.
     pub fn prepare(&self, threads: Option<usize>) -> &Clearance {
-        let blocks = |index: usize| self.options.blocks(self.cells[index]);
-        self.clearance.get_or_init(|| Clearance::new(self.width, self.height, threads, blocks))
+        let blocks = |&value: &i8| self.options.blocks(value);
+        self.clearance.get_or_init(|| Clearance::new(&self.cells, self.width, threads, blocks))
     }
 
     /// Gives the cells of a rectangle new values: as many columns as `width`, row by row from `corner` on.
@@ -167,7 +167,7 @@ impl OccupancyGrid {
         }
         if let Some(clearance) = self.clearance.get_mut() {
             let region = (corner.col..corner.col + width, corner.row..corner.row + height);
-            clearance.update(&region, |index| self.options.blocks(self.cells[index]));
+            clearance.update(&self.cells, region, |&value| self.options.blocks(value));
         }
         Ok(())
     }

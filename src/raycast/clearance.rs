@@ -37,16 +37,16 @@ pub fn breadth(length: i32) -> i32 {
 }
 
 impl Clearance {
-    /// The boxes of a grid whose cells block where `blocks` says so of their index, row by row; built by so many threads, or as
-    /// many as there are cores.
+    /// The boxes of a grid whose cells, row by row, block where `blocks` says so; built by so many threads, or as many as there
+    /// are cores.
     #[must_use]
-    pub fn new(width: usize, height: usize, threads: Option<usize>, blocks: impl Fn(usize) -> bool + Sync) -> Self {
+    pub fn new<T>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool) -> Self {
+        let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
         let mut lengths = vec![0; Sector::COUNT * plane];
         let shape = Self { lengths: Vec::new(), width, height };
-        let fill = |sector: usize, lengths: &mut [u8]| {
-            shape.fill(Sector::numbered(sector), lengths, (0..width, 0..height), &blocks);
-        };
+        let free = Free::new(cells, width, (0..width, 0..height), blocks);
+        let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
         if threads::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
             // Without threads to be had, the caller's has to do.
             lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
@@ -54,43 +54,41 @@ impl Clearance {
         Self { lengths, ..shape }
     }
 
-    /// Builds anew what depends on the cells of a region, given again which cells of the grid block.
-    pub fn update(&mut self, region: &Region, blocks: impl Fn(usize) -> bool) {
+    /// Builds anew what depends on the cells of a region, given again all cells and which of them block.
+    pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) {
         let shape = Self { lengths: Vec::new(), ..*self };
+        let free = Free::new(cells, self.width, region, blocks);
         for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
-            shape.fill(sector, lengths, region.clone(), &blocks);
+            shape.fill(sector, lengths, &free);
         }
     }
 
     /// Builds the plane of a sector as far as it depends on the cells of a region.
-    fn fill(&self, sector: Sector, lengths: &mut [u8], (cols, rows): Region, blocks: impl Fn(usize) -> bool) {
-        let stride = self.stride(sector);
-        let first = self.index_in_plane(0, 0, sector);
-        // Along a column or a row of the grid, places in the plane are evenly spaced.
-        let from_col = self.index_in_plane(1, 0, sector).wrapping_sub(first);
-        let from_row = self.index_in_plane(0, 1, sector).wrapping_sub(first);
-        for (cols, rows) in tiles(&cols, &rows) {
-            let mut mark = |col: usize, row: usize| {
-                let place = first.wrapping_add(from_row.wrapping_mul(row)).wrapping_add(from_col.wrapping_mul(col));
-                lengths[place] = (!blocks(row * self.width + col)).into();
-            };
-            if sector.is_steep() {
-                cols.for_each(|col| rows.clone().for_each(|row| mark(col, row)));
-            } else {
-                rows.for_each(|row| cols.clone().for_each(|col| mark(col, row)));
-            }
-        }
-        let mirrored = |back: bool, range: Range<usize>, size: usize| {
-            if back { size - range.end..size - range.start } else { range }
+    fn fill(&self, sector: Sector, lengths: &mut [u8], free: &Free) {
+        let (back_along, back_across) = sector.order(sector.is_left(), sector.is_down());
+        let mirrored = |back: bool, range: &Range<usize>, size: usize| {
+            if back { size - range.end..size - range.start } else { range.clone() }
         };
+        let (cols, rows) = &free.region;
         let (along, across) =
             sector.order(mirrored(sector.is_left(), cols, self.width), mirrored(sector.is_down(), rows, self.height));
+        let stride = self.stride(sector);
         // No box from farther away reaches the region.
-        let along = along.start.saturating_sub(LONGEST.into())..along.end;
+        let reached = along.start.saturating_sub(LONGEST.into())..along.end;
         let mut filler = RowFiller::default();
         for row in (across.start.saturating_sub(LONGEST.into())..across.end).rev() {
             let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
-            filler.fill(&mut line[1 + along.start..], &done[1 + along.start..], along.len());
+            if across.contains(&row) {
+                let row = if back_across { across.end - 1 - row } else { row - across.start };
+                let known = free.row(sector.is_steep(), row);
+                let line = &mut line[1 + along.start..=along.end];
+                if back_along {
+                    line.iter_mut().zip(known.iter().rev()).for_each(|(to, from)| *to = *from);
+                } else {
+                    line.copy_from_slice(known);
+                }
+            }
+            filler.fill(&mut line[1 + reached.start..], &done[1 + reached.start..], reached.len());
         }
     }
 
@@ -162,15 +160,41 @@ impl Clearance {
     }
 }
 
-/// Cuts a region into tiles that fit into a cache both along rows and along columns.
-fn tiles(cols: &Range<usize>, rows: &Range<usize>) -> impl Iterator<Item = Region> {
-    const SIDE: usize = 64;
-    let cut = |range: &Range<usize>| {
-        let end = range.end;
-        range.clone().step_by(SIDE).map(move |start| start..(start + SIDE).min(end))
-    };
-    let cols = cut(cols);
-    cut(rows).flat_map(move |rows| cols.clone().map(move |cols| (cols, rows.clone())))
+/// Which cells of a region do not block: 1, else 0.
+struct Free {
+    region: Region,
+    by_row: Vec<u8>,
+    by_col: Vec<u8>,
+}
+
+impl Free {
+    fn new<T>(cells: &[T], width: usize, region: Region, blocks: impl Fn(&T) -> bool) -> Self {
+        // What fits into a cache both along rows and along columns.
+        const TILE: usize = 64;
+        let (cols, rows) = (region.0.len(), region.1.len());
+        let mut by_row = Vec::with_capacity(cols * rows);
+        for row in region.1.clone() {
+            by_row.extend(cells[row * width..][region.0.clone()].iter().map(|cell| u8::from(!blocks(cell))));
+        }
+        let mut by_col = vec![0; by_row.len()];
+        for first_row in (0..rows).step_by(TILE) {
+            for first_col in (0..cols).step_by(TILE) {
+                for col in first_col..(first_col + TILE).min(cols) {
+                    let end = (first_row + TILE).min(rows);
+                    let column = by_row[first_row * cols + col..].iter().step_by(cols);
+                    by_col[col * rows..][first_row..end].iter_mut().zip(column).for_each(|(to, from)| *to = *from);
+                }
+            }
+        }
+        Self { region, by_row, by_col }
+    }
+
+    /// A row of the region, or a column.
+    fn row(&self, is_column: bool, index: usize) -> &[u8] {
+        let (cells, length) =
+            if is_column { (&self.by_col, self.region.1.len()) } else { (&self.by_row, self.region.0.len()) };
+        &cells[index * length..][..length]
+    }
 }
 
 /// Room for what is known of each cell of a row before its length.
@@ -244,7 +268,7 @@ mod tests {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
             let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
-            let clearance = Clearance::new(width, height, Some(1), |index| blocking[index]);
+            let clearance = Clearance::new(&blocking, width, Some(1), |blocks| *blocks);
             for (sector, cell, length) in boxes(&clearance) {
                 let blocked = |length| is_blocked(&blocking, width, cell, sector, length);
                 assert!(!blocked(length), "{width}x{height} {cell:?} {sector:?}: {length} is too long");
@@ -256,7 +280,7 @@ mod tests {
 
     #[test]
     fn lengths_stop_at_what_a_byte_holds() {
-        let clearance = Clearance::new(300, 300, Some(1), |_| false);
+        let clearance = Clearance::new(&[(); 90_000], 300, Some(1), |()| false);
         for sector in Sector::all() {
             let corner = |back: bool| if back { 299 } else { 0 };
             assert_eq!(clearance.length(corner(sector.is_left()), corner(sector.is_down()), sector), i32::from(LONGEST));
@@ -266,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_border_stops_every_sector() {
-        let clearance = Clearance::new(3, 2, Some(1), |_| false);
+        let clearance = Clearance::new(&[(); 6], 3, Some(1), |()| false);
         for (col, row) in [(-1, 0), (3, 1), (0, -1), (2, 2), (-1, -1), (3, 2)] {
             for sector in Sector::all() {
                 assert_eq!(clearance.length(col, row, sector), 0);
@@ -280,15 +304,15 @@ mod tests {
         let mut below = |count: usize| stream.next_u64() as usize % count;
         for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
             let mut blocking: Vec<bool> = (0..width * height).map(|_| below(one_in) == 0).collect();
-            let mut clearance = Clearance::new(width, height, Some(1), |index| blocking[index]);
+            let mut clearance = Clearance::new(&blocking, width, Some(1), |blocks| *blocks);
             for _ in 0..20 {
                 let (col, row) = (below(width), below(height));
                 let region = (col..col + 1 + below(width - col), row..row + 1 + below(height - row));
                 for row in region.1.clone() {
                     blocking[row * width..][region.0.clone()].fill_with(|| below(one_in) == 0);
                 }
-                clearance.update(&region, |index| blocking[index]);
-                let anew = Clearance::new(width, height, Some(2), |index| blocking[index]);
+                clearance.update(&blocking, region.clone(), |blocks| *blocks);
+                let anew = Clearance::new(&blocking, width, Some(2), |blocks| *blocks);
                 assert!(clearance.lengths == anew.lengths, "{width}x{height} {region:?}");
             }
         }
