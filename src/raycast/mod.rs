@@ -209,4 +209,4 @@ pub fn cast_rays<'a>(
 }
 
 /// Rays that one thread takes at a time.
-const CHUNK: usize = 256;
+const CHUNK: usize = 1024;

@@ -3,11 +3,11 @@
 
 use std::arch::x86_64::{
     __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
-    _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps,
-    _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps,
-    _mm256_fmsub_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_mullo_epi32, _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
-    _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+    _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps, _mm256_cmpgt_epi32,
+    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fmsub_ps,
+    _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_mullo_epi32, _mm256_permutevar8x32_epi32, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps,
+    _mm256_setr_epi32, _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 use super::lanes::Lanes;
@@ -101,8 +101,6 @@ impl Lanes for Avx2 {
         ceil(a: __m256) -> __m256 { _mm256_ceil_ps(a) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
         to_float(a: __m256i) -> __m256 { _mm256_cvtepi32_ps(a) }
-        as_int(a: __m256) -> __m256i { _mm256_castps_si256(a) }
-        as_float(a: __m256i) -> __m256 { _mm256_castsi256_ps(a) }
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
         multiply_int(a: __m256i, b: __m256i) -> __m256i { _mm256_mullo_epi32(a, b) }
         pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }
@@ -133,13 +131,6 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn compress(self, bits: u32, a: __m256i) -> __m256i {
-        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        unsafe { _mm256_permutevar8x32_epi32(a, order) }
-    }
-
-    #[inline(always)]
     fn gather(self, bytes: &[u8], places: __m256i) -> __m256i {
         assert!((1..=i32::MAX as usize).contains(&bytes.len()));
         // SAFETY: `self` is proof that the processor has the instruction set; no place is beyond the last one after the minimum.
@@ -165,6 +156,22 @@ impl Lanes for Avx2 {
         let numbers = &numbers[at..at + Self::COUNT];
         // SAFETY: the slice has as many numbers as a vector.
         unsafe { _mm256_loadu_si256(numbers.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: __m256) {
+        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        let kept = unsafe { _mm256_permutevar8x32_ps(a, order) };
+        self.store(numbers, at, kept);
+    }
+
+    #[inline(always)]
+    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m256i) {
+        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        let kept = unsafe { _mm256_permutevar8x32_epi32(a, order) };
+        self.store_int(numbers, at, kept);
     }
 
     #[inline(always)]

@@ -3,10 +3,10 @@
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
-    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_castps_si512,
-    _mm512_castsi512_ps, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps,
-    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_test_epi32_mask,
-    _mm512_maskz_compress_epi32, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps,
+    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepi32_ps,
+    _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_loadu_ps, _mm512_loadu_si512,
+    _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_test_epi32_mask, _mm512_maskz_compress_epi32,
+    _mm512_maskz_compress_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps,
     _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
@@ -92,8 +92,6 @@ impl Lanes for Avx512 {
         off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
         to_int(a: __m512) -> __m512i { _mm512_cvttps_epi32(a) }
         to_float(a: __m512i) -> __m512 { _mm512_cvtepi32_ps(a) }
-        as_int(a: __m512) -> __m512i { _mm512_castps_si512(a) }
-        as_float(a: __m512i) -> __m512 { _mm512_castsi512_ps(a) }
         add_int(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(a, b) }
         multiply_int(a: __m512i, b: __m512i) -> __m512i { _mm512_mullo_epi32(a, b) }
         pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
@@ -101,7 +99,6 @@ impl Lanes for Avx512 {
         is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
         is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_test_epi32_mask(within, a, a) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
-        compress(bits: u32, a: __m512i) -> __m512i { _mm512_maskz_compress_epi32(bits as __mmask16, a) }
     }
 
     #[inline(always)]
@@ -149,6 +146,20 @@ impl Lanes for Avx512 {
         let numbers = &numbers[at..at + Self::COUNT];
         // SAFETY: the slice has as many numbers as a vector.
         unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: __m512) {
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        let kept = unsafe { _mm512_maskz_compress_ps(bits as __mmask16, a) };
+        self.store(numbers, at, kept);
+    }
+
+    #[inline(always)]
+    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m512i) {
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        let kept = unsafe { _mm512_maskz_compress_epi32(bits as __mmask16, a) };
+        self.store_int(numbers, at, kept);
     }
 
     #[inline(always)]

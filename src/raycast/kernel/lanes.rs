@@ -39,10 +39,6 @@ pub trait Lanes: Copy {
     fn to_int(self, a: Self::Float) -> Self::Int;
     /// Whole numbers as float32.
     fn to_float(self, a: Self::Int) -> Self::Float;
-    /// The same bits.
-    fn as_int(self, a: Self::Float) -> Self::Int;
-    /// The same bits.
-    fn as_float(self, a: Self::Int) -> Self::Float;
     /// The sums, wrapping around.
     fn add_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// The products' lower 32 bits.
@@ -65,12 +61,14 @@ pub trait Lanes: Copy {
     fn bits(self, mask: Self::Mask) -> u32;
     /// a where the mask holds, else b.
     fn select(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Float;
-    /// The lanes with a bit set, moved down in order; the others of no meaning.
-    fn compress(self, bits: u32, a: Self::Int) -> Self::Int;
     /// Numbers from a place on.
     fn load(self, numbers: &[f32], at: usize) -> Self::Float;
     /// Numbers from a place on.
     fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
+    /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
+    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: Self::Float);
+    /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
+    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.
     fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.

@@ -121,8 +121,8 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.int(1));
         let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
         let number = lanes.load_int(&block.number, rays.at);
-        lanes.store_int(&mut block.ended, to, lanes.compress(bits, number));
-        lanes.store_int(&mut block.ended_in, to, lanes.compress(bits, cell));
+        lanes.keep_int(bits, &mut block.ended, to, number);
+        lanes.keep_int(bits, &mut block.ended_in, to, cell);
         bits.count_ones() as usize
     }
 
@@ -131,17 +131,16 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     fn keep(&self, block: &mut Block, to: usize, rays: &Rays<L>) -> usize {
         let lanes = self.lanes;
         let bits = lanes.bits(rays.active);
-        let moved = |numbers: L::Float| lanes.as_float(lanes.compress(bits, lanes.as_int(numbers)));
         for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
-            lanes.store(&mut axis.cell, to, moved(cell));
+            lanes.keep(bits, &mut axis.cell, to, cell);
             for numbers in [&mut axis.first, &mut axis.direction, &mut axis.inverse] {
-                let numbers_moved = moved(lanes.load(numbers, rays.at));
-                lanes.store(numbers, to, numbers_moved);
+                let kept = lanes.load(numbers, rays.at);
+                lanes.keep(bits, numbers, to, kept);
             }
         }
         for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
-            let numbers_moved = lanes.compress(bits, lanes.load_int(numbers, rays.at));
-            lanes.store_int(numbers, to, numbers_moved);
+            let kept = lanes.load_int(numbers, rays.at);
+            lanes.keep_int(bits, numbers, to, kept);
         }
         bits.count_ones() as usize
     }

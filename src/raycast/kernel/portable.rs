@@ -31,6 +31,17 @@ fn truncate(a: f32) -> i32 {
     unsafe { a.to_int_unchecked() }
 }
 
+/// Puts the lanes with a bit set from a place on, straight to where they are kept.
+#[inline(always)]
+fn keep<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
+    let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("as many numbers as a vector has");
+    let mut count = 0;
+    for (lane, &a) in a.iter().enumerate() {
+        numbers[count & (COUNT - 1)] = a;
+        count += (bits >> lane & 1) as usize;
+    }
+}
+
 impl Lanes for Portable {
     const COUNT: usize = COUNT;
     const STEPS: usize = 4;
@@ -104,16 +115,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn as_int(self, a: [f32; COUNT]) -> [i32; COUNT] {
-        each(|lane| a[lane].to_bits() as i32)
-    }
-
-    #[inline(always)]
-    fn as_float(self, a: [i32; COUNT]) -> [f32; COUNT] {
-        each(|lane| f32::from_bits(a[lane] as u32))
-    }
-
-    #[inline(always)]
     fn add_int(self, a: [i32; COUNT], b: [i32; COUNT]) -> [i32; COUNT] {
         each(|lane| a[lane].wrapping_add(b[lane]))
     }
@@ -169,17 +170,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn compress(self, bits: u32, a: [i32; COUNT]) -> [i32; COUNT] {
-        let mut kept = [0; COUNT];
-        let mut count = 0;
-        for (lane, &a) in a.iter().enumerate() {
-            kept[count & 7] = a;
-            count += (bits >> lane & 1) as usize;
-        }
-        kept
-    }
-
-    #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> [f32; COUNT] {
         *numbers[at..].first_chunk().expect("as many numbers as a vector has")
     }
@@ -187,6 +177,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> [i32; COUNT] {
         *numbers[at..].first_chunk().expect("as many numbers as a vector has")
+    }
+
+    #[inline(always)]
+    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
+        keep(bits, numbers, at, a);
+    }
+
+    #[inline(always)]
+    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
+        keep(bits, numbers, at, a);
     }
 
     #[inline(always)]
