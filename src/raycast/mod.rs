@@ -90,7 +90,7 @@ impl<'grid> Caster<'grid> {
         }
         self.grid.prepare(threads);
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
-            let mut groups = [RayGroup::ASTRAY; CHUNK / GROUP];
+            let mut groups = vec![RayGroup::ASTRAY; ranges.len().div_ceil(GROUP)];
             self.kernel.lend(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups: &mut groups });
             self.cast(Rays { groups: &groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
             if obstacles.is_empty() {
