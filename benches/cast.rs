@@ -3,7 +3,7 @@
 mod workloads;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mobile_robot_simulator::Obstacles;
+use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, Obstacles};
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 
 use workloads::{kernels, laser, maps, poses};
@@ -11,12 +11,21 @@ use workloads::{kernels, laser, maps, poses};
 const SCANS: usize = 100;
 
 fn scan(criterion: &mut Criterion) {
+    scans(criterion, "scan", None);
+}
+
+fn noisy_scan(criterion: &mut Criterion) {
+    let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
+    scans(criterion, "noisy_scan", Some(Noise { model, seed: 1, first_index: 0 }));
+}
+
+fn scans(criterion: &mut Criterion, workload: &str, noise: Option<Noise>) {
     for (map, grid) in maps() {
         let poses = poses(&grid, SCANS);
-        let mut group = criterion.benchmark_group(format!("scan/{map}"));
+        let mut group = criterion.benchmark_group(format!("{workload}/{map}"));
         let ranges = |kernel| {
             let mut ranges = vec![0.0; SCANS * 541];
-            laser(&grid, kernel).scan_batch(&grid, &poses, None, Some(1), &mut ranges).expect("a scan");
+            laser(&grid, kernel).scan_batch(&grid, &poses, noise, Some(1), &mut ranges).expect("a scan");
             ranges
         };
         let expected = ranges(Kernel::Traversal);
@@ -25,7 +34,7 @@ fn scan(criterion: &mut Criterion) {
             assert!(ranges(kernel) == expected, "{map} by {}", kernel.name());
             let (laser, mut ranges) = (laser(&grid, kernel), vec![0.0; expected.len()]);
             group.bench_function(kernel.name(), |bencher| {
-                bencher.iter(|| laser.scan_batch(&grid, &poses, None, Some(1), &mut ranges));
+                bencher.iter(|| laser.scan_batch(&grid, &poses, noise, Some(1), &mut ranges));
             });
         }
     }
@@ -56,6 +65,6 @@ fn rays(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10);
-    targets = scan, rays
+    targets = scan, noisy_scan, rays
 }
 criterion_main!(benches);
