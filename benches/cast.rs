@@ -3,8 +3,8 @@
 mod workloads;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, Obstacles};
 use mobile_robot_simulator::raycast::{Caster, Kernel};
+use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, Obstacles};
 
 use workloads::{kernels, laser, maps, poses};
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::Sector;
+use super::pages::Pages;
 use crate::threads;
 
 /// Free boxes around each cell of a grid, one for each [`Sector`] of directions.
@@ -18,7 +19,7 @@ use crate::threads;
 #[derive(Debug, Clone)]
 pub struct Clearance {
     /// Plane by plane, row by row.
-    lengths: Vec<u8>,
+    lengths: Pages,
     width: usize,
     height: usize,
 }
@@ -43,8 +44,8 @@ impl Clearance {
     pub fn new<T>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool) -> Self {
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
-        let mut lengths = vec![0; Sector::COUNT * plane];
-        let shape = Self { lengths: Vec::new(), width, height };
+        let mut lengths = Pages::zeroed(Sector::COUNT * plane);
+        let shape = Self { lengths: Pages::zeroed(0), width, height };
         let free = Free::new(cells, width, (0..width, 0..height), blocks);
         let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
         if threads::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
@@ -56,7 +57,7 @@ impl Clearance {
 
     /// Builds anew what depends on the cells of a region, given again all cells and which of them block.
     pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) {
-        let shape = Self { lengths: Vec::new(), ..*self };
+        let shape = Self { lengths: Pages::zeroed(0), ..*self };
         let free = Free::new(cells, self.width, region, blocks);
         for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
             shape.fill(sector, lengths, &free);
@@ -313,7 +314,7 @@ mod tests {
                 }
                 clearance.update(&blocking, region.clone(), |blocks| *blocks);
                 let anew = Clearance::new(&blocking, width, Some(2), |blocks| *blocks);
-                assert!(clearance.lengths == anew.lengths, "{width}x{height} {region:?}");
+                assert!(clearance.lengths() == anew.lengths(), "{width}x{height} {region:?}");
             }
         }
     }

@@ -4,6 +4,7 @@ mod block;
 mod clearance;
 mod direction;
 mod kernel;
+mod pages;
 mod ray;
 mod sector;
 mod source;
