@@ -85,15 +85,20 @@ impl<'grid> Caster<'grid> {
         threads: Option<usize>,
         ranges: &mut [f32],
     ) -> Result<(), Error> {
+        thread_local! {
+            static GROUPS: RefCell<Vec<RayGroup>> = const { RefCell::new(Vec::new()) };
+        }
         check_rows("rays", rays)?;
         if ranges.len() != rays.len() {
             return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
         }
         self.grid.prepare(threads);
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
-            let mut groups = vec![RayGroup::ASTRAY; ranges.len().div_ceil(GROUP)];
-            self.kernel.lend(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups: &mut groups });
-            self.cast(Rays { groups: &groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
+            GROUPS.with_borrow_mut(|groups| {
+                groups.resize(ranges.len().div_ceil(GROUP), RayGroup::ASTRAY);
+                self.kernel.lend(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups });
+                self.cast(Rays { groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
+            });
             if obstacles.is_empty() {
                 return;
             }
@@ -103,7 +108,7 @@ impl<'grid> Caster<'grid> {
         })
     }
 
-    /// Puts rays of the map frame into a group of rays astray.
+    /// Puts rays of the map frame into a group.
     #[inline(always)]
     fn enter_all(&self, group: &mut RayGroup, rays: &[[f64; 3]; GROUP]) {
         let mut placed = [[0.0; GROUP]; 3];
@@ -115,6 +120,7 @@ impl<'grid> Caster<'grid> {
         let [x, y, yaw] = placed;
         let (cos, sin) = directions(&yaw);
         if !group.start((self.grid.width(), self.grid.height()), (&x, &y), (&cos, &sin)) {
+            *group = RayGroup::ASTRAY;
             for place in 0..GROUP {
                 self.enter(group, place, DVec2::new(x[place], y[place]), DVec2::new(cos[place], sin[place]));
             }
