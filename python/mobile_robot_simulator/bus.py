@@ -2,8 +2,8 @@
 
 Everything that happens is an event at a time. Events of one moment come in a fixed order: messages and service calls in the
 order in which they were sent, then timers in the order in which they were created. A message goes to those who are
-subscribed when it is sent, after the callback that sent it has returned. Messages are handed on as they are, not copied:
-whoever gets one leaves it unchanged.
+subscribed when it is sent, after the callback that sent it has returned. A message is copied when it is sent; all who get it
+get the same one, and leave it unchanged.
 
 A bus can be saved and put back as it was: its time, what is under way, timers, subscriptions, latest messages, nodes.
 Callbacks are called again as they are; what they keep elsewhere is not the bus's (`Simulation.keep`).
@@ -20,7 +20,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Generic
 
 from .clock import NANOSECONDS
-from .messages import Message
+from .messages import Message, copied
 from .node_interface import M
 
 if TYPE_CHECKING:
@@ -68,10 +68,10 @@ class Bus(Handle):
         return self.time_ns + self.clock_offset_ns
 
     def create_node(self, name: str, *, namespace: str = "/") -> BusNode:
-        """A node of this name."""
-        from .bus_node import BusNode
+        """A node of the simulator's own, which makes each message anew."""
+        from .bus_node import OwnNode
 
-        return BusNode(self, name, namespace=namespace)
+        return OwnNode(self, name, namespace=namespace)
 
     def run_until(self, time_ns: int) -> None:
         """Let everything happen up to and at a time; the clock then shows that time.
@@ -322,12 +322,20 @@ class Publisher(Handle, Generic[M]):
         return self.topic.name
 
     def publish(self, message: M) -> None:
-        """Send one message."""
-        self.bus.publish(self.topic, message)
+        """Send one message, as it is now: it may change after, and be sent again."""
+        self.bus.publish(self.topic, copied(message))
 
     def get_subscription_count(self) -> int:
         """How many are subscribed."""
         return len(self.topic.subscriptions)
+
+
+class FreshPublisher(Publisher[M]):
+    """For who makes each message anew: sends it without a copy."""
+
+    def publish(self, message: M) -> None:
+        """Send one message, which must not change after."""
+        self.bus.publish(self.topic, message)
 
 
 class Timer(Handle):
@@ -456,7 +464,7 @@ class Client(Handle):
         if not isinstance(request, self.service.srv_type.Request):
             expected = self.service.srv_type.Request.__name__
             raise TypeError(f"{self.service.name} takes a {expected}, got {type(request).__name__}")
-        return self.bus.call(self.service, request)
+        return self.bus.call(self.service, copied(request))
 
     def call(self, request: Any) -> Any:
         """Not on the bus, where a callback that waits would wait for ever. raises: RuntimeError."""

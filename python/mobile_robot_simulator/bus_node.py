@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from .bus import Bus, Client, Handle, Publisher, Service, Subscription, Timer, check_callback
+from .bus import Bus, Client, FreshPublisher, Handle, Publisher, Service, Subscription, Timer, check_callback
 from .clock import NANOSECONDS, Clock
 from .node_interface import M, QoS
 
@@ -301,6 +301,14 @@ class BusNode(Handle):
         if name.startswith("~/"):
             return f"{self.get_fully_qualified_name()}/{name[2:]}"
         return f"{self._namespace.rstrip('/')}/{name}" if name.strip("/") else name
+
+
+class OwnNode(BusNode):
+    """A node of the simulator's own: it makes each message anew, so that none need be copied when it is sent."""
+
+    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> Publisher[M]:
+        """A publisher to a topic."""
+        return FreshPublisher(self._bus, super().create_publisher(msg_type, topic, qos_profile).topic)
 
 
 _surroundings: ContextVar[tuple[Bus, str, Mapping[str, Any]] | None] = ContextVar("surroundings", default=None)

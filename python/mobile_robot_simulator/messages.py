@@ -6,12 +6,15 @@ Every class names its ROS type; units and frames are those of the ROS definition
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar
+from functools import cache
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Pose as PlanarPose
+
+T = TypeVar("T")
 
 
 @dataclass(slots=True, eq=False)
@@ -26,6 +29,24 @@ class Message:
         return all(_same(getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def copied(value: T) -> T:
+    """The same message, to be kept where the first may change: all in it is copied, but for arrays that are read-only."""
+    if isinstance(value, Message):
+        kind = type(value)
+        copy = object.__new__(kind)
+        for name in _names(kind):  # type: ignore[arg-type]
+            setattr(copy, name, copied(getattr(value, name)))
+        return copy
+    if isinstance(value, np.ndarray):
+        return value.copy() if value.flags.writeable else value
+    return [copied(item) for item in value] if isinstance(value, list) else value  # type: ignore[return-value]
+
+
+@cache
+def _names(kind: type[Message]) -> tuple[str, ...]:
+    return tuple(item.name for item in fields(kind))
 
 
 def _same(left: Any, right: Any) -> bool:

@@ -73,7 +73,7 @@ class Simulation:
             grid = with_unknown(grid, laser.unknown)
         self._grid = grid
         self._bus = Bus()
-        self._node = self._bus.create_node("simulation")
+        self._node = BusNode(self._bus, "simulation")
         self._world = World(lambda: self._bus.time_ns, grid)
         self._transforms = TransformBuffer()
         self._listener = TransformListener(self._node, self._transforms)

@@ -138,3 +138,32 @@ def test_the_path_is_exact_at_each_point(sim):
     assert path[:, 2] == pytest.approx(2.0 - np.cos(turned))
     assert path[-1] == pytest.approx([1.25, *sim.truth.pose])
     assert sim.truth.distance == pytest.approx(0.75)
+
+
+def test_a_message_that_is_changed_and_sent_again_arrives_as_it_was_each_time(sim):
+    node, got = sim.create_node("clerk"), []
+    twist, speeds = mrs.Twist(), node.create_publisher(mrs.Twist, "/speeds")
+    sim.subscribe("/speeds", mrs.Twist, lambda message: got.append(message.linear.x))
+    for speed in (1.0, 2.0):
+        twist.linear.x = speed
+        speeds.publish(twist)
+    twist.linear.x = 0.5
+    sim.publish("/cmd_vel", twist)
+    twist.linear.x = 9.0
+    sim.run_for(1.0)
+    assert got == [1.0, 2.0] and sim.latest("/speeds").linear.x == 2.0
+    assert sim.pose.x == pytest.approx(1.5)
+    scan = mrs.LaserScan(ranges=np.ones(3, np.float32))
+    node.create_publisher(mrs.LaserScan, "/scan").publish(scan)
+    scan.ranges[0] = 7.0
+    assert sim.latest("/scan").ranges[0] == 1.0
+
+
+def test_a_request_that_is_changed_after_arrives_as_it_was(sim):
+    request = mrs.SetPose.Request()
+    position = request.pose.pose.pose.position
+    position.x, position.y = 3.0, 2.0
+    sim.create_node("clerk").create_client(mrs.SetPose, "/set_pose").call_async(request)
+    position.x = 4.0
+    sim.run_for(0.1)
+    assert tuple(sim.pose) == (3.0, 2.0, 0.0)
