@@ -20,6 +20,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Generic
 
 from .clock import NANOSECONDS
+from .handles import Handle
 from .messages import Message, copied
 from .node_interface import M
 
@@ -33,13 +34,6 @@ Filter = Callable[[str, Message], list[tuple[int, Message]] | None]
 
 LONGEST_CHAIN, MOST_ANSWERS = 10_000, 100_000
 """More messages at one moment, each sent upon the one before, or upon any other, are taken for an endless loop."""
-
-
-class Handle:
-    """Something that is itself wherever it is kept: a copy of what holds it holds the same one."""
-
-    def __deepcopy__(self, memo: object) -> Any:
-        return self
 
 
 class Bus(Handle):

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from .bus import Bus, Client, FreshPublisher, Handle, Publisher, Service, Subscription, Timer, check_callback
+from .bus import Bus, Client, FreshPublisher, Publisher, Service, Subscription, Timer, check_callback
 from .clock import NANOSECONDS, Clock
+from .handles import Handle
 from .node_interface import M, QoS
 
 LATCHED_DURABILITY = "TRANSIENT_LOCAL"
@@ -93,6 +94,14 @@ class Logger(Handle):
     def fatal(self, message: str, **how: Any) -> bool:
         """What is the end."""
         return self._log(logging.CRITICAL, message, **how)
+
+    def save(self) -> Any:
+        """When what does not come each time came last."""
+        return dict(self._last)
+
+    def restore(self, state: Any) -> None:
+        """Be as when the state was saved."""
+        self._last = dict(state)
 
     def _log(
         self, level: int, message: str, *, once: bool = False, throttle_duration_sec: float | None = None, **_: Any
@@ -288,12 +297,14 @@ class BusNode(Handle):
                 state[name] = copy.deepcopy(value, memo)
             except TypeError as error:
                 raise TypeError(f"{name} of node {self._name} cannot be saved: {error}; define save and restore") from error
-        return state
+        return state, self._logger.save()
 
     def restore(self, state: Any) -> None:
         """Attributes as they were saved."""
+        attributes, logger = state
         vars(self).clear()
-        vars(self).update(copy.deepcopy(state))
+        vars(self).update(copy.deepcopy(attributes))
+        self._logger.restore(logger)
 
     def _resolve(self, name: str) -> str:
         if name.startswith("/"):

@@ -19,6 +19,7 @@ import numpy as np
 
 from .bus import Bus, absolute
 from .clock import NANOSECONDS
+from .handles import Handle
 from .messages import LaserScan, Message, String
 from .robot_node import noise_of
 
@@ -31,7 +32,7 @@ TOPIC = "/faults"
 Copies = list[tuple[int, Message]] | None
 
 
-class Fault:
+class Fault(Handle):
     """Something that goes wrong for a while.
 
     start, end: when [s]. seed: names what is drawn.

@@ -1,10 +1,17 @@
-"""Handles: what a node has taken hold of, to be let go together."""
+"""Handles: what is held on to, not copied; and those that a node has taken hold of, to be let go together."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from typing import Any
+
+
+class Handle:
+    """Something that is itself wherever it is kept: a copy of what holds it holds the same one."""
+
+    def __deepcopy__(self, memo: object) -> Any:
+        return self
 
 
 class Handles:

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import messages
 from ._core import BeamModel, LaserScanner, OccupancyGrid, Pose
-from .handles import Handles
+from .handles import Handle, Handles
 from .map_node import from_message, is_of, with_unknown
 from .messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
 from .node_interface import Client, Future, Node, QoS
@@ -55,7 +55,7 @@ def noise_of(parameters: LaserParameters) -> BeamModel:
     return BeamModel(sigma_hit=parameters.sigma_hit, lambda_short=parameters.lambda_short, **weights)
 
 
-class LaserScannerSimulator:
+class LaserScannerSimulator(Handle):
     """A laser scanner that sees the map from where tf says it is.
 
     Scans at `laser_frequency`, from the pose at the scan's own stamp: the last transform, carried on by the twist of the

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import messages
 from ._core import OccupancyGrid
+from .handles import Handle
 from .maps import load_map
 from .node_interface import Node, QoS
 from .parameters import MapParameters
@@ -63,7 +64,7 @@ def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> O
     )
 
 
-class MapServer:
+class MapServer(Handle):
     """Serves one map: GetMap on a service, and the map itself on a latched topic."""
 
     def __init__(

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from ._core import Pose, Shape
+from .handles import Handle
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
 Waypoints: TypeAlias = Sequence[tuple[float, float, float, float]]
@@ -16,7 +17,7 @@ Way: TypeAlias = PoseLike | Waypoints | Callable[[float], PoseLike]
 """Where an obstacle is: for good, on a path of (time [s], x, y [m], yaw [rad]), or as a function of the time [s]."""
 
 
-class Obstacle:
+class Obstacle(Handle):
     """A shape on its way through the map.
 
     way: a pose to stand at; waypoints (time, x, y, yaw) with times that increase, to move between evenly, before the first

@@ -8,7 +8,7 @@ from typing import Any
 
 from . import messages
 from ._core import MotionNoise, Pose, Shape
-from .handles import Handles
+from .handles import Handle, Handles
 from .messages import (
     Clock,
     Header,
@@ -50,7 +50,7 @@ FASTEST = 1e3
 """Commands beyond this [m/s, rad/s] are no robot's, and are refused."""
 
 
-class MobileRobotSimulator:
+class MobileRobotSimulator(Handle):
     """A robot that does exactly what it is told.
 
     Takes velocity commands (Twist or TwistStamped) and holds each until the next, or until `velocity_timeout`. Publishes

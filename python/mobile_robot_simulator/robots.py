@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ._core import Pose
+from .handles import Handle
 from .laser_node import LaserScannerSimulator
 from .parameters import NODES
 from .robot_node import MobileRobotSimulator
@@ -22,7 +23,7 @@ FRAMES = ("base_link_frame", "odom_frame_id", "laser_frame_id")
 
 
 @dataclass(frozen=True)
-class SimulatedRobot:
+class SimulatedRobot(Handle):
     """A robot of a simulation."""
 
     name: str

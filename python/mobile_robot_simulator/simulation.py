@@ -11,11 +11,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from ._core import OccupancyGrid, Pose, Shape, touches
 from .bus import Bus, Subscription, Tap, absolute
 from .bus_node import BusNode, surroundings
 from .clock import NANOSECONDS
 from .faults import Fault
+from .handles import Handle
 from .laser_node import LaserScannerSimulator
 from .map_node import MapServer, with_unknown
 from .messages import LaserScan, Message, TFMessage
@@ -41,7 +44,7 @@ class State:
     parts: Any = field(repr=False)
 
 
-class Simulation:
+class Simulation(Handle):
     """A robot with a laser scanner in a map, or several, on a virtual clock that starts at 0.
 
     grid: the map. parameters: values of the nodes' parameters by name; unless they say otherwise, the map transform is
@@ -267,15 +270,17 @@ class Simulation:
     def save(self) -> State:
         """All that is needed to put the simulation back as it is now.
 
-        Saved are the time, what is under way on the bus, timers, subscriptions, latest messages, robots, scanners with their
-        place in the random streams, faults, obstacles, nodes, and what is in `keep`. Callbacks are not saved but called
-        again as they are, and recordings go on.
+        Saved are the map's cells, the time, what is under way on the bus, timers, subscriptions, latest messages, robots,
+        scanners with their place in the random streams, faults, obstacles, nodes, and what is in `keep`. Callbacks are not
+        saved but called again as they are, and recordings go on.
         raises: RuntimeError if called from a callback; TypeError for something kept that cannot be copied.
         """
         robots = {name: (robot, robot.robot.save(), robot.laser.save()) for name, robot in self._robots.items()}
         faults = [(fault, fault.save()) for fault in self._faults]
         kept = [(thing, _saved(thing)) for thing in self._kept]
-        return State(self, self.time, (self._bus.save(), self._world.save(), robots, faults, self._map_server.save(), kept))
+        grid = copy.copy(self._grid)  # which costs nothing until one of the two changes
+        parts = (grid, self._bus.save(), self._world.save(), robots, faults, self._map_server.save(), kept)
+        return State(self, self.time, parts)
 
     def restore(self, state: State) -> None:
         """Be as when the state was saved; from there on everything repeats, byte by byte. A state can be used again.
@@ -286,8 +291,10 @@ class Simulation:
             raise TypeError(f"the state must come from save(), got {type(state).__name__}")
         if state.simulation is not self:
             raise ValueError(f"the state must be of this simulation, got another's, saved at {state.time} s")
-        bus, world, robots, faults, map_server, kept = state.parts
+        grid, bus, world, robots, faults, map_server, kept = state.parts
         self._bus.restore(bus)
+        if not np.array_equal(grid.cells, self._grid.cells):
+            self._grid.set_cells(0, 0, grid.cells)
         self._robots = {name: robot for name, (robot, _, _) in robots.items()}
         for robot, robot_state, laser_state in robots.values():
             robot.robot.restore(robot_state)
@@ -443,7 +450,7 @@ def _called(predicate: Callable[..., Any]) -> str:
 def _saved(thing: Any) -> Any:
     if hasattr(thing, "save") and hasattr(thing, "restore"):
         return thing.save()
-    return copy.deepcopy(vars(thing))
+    return copy.deepcopy(vars(thing), {id(thing): thing})
 
 
 def _restore(thing: Any, state: Any) -> None:
@@ -451,4 +458,4 @@ def _restore(thing: Any, state: Any) -> None:
         thing.restore(state)
     else:
         vars(thing).clear()
-        vars(thing).update(copy.deepcopy(state))
+        vars(thing).update(copy.deepcopy(state, {id(thing): thing}))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ._core import Pose, Shape, clearance, integrate_twist
 from .clock import NANOSECONDS
+from .handles import Handle
 
 if TYPE_CHECKING:
     from .motion import ContactEvent, Velocity
@@ -24,7 +25,7 @@ FARTHEST = 10.0
 POINT = Shape.disc(1e-6)
 
 
-class Truth:
+class Truth(Handle):
     """Where a robot really is and was, in the map frame."""
 
     def __init__(self, world: World, robot: MobileRobotSimulator) -> None:

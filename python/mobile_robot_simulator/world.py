@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias
 
 from ._core import OccupancyGrid, Pose, Shape
+from .handles import Handle
 from .motion import Motion
 from .obstacles import Obstacle
 
@@ -41,7 +42,7 @@ class Carrier(Protocol):
         """What can be seen from it now, but for the map."""
 
 
-class World:
+class World(Handle):
     """What robots move in.
 
     Robots without footprint and limits move exactly as they are told, at any time. The others are pushed back, in steps of

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator import faults
 from mobile_robot_simulator.bus_node import Node
 
 SEED = 7
@@ -146,3 +147,65 @@ def test_an_attribute_that_cannot_be_copied_is_named():
     sim.spawn(Patrol).lock = threading.Lock()  # type: ignore[attr-defined]
     with pytest.raises(TypeError, match="lock of node patrol cannot be saved"):
         sim.save()
+
+
+def test_what_is_kept_still_holds_the_simulation_itself_after_a_restore():
+    sim = simulation()
+    box = sim.add_obstacle(mrs.Shape.disc(0.2), (8.0, 8.0, 0.0))
+    drop = sim.add_fault(faults.Drop("/odom", probability=0.5))
+
+    class Probe:
+        def __init__(self) -> None:
+            self.parts = [sim, sim.robot, sim.laser, sim.map_server, sim.truth, sim.named(None), box, drop]
+            self.act, self.count = self.look, 0
+
+        def look(self) -> None:
+            self.count += 1
+
+    probe = sim.keep(Probe())
+    parts = list(probe.parts)
+    probe.act()
+    state = sim.save()
+    probe.act()
+    for _ in range(2):
+        sim.restore(state)
+        assert all(now is before for now, before in zip(probe.parts, parts, strict=True))
+        probe.act()
+        assert probe.count == 2
+
+
+def test_notes_that_come_but_once_in_a_while_repeat_too():
+    class Talker(Node):
+        def __init__(self) -> None:
+            super().__init__("talker")
+            self.said: list[bool] = []
+            self.create_timer(0.1, self.on_timer)
+
+        def on_timer(self) -> None:
+            self.said += [
+                self.get_logger().info("so far", throttle_duration_sec=0.25),
+                self.get_logger().info("begun", once=True),
+            ]
+
+    sim = simulation()
+    talker = sim.spawn(Talker)
+    state = sim.save()
+    sim.run_for(0.45)
+    said = list(talker.said)
+    assert said == [True, True, False, False, False, False, True, False]
+    sim.restore(state)
+    sim.run_for(0.45)
+    assert talker.said == said
+
+
+def test_cells_that_changed_are_back():
+    sim = simulation()
+    state = sim.save()
+    first = run(sim, 1.0)
+    sim.grid.set_cells(10, 30, np.full((80, 1), 100, np.int8))
+    second = run(sim, 1.0)
+    for _ in range(2):
+        sim.restore(state)
+        assert sim.grid.cells[50, 30] == 0 and run(sim, 1.0) == first
+        sim.grid.set_cells(10, 30, np.full((80, 1), 100, np.int8))
+        assert run(sim, 1.0) == second
