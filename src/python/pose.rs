@@ -14,7 +14,8 @@ use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
 /// Named target first, so that neighbours match: ``map_from_laser = map_from_base * base_from_laser``.
 ///
 /// raises: ValueError if a coordinate is not finite.
-#[pyclass(frozen, eq, module = "mobile_robot_simulator", from_py_object)]
+// A sequence, so that NumPy makes arrays of its numbers.
+#[pyclass(frozen, eq, sequence, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct Pose(pub crate::Pose);
 

@@ -164,3 +164,12 @@ def test_composition_never_makes_a_pose_that_is_not_finite() -> None:
         except ValueError:
             continue
         assert all(map(math.isfinite, pose))
+
+
+def test_numpy_takes_poses_for_rows_of_numbers():
+    pose = mrs.Pose(1.0, 2.0, 0.5)
+    assert np.array(pose).dtype == np.float64 and np.array_equal(np.array(pose), [1.0, 2.0, 0.5])
+    assert np.array_equal(np.array([pose, pose.inverse()]), [tuple(pose), tuple(pose.inverse())])
+    assert pose[-1] == 0.5 and pose[np.int64(1)] == 2.0 and len(pose) == 3
+    with pytest.raises(IndexError):
+        pose[3]
