@@ -76,8 +76,10 @@ impl OccupancyGrid {
             return Ok(array.bind(py).clone());
         }
         let core = self.core();
-        let array = vector(py, core.cells().to_vec()).reshape([core.height(), core.width()])?;
-        array.readwrite().make_nonwriteable();
+        let flat = vector(py, core.cells().to_vec());
+        // Before a view is made, or the view could be made writeable again.
+        flat.readwrite().make_nonwriteable();
+        let array = flat.reshape([core.height(), core.width()])?;
         *cells = Some(array.clone().unbind());
         Ok(array)
     }

@@ -247,3 +247,10 @@ def test_no_cell_index_makes_a_panic(row: int, col: int) -> None:
     except (ValueError, TypeError, IndexError):
         return
     assert 0 <= row < 2 and 0 <= col < 3 and center == (col + 0.5, row + 0.5)
+
+
+def test_cells_cannot_be_made_writeable():
+    grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+    for array in (grid.cells, grid.cells[0], grid.cells.base):
+        with pytest.raises(ValueError, match="cannot set WRITEABLE"):
+            array.flags.writeable = True
