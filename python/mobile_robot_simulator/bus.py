@@ -210,7 +210,9 @@ class Bus(Handle):
             keeper.restore(kept)
 
     def close(self) -> None:
-        """Forget all that is under way, and whom to call. Time does not go on after."""
+        """Forget all that is under way, and whom to call. Time does not go on after. The second time, nothing happens."""
+        if self._closed:
+            return
         self.restore(((self.time_ns, 0, 0, 0), ((), (), ()), (), (), (), (), ()))
         self.taps.clear()
         self._closed = True

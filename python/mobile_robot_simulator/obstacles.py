@@ -34,12 +34,19 @@ class Obstacle(Handle):
     def pose(self, time_ns: int) -> Pose:
         """Where it is at a time. raises: what its function raises, and TypeError or ValueError for what is no pose."""
         pose = self._at(time_ns / 1e9)
-        return pose if isinstance(pose, Pose) else Pose(*pose)
+        if isinstance(pose, Pose):
+            return pose
+        try:
+            return Pose(*pose)
+        except TypeError as error:
+            raise TypeError(f"the way of obstacle {self.name} must give poses (x, y, yaw), got {pose!r}") from error
 
 
 def _function_of(way: Way) -> Callable[[float], PoseLike]:
     if callable(way):
         return way
+    if not len(way):
+        raise ValueError("waypoints must be one or more, got none")
     if isinstance(way, Pose) or isinstance(way[0], (int, float)):
         pose = Pose(*way)
         return lambda time: pose

@@ -115,7 +115,7 @@ class SimulationFactory:
         settings = self._settings
         seed = settings["seed"] if seed is None else seed
         robots = settings.get("robots") if robots is None else robots
-        start = settings.get("start") if start is None else start
+        start = settings.get("start") if start is None and robots is None else start
         grid = self._grid(settings.get("map", "office") if map is None else map, seed, plan)
         names = [] if robots is None or isinstance(robots, Mapping) else list(robots)
         poses = {name: _draw(grid, seed + index) for index, name in enumerate(names)}
@@ -123,7 +123,7 @@ class SimulationFactory:
             grid,
             parameters={**settings.get("parameters", {}), **(parameters or {})},
             seed=seed,
-            start=start if start is not None else (0.0, 0.0, 0.0) if robots is not None else _draw(grid, seed),
+            start=start if start is not None or robots is not None else _draw(grid, seed),
             robots=poses or robots,  # type: ignore[arg-type]
         )
         folder = self._folder / ("simulation" if not self._made else f"simulation-{len(self._made) + 1}")

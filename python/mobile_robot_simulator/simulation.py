@@ -49,12 +49,13 @@ class Simulation(Handle):
 
     grid: the map. parameters: values of the nodes' parameters by name; unless they say otherwise, the map transform is
     published and commands are plain Twist. seed: seed of the noise, before the parameter of that name. start: pose (x, y,
-    yaw) of the robot in the map frame at first. robots: several robots instead of the one, each by its name with its pose
-    at first: topics, services and nodes of robot1 are in the namespace /robot1, its frames begin with robot1/.
+    yaw) of the robot in the map frame at first, (0, 0, 0) if None. robots: several robots instead of the one, each by its
+    name with its pose at first: topics, services and nodes of robot1 are in the namespace /robot1, its frames begin with
+    robot1/.
 
     The same arguments and the same calls give the same messages, byte by byte.
 
-    raises: ValueError for unknown parameters, values out of range, a start inside a wall.
+    raises: ValueError for unknown parameters, values out of range, a start inside a wall or another robot.
     """
 
     def __init__(
@@ -63,9 +64,15 @@ class Simulation(Handle):
         *,
         parameters: Mapping[str, Any] | None = None,
         seed: int | None = None,
-        start: PoseLike = (0.0, 0.0, 0.0),
+        start: PoseLike | None = None,
         robots: Mapping[str, PoseLike] | None = None,
     ) -> None:
+        if not isinstance(grid, OccupancyGrid):
+            raise TypeError(f"the map must be an OccupancyGrid, got {type(grid).__name__}")
+        if robots is not None and not isinstance(robots, Mapping):
+            raise TypeError(f"robots must be poses by the robots' names, got {type(robots).__name__}")
+        if robots is not None and start is not None:
+            raise ValueError(f"one of start and robots must be left out, got {start!r} and {robots!r}")
         self._values = {"publish_map_transform": True, "cmd_vel_stamped": False, **(parameters or {})}
         if seed is not None:
             self._values["seed"] = seed
@@ -90,7 +97,9 @@ class Simulation(Handle):
         )
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-        for name, pose in ({"": start} if robots is None else robots).items():
+        if robots is None:
+            robots = {"": (0.0, 0.0, 0.0) if start is None else start}
+        for name, pose in robots.items():
             self.add_robot(name, start=pose)
 
     # --- what there is ---
@@ -149,7 +158,7 @@ class Simulation(Handle):
         """Another robot, in the namespace of its name.
 
         parameters: values that differ from those of the simulation.
-        raises: ValueError for a name that is taken or none, unknown parameters, a start inside a wall.
+        raises: ValueError for a name that is taken or none, unknown parameters, a start inside a wall or another.
         """
         if name in self._robots or (self._robots and not name) or "" in self._robots:
             raise ValueError(f"robots must have names of their own, got {name!r} beside {sorted(self._robots)}")
@@ -164,6 +173,9 @@ class Simulation(Handle):
             raise ValueError(f"start must leave the robot room beside walls, got ({pose.x}, {pose.y}, {pose.yaw})")
         if not self._grid.is_free_disc(pose.x, pose.y, 0.0):
             raise ValueError(f"start must not be inside a wall, got ({pose.x}, {pose.y}, {pose.yaw})")
+        touched = None if shape is None else self._world.touched(shape, pose)
+        if touched is not None:
+            raise ValueError(f"start must leave the robot room beside {touched}, got ({pose.x}, {pose.y}, {pose.yaw})")
         namespace = f"/{name}"
         robot = MobileRobotSimulator(
             self._bus.create_node(robot_parameters.node_name, namespace=namespace),
@@ -192,6 +204,8 @@ class Simulation(Handle):
         way: a pose, waypoints (time, x, y, yaw), or a function of the time that gives the pose, as for `Obstacle`.
         name: what contacts call it; its number if not given.
         """
+        if not isinstance(shape, Shape):
+            raise TypeError(f"an obstacle's shape must be a Shape, got {type(shape).__name__}")
         obstacle = Obstacle(f"{len(self._world.obstacles) + 1}" if name is None else name, shape, way)
         self._world.place(obstacle)
         return obstacle
@@ -201,6 +215,8 @@ class Simulation(Handle):
 
         raises: ValueError for a fault that was added before, or one of a topic or robot that does not exist.
         """
+        if not isinstance(fault, Fault):
+            raise TypeError(f"a fault must be one of faults, got {type(fault).__name__}")
         fault.add_to(self, self._bus)
         self._faults.append(fault)
         return fault
@@ -222,6 +238,8 @@ class Simulation(Handle):
         raises: TimeoutError that says what was last seen, if it does not hold within `timeout` simulated seconds; ValueError
         for a timeout that is negative or not finite.
         """
+        if not callable(predicate):
+            raise TypeError(f"the predicate must be a function of the simulation, got {predicate!r}")
         began_ns = self._bus.time_ns
         end_ns = began_ns + _span(timeout, "the timeout")
         while not (answer := predicate(self)):
@@ -389,7 +407,7 @@ class Simulation(Handle):
         plot_drive(path, self._grid, first.truth.path[:, 1:], scan_points=points, laser_pose=tuple(pose))
 
     def close(self) -> None:
-        """Let go of recordings, callbacks and nodes; time no longer goes on."""
+        """Let go of recordings, callbacks and nodes; time no longer goes on. The second time, nothing happens."""
         self._bus.close()
 
     def __enter__(self) -> Simulation:

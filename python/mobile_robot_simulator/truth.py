@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,7 +80,8 @@ class Truth(Handle):
         return self._robot.motion.map_pose_at(self._time_ns(time))
 
     def _time_ns(self, time: float) -> int:
-        time_ns, first, now = round(time * NANOSECONDS), self._robot.motion.pieces[0].start_ns, self._world.now_ns()
+        first, now = self._robot.motion.pieces[0].start_ns, self._world.now_ns()
+        time_ns = round(time * NANOSECONDS) if math.isfinite(time) else -1
         if not first <= time_ns <= now:
             raise ValueError(f"the time must be in {first / NANOSECONDS:g}..{now / NANOSECONDS:g} s, got {time}")
         return time_ns

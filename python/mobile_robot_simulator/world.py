@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias
 
-from ._core import OccupancyGrid, Pose, Shape
+from ._core import OccupancyGrid, Pose, Shape, touches
 from .handles import Handle
 from .motion import Motion
 from .obstacles import Obstacle
@@ -95,8 +95,15 @@ class World(Handle):
         """What a robot met: the wall, or the thing of an index in `in_the_way`."""
         if index is None:
             return "a wall"
-        met = [other for other, _ in self._standing if other is not body][index]
-        return f"obstacle {met.name}" if isinstance(met, Obstacle) else f"robot {met.body_name}"
+        return _named([other for other, _ in self._standing if other is not body][index])
+
+    def touched(self, shape: Shape, pose: Pose) -> str | None:
+        """What a shape at a pose would touch now, but for walls; None if nothing."""
+        now = self.now_ns()
+        for other, placed in self._everybody(now, lambda body: body.motion.map_pose(now)):
+            if self.grid is not None and touches(self.grid, shape, pose, obstacles=[placed]):
+                return _named(other)
+        return None
 
     def seen_by(self, body: Body) -> list[Placed]:
         """All but the map that can be seen from a robot now, where it is now."""
@@ -153,3 +160,7 @@ class World(Handle):
         ]
         everybody += [(body, (body.footprint, pose_of(body))) for body in self._bodies if body.footprint is not None]
         return everybody
+
+
+def _named(other: Body | Obstacle) -> str:
+    return f"obstacle {other.name}" if isinstance(other, Obstacle) else f"robot {other.body_name}"

@@ -167,3 +167,58 @@ def test_a_request_that_is_changed_after_arrives_as_it_was(sim):
     position.x = 4.0
     sim.run_for(0.1)
     assert tuple(sim.pose) == (3.0, 2.0, 0.0)
+
+
+def test_closing_twice_does_no_harm(sim):
+    with sim:
+        sim.close()
+    with pytest.raises(RuntimeError, match="the simulation is closed"):
+        sim.run_for(1.0)
+
+
+GRID = mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=0.1)
+DISC = mrs.Shape.disc(0.2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"grid": np.zeros((5, 5), np.int8)}, TypeError, "the map must be an OccupancyGrid, got ndarray"),
+        ({"robots": ["one"]}, TypeError, "robots must be poses by the robots' names, got list"),
+        ({"start": (1, 1, 0), "robots": {"one": (2, 2, 0)}}, ValueError, "one of start and robots must be left out"),
+        ({"robots": {"one": (2, 2, 0), "two": (2.3, 2, 0)}}, ValueError, "start must leave the robot room beside robot one"),
+    ],
+)
+def test_what_makes_no_simulation_is_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        mrs.Simulation(**{"grid": GRID, **arguments})
+
+
+@pytest.mark.parametrize(
+    ("deed", "error", "message"),
+    [
+        (lambda sim: sim.run_until(True, 1.0), TypeError, "predicate must be a function of the simulation, got True"),
+        (lambda sim: sim.add_fault("drop"), TypeError, "a fault must be one of faults, got str"),
+        (lambda sim: sim.add_obstacle(0.2, (1, 1, 0)), TypeError, "an obstacle's shape must be a Shape, got float"),
+        (lambda sim: sim.add_obstacle(DISC, []), ValueError, "waypoints must be one or more, got none"),
+        (
+            lambda sim: sim.add_obstacle(DISC, lambda time: None, "cat"),
+            TypeError,
+            "way of obstacle cat must give poses .* None",
+        ),
+        (lambda sim: sim.truth.pose_at(float("inf")), ValueError, r"time must be in 0\.\.0 s, got inf"),
+    ],
+)
+def test_what_cannot_be_done_is_refused(sim, deed, error, message):
+    with pytest.raises(error, match=message):
+        deed(sim)
+        sim.run_for(1.0)
+
+
+def test_a_robot_starts_where_no_obstacle_is(sim):
+    sim = mrs.Simulation(GRID, robots={"one": (1, 1, 0)})
+    sim.add_obstacle(DISC, [(0.0, 3.0, 3.0, 0.0), (1.0, 4.0, 3.0, 0.0)], "cat")
+    with pytest.raises(ValueError, match="beside obstacle cat"):
+        sim.add_robot("two", start=(3.3, 3.0, 0.0))
+    sim.run_for(1.0)
+    sim.add_robot("two", start=(3.3, 3.0, 0.0))
