@@ -7,6 +7,9 @@ simulation in its own folder (tmp_path).
 
 from __future__ import annotations
 
+import difflib
+import math
+import os
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,18 +19,22 @@ import pytest
 
 # Nothing else is imported before a test asks for it: this module is loaded by each pytest where the package is installed.
 if TYPE_CHECKING:
-    from ._core import OccupancyGrid
-    from .messages import Message
+    from ._core import OccupancyGrid, Pose
     from .obstacles import PoseLike
     from .simulation import Simulation
+    from .spool import Spool
 
 MARKER = "simulator"
 KEYWORDS = ("map", "parameters", "seed", "start", "robots", "size", "resolution")
 KINDS = ("office", "corridor", "maze", "cave", "warehouse")
+PLAN_OPTIONS = ("size", "resolution")
 START_RADIUS = 0.3
-"""A start is drawn where a robot of this radius [m] has room."""
+"""A start is drawn where a robot of this radius [m] has room, or of its own if that is greater."""
+DRAWS = 100
+"""So many starts are drawn for a robot that is to have room beside others."""
 
-_ROOMS = pytest.StashKey["list[SimulationFactory]"]()
+_SEED = pytest.StashKey[int]()
+_FACTORIES = pytest.StashKey["list[SimulationFactory]"]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -59,7 +66,7 @@ def simulation(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Simul
     each robot's if `robots` are names only. The rest is as for `Simulation`. All are closed when the test ends.
     """
     factory = SimulationFactory(request, tmp_path)
-    request.node.stash.setdefault(_ROOMS, []).append(factory)
+    request.node.stash.setdefault(_FACTORIES, []).append(factory)
     yield factory
     factory.close()
 
@@ -72,13 +79,15 @@ def robot_world(simulation: SimulationFactory) -> Simulation:
 
 @pytest.fixture
 def floor_plan(request: pytest.FixtureRequest) -> Any:
-    """A factory of maps: `floor_plan(kind, seed=, size=, resolution=)`; the seed is the test's if left out."""
+    """A factory of maps: `floor_plan(kind, seed=, size=, resolution=)`; what is left out is as the marker says."""
     settings = _settings(request)
+    marked = settings.get("map")
+    usual = marked if marked in KINDS else "office"
 
-    def make(kind: str = "office", *, seed: int | None = None, **options: Any) -> OccupancyGrid:
+    def make(kind: str = usual, *, seed: int | None = None, **options: Any) -> OccupancyGrid:
         from .floor_plans import floor_plan
 
-        options = {**{name: settings[name] for name in ("size", "resolution") if name in settings}, **options}
+        options = {**{name: settings[name] for name in PLAN_OPTIONS if name in settings}, **options}
         return floor_plan(kind, seed=settings["seed"] if seed is None else seed, **options)
 
     return make
@@ -91,13 +100,13 @@ class SimulationFactory:
         self._settings = _settings(request)
         self._when: str = request.config.getoption("--simulator-record")
         self._folder = folder
-        self._made: list[tuple[Simulation, Path, list[tuple[str, Message, int]]]] = []
+        self._made: list[tuple[Simulation, Path, Spool]] = []
+        self._own_seeds: list[int] = []
 
     @property
-    def seed(self) -> int:
-        """The seed of this test."""
-        seed: int = self._settings["seed"]
-        return seed
+    def own_seeds(self) -> list[int]:
+        """Seeds of simulations that the test named itself."""
+        return self._own_seeds
 
     def __call__(
         self,
@@ -111,38 +120,39 @@ class SimulationFactory:
     ) -> Simulation:
         """A simulation."""
         from .simulation import Simulation
+        from .spool import Spool
 
         settings = self._settings
-        seed = settings["seed"] if seed is None else seed
-        robots = settings.get("robots") if robots is None else robots
+        if seed is None:
+            seed = settings["seed"]
+        else:
+            self._own_seeds.append(seed)
         start = settings.get("start") if start is None and robots is None else start
+        robots = settings.get("robots") if robots is None and start is None else robots
         grid = self._grid(settings.get("map", "office") if map is None else map, seed, plan)
-        names = [] if robots is None or isinstance(robots, Mapping) else list(robots)
-        poses = {name: _draw(grid, seed + index) for index, name in enumerate(names)}
-        made = Simulation(
-            grid,
-            parameters={**settings.get("parameters", {}), **(parameters or {})},
-            seed=seed,
-            start=start if start is not None or robots is not None else _draw(grid, seed),
-            robots=poses or robots,  # type: ignore[arg-type]
-        )
+        parameters = {**settings.get("parameters", {}), **(parameters or {})}
+        if robots is not None and not isinstance(robots, Mapping):
+            robots = _draw_all(grid, robots, parameters, seed)
+        elif robots is None and start is None:
+            start = _draw_all(grid, [""], parameters, seed)[""]
+        made = Simulation(grid, parameters=parameters, seed=seed, start=start, robots=robots)
         folder = self._folder / ("simulation" if not self._made else f"simulation-{len(self._made) + 1}")
-        messages: list[tuple[str, Message, int]] = []
+        spool = Spool(folder)
         if self._when != "never":
             made.picture = folder / "drive.png"
-            made.record(lambda topic, message, time_ns: messages.append((topic, message, time_ns)))
-        self._made.append((made, folder, messages))
+            made.record(spool.take)
+        self._made.append((made, folder, spool))
         return made
 
     def leave(self) -> list[str]:
         """Write recordings and pictures; says where they are, or why there is none."""
         lines = []
-        for made, folder, messages in self._made:
+        for made, folder, spool in self._made:
             if self._when == "never":
                 continue
             folder.mkdir(parents=True, exist_ok=True)
             try:
-                lines.append(f"recording: {_write(folder, messages)}")
+                lines.append(f"recording: {spool.leave()}")
             except Exception as error:
                 lines.append(f"no recording: {error}")
             try:
@@ -156,22 +166,32 @@ class SimulationFactory:
         """Close all simulations, and leave what is always left."""
         if self._when == "always":
             self.leave()
-        for made, _, messages in self._made:
+        for made, _, spool in self._made:
             made.close()
-            messages.clear()
+            spool.drop()
 
     def _grid(self, map: OccupancyGrid | str | Path, seed: int, plan: Mapping[str, Any]) -> OccupancyGrid:
+        unknown = [name for name in plan if name not in PLAN_OPTIONS]
+        if unknown:
+            raise TypeError(f"simulation takes {', '.join(KEYWORDS)}, got {', '.join(unknown)}")
+        if isinstance(map, str) and map in KINDS:
+            from .floor_plans import floor_plan
+
+            options = {name: value for name, value in self._settings.items() if name in PLAN_OPTIONS}
+            return floor_plan(map, seed=seed, **{**options, **plan})
+        if plan:
+            raise ValueError(f"{' and '.join(plan)} can be given for a floor plan only, got {map!r} for a map")
         if not isinstance(map, (str, Path)):
             return map
-        if str(map) not in KINDS:
-            from .maps import load_map
+        from .maps import load_map
 
+        try:
             return load_map(map)
-        from .floor_plans import floor_plan
-
-        options = {name: value for name, value in self._settings.items() if name in ("size", "resolution")}
-        options.update(plan)
-        return floor_plan(str(map), seed=seed, **options)
+        except FileNotFoundError as error:
+            near = difflib.get_close_matches(str(map), KINDS, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            kinds = f"no such map file, nor a floor plan of this kind ({', '.join(KINDS)}){hint}"
+            raise FileNotFoundError(error.errno, kinds, str(map)) from error
 
 
 @pytest.hookimpl(hookwrapper=True, tryfirst=True)
@@ -179,16 +199,21 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     """Add to the report of a failure what repeats it, and what was left to look at."""
     outcome: Any = yield
     report: pytest.TestReport = outcome.get_result()
-    factories = item.stash.get(_ROOMS, [])
-    if not report.failed or not factories:
+    seed = item.stash.get(_SEED, None)
+    if not report.failed or seed is None:
         return
-    for factory in factories:
-        lines = [
-            f"seed: {factory.seed}",
-            f"repeat with: pytest {shlex.quote(item.nodeid)} --simulator-seed {factory.seed}",
-            *(factory.leave() if report.when != "teardown" else []),
-        ]
-        report.sections.append(("mobile robot simulator", "\n".join(lines)))
+    factories = item.stash.get(_FACTORIES, [])
+    own = sorted({str(own) for factory in factories for own in factory.own_seeds} - {str(seed)})
+    # The item's name begins at the root of the tests, the command where pytest was called.
+    path = os.path.relpath(item.path, item.config.invocation_params.dir)
+    node = shlex.quote("::".join([path, *item.nodeid.split("::")[1:]]))
+    lines = [
+        f"seed: {seed}" + (f"; the test itself gives {', '.join(own)}" if own else ""),
+        f"repeat with: pytest {node} --simulator-seed {seed}",
+    ]
+    if report.when != "teardown":
+        lines += [line for factory in factories for line in factory.leave()]
+    report.sections.append(("mobile robot simulator", "\n".join(lines)))
 
 
 def _settings(request: pytest.FixtureRequest) -> dict[str, Any]:
@@ -202,6 +227,7 @@ def _settings(request: pytest.FixtureRequest) -> dict[str, Any]:
         settings = {**marker.kwargs, **settings}
     given = request.config.getoption("--simulator-seed")
     settings["seed"] = given if given is not None else settings.get("seed", 0)
+    request.node.stash[_SEED] = settings["seed"]
     return settings
 
 
@@ -211,14 +237,22 @@ def _seed(text: str) -> int:
     return int(text)
 
 
-def _draw(grid: OccupancyGrid, seed: int) -> PoseLike:
-    return grid.draw_free_pose(radius=START_RADIUS, seed=seed)
+def _draw_all(grid: OccupancyGrid, names: Sequence[str], parameters: Mapping[str, Any], seed: int) -> dict[str, PoseLike]:
+    """A start for each of some robots, with room for its footprint and apart from the others."""
+    from .parameters import RobotParameters, for_node
+    from .robots import of_namespace
 
-
-def _write(folder: Path, messages: list[tuple[str, Message, int]]) -> Path:
-    from .recording import Recorder
-
-    with Recorder(folder, overwrite=True) as recorder:
-        for topic, message, time_ns in messages:
-            recorder.write(topic, message, time_ns)
-    return recorder.path
+    if isinstance(names, str) or len(set(names)) < len(names):
+        raise ValueError(f"robots must have names of their own, got {names!r}")
+    placed: dict[str, tuple[Pose, float]] = {}
+    for index, name in enumerate(names):
+        shape = for_node(RobotParameters, of_namespace(name, parameters)).shape
+        reach = START_RADIUS if shape is None else max(START_RADIUS, shape.reach)
+        for draw in range(DRAWS):
+            pose = grid.draw_free_pose(radius=reach, seed=(seed + index + draw * len(names)) % 2**64)
+            if all(math.hypot(pose.x - other.x, pose.y - other.y) > reach + far for other, far in placed.values()):
+                break
+        else:
+            raise ValueError(f"no room was found for robot {name} beside {', '.join(placed)}: give robots their poses")
+        placed[name] = pose, reach
+    return {name: pose for name, (pose, _) in placed.items()}

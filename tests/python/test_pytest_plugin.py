@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -178,3 +180,99 @@ def test_lazy():
     assert "pydantic" not in loaded and "PIL" not in loaded and "yaml" not in loaded and "matplotlib" not in loaded
 """
     run(code).assert_outcomes(passed=1)
+
+
+def test_the_command_repeats_the_failure_from_where_pytest_was_called(pytester):
+    code = ROOM + FAILING + "    assert sim.seed == 1\n"
+    code = code.replace("def test_fails", '@pytest.mark.parametrize("name", ["it\'s [a] b"])\ndef test_fails').replace(
+        "(simulation):", "(simulation, name):"
+    )
+    folder = pytester.mkdir("deep")
+    (folder / "test_deep.py").write_text(code, encoding="utf-8")
+    pytester.makeini("[pytest]\n")
+    for where, path, options in ((pytester.path, "deep/test_deep.py", []), (folder, "test_deep.py", ["-n", "1"])):
+        os.chdir(where)
+        result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--simulator-seed", "3", *options, timeout=120)
+        (command,) = (line for line in result.outlines if line.startswith("repeat with: pytest "))
+        words = shlex.split(command.removeprefix("repeat with: pytest "))
+        assert words[0].startswith(f"{path}::test_fails[")
+        again = pytester.runpytest_subprocess(*words, timeout=120)
+        again.assert_outcomes(failed=1)
+        assert command in again.outlines
+
+
+def test_a_failure_with_a_floor_plan_only_names_its_seed(run):
+    result = run("def test_plan(floor_plan):\n    assert floor_plan('maze') is None\n", "--simulator-seed", "5")
+    assert "seed: 5" in result.outlines and any(line.endswith("::test_plan --simulator-seed 5") for line in result.outlines)
+
+
+def test_seeds_that_a_test_names_itself_are_told_too(run):
+    code = """
+def test_fails(simulation):
+    for seed in (0, 7, 8):
+        simulation(room(), seed=seed)
+    assert False
+"""
+    assert "seed: 0; the test itself gives 7, 8" in run(code, "--simulator-record", "never").outlines
+
+
+def test_floor_plans_are_of_the_kind_that_the_marker_says(run):
+    code = """
+@pytest.mark.simulator(map="maze", size=(10.0, 9.0), seed=4)
+def test_maze(floor_plan):
+    maze = mrs.floor_plan("maze", size=(10.0, 9.0), seed=4)
+    assert np.array_equal(floor_plan().cells, maze.cells)
+    assert not np.array_equal(floor_plan("cave").cells, maze.cells)
+"""
+    run(code).assert_outcomes(passed=1)
+
+
+def test_robots_are_drawn_where_their_footprints_have_room(run):
+    # Of these draws, drawn for a radius of 0.3 m and each by itself, several begin in walls and in one another.
+    code = """
+@pytest.mark.parametrize("seed", range(20))
+def test_big(simulation, seed):
+    sim = simulation("office", seed=seed, parameters={"footprint": [[-0.6, -0.2], [0.6, -0.2], [0.6, 0.2], [-0.6, 0.2]]})
+    assert sim.truth.clearance > 0.0
+
+@pytest.mark.parametrize("seed", range(40))
+def test_many(simulation, seed):
+    sim = simulation("maze", seed=seed, size=(8.0, 8.0), robots=["one", "two", "three", "four", "five"])
+    assert all(robot.truth.clearance > 0.0 for robot in sim.robots.values())
+
+def test_too_many(simulation):
+    with pytest.raises(ValueError, match="no room was found for robot .* beside r0, r1, r2"):
+        simulation("maze", size=(8.0, 8.0), robots=[f"r{number}" for number in range(200)])
+"""
+    run(code).assert_outcomes(passed=61)
+
+
+def test_what_makes_no_simulation_is_refused(run):
+    code = """
+import os
+import re
+import shlex
+
+@pytest.mark.parametrize(("map", "options", "error", "message"), [
+    (None, {"sise": 3}, TypeError, "simulation takes map, parameters, seed, start, robots, size, resolution, got sise"),
+    (room(), {"size": (9, 9)}, ValueError, "size can be given for a floor plan only"),
+    ("ofice", {}, FileNotFoundError, "nor a floor plan of this kind (office, corridor, maze"),
+    ("ofice", {}, FileNotFoundError, "did you mean 'office'?"),
+    ("lost.yaml", {}, FileNotFoundError, "no such map file"),
+    (None, {"robots": ["one", "one"]}, ValueError, "robots must have names of their own"),
+    (None, {"robots": "one"}, ValueError, "robots must have names of their own, got 'one'"),
+    (room(), {"robots": {"one": (1, 1, 0)}, "start": (1, 1, 0)}, ValueError, "one of start and robots must be left out"),
+])
+def test_refused(simulation, map, options, error, message):
+    with pytest.raises(error, match=re.escape(message)):
+        simulation(map, **options)
+
+@pytest.mark.simulator(map=room(), start=(1, 1, 0))
+def test_the_nearer_of_start_and_robots_counts(simulation):
+    assert list(simulation(robots={"one": (2, 2, 0)}).robots) == ["one"]
+
+@pytest.mark.simulator(map=room(), robots=["one"])
+def test_the_nearer_of_robots_and_start_counts(simulation):
+    assert list(simulation(start=(2, 2, 0)).robots) == [""]
+"""
+    run(code).assert_outcomes(passed=10)
