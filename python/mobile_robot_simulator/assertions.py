@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from .faults import check_at_least_0
 from .messages import LaserScan, Message
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def assert_reaches(
     __tracebackhide__ = True
     if len(goal) not in (2, 3) or not all(map(math.isfinite, goal)):
         raise ValueError(f"goal must be two or three finite numbers, got {goal}")
+    check_at_least_0(tolerance=tolerance, yaw_tolerance=yaw_tolerance)
     one, began = sim.named(robot), sim.time
 
     def there(sim: Simulation) -> bool:
@@ -115,7 +117,8 @@ def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, to
     __tracebackhide__ = True
     if not 0.0 < hz < math.inf:
         raise ValueError(f"the rate must be positive and finite, got {hz} Hz")
-    if hz * over < 2.0:
+    check_at_least_0(tolerance=tolerance)
+    if not 2.0 <= hz * over < math.inf:
         raise ValueError(f"a rate of {hz:g} Hz needs more than {over:g} s to be seen: give over")
     sim.latest(topic)
     began, times = sim.time, []
@@ -153,9 +156,12 @@ def assert_scan_close(
     raises: AssertionError with the number of beams that are not, and the worst; ValueError for scans of different lengths.
     """
     __tracebackhide__ = True
+    check_at_least_0(tolerance=tolerance)
+    if not 0.0 < share <= 1.0:
+        raise ValueError(f"the share must be above 0 and at most 1, got {share}")
     left, right = (np.asarray(scan.ranges if isinstance(scan, LaserScan) else scan, np.float64) for scan in (a, b))
-    if left.ndim != 1 or left.shape != right.shape:
-        raise ValueError(f"scans must have as many beams as each other, got shapes {left.shape} and {right.shape}")
+    if left.ndim != 1 or left.shape != right.shape or not left.size:
+        raise ValueError(f"scans must have beams, and as many as each other, got shapes {left.shape} and {right.shape}")
     same = (left == right) | (np.isnan(left) & np.isnan(right))
     with np.errstate(invalid="ignore"):
         off = np.where(same, 0.0, np.abs(left - right))

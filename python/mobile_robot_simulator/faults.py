@@ -13,7 +13,8 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from operator import index
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -29,21 +30,30 @@ if TYPE_CHECKING:
 
 TOPIC = "/faults"
 
+F = TypeVar("F", bound="Fault")
+
 Copies = list[tuple[int, Message]] | None
+
+
+def check_at_least_0(**values: float) -> None:
+    """Refuse what is negative or not finite, by its name."""
+    for name, value in values.items():
+        if not 0.0 <= value < math.inf:
+            raise ValueError(f"{name} must be finite and at least 0, got {value}")
 
 
 class Fault(Handle):
     """Something that goes wrong for a while.
 
     start, end: when [s]. seed: names what is drawn.
-    raises: ValueError for times that are none, or an end before the start.
+    raises: ValueError for times that are none, or an end before the start; TypeError for a seed that is no whole number.
     """
 
     def __init__(self, *, start: float = 0.0, end: float = math.inf, seed: int = 0) -> None:
         if not (0.0 <= start < math.inf and start < end):
             raise ValueError(f"a fault must start at 0 s or later and end after that, got start {start} and end {end}")
         self.start, self.end = start, end
-        self._random = random.Random(seed)  # documented to give the same numbers everywhere
+        self._random = random.Random(index(seed))  # documented to give the same numbers everywhere
         self._bus: Bus | None = None
 
     def add_to(self, simulation: Simulation, bus: Bus) -> None:
@@ -69,6 +79,13 @@ class Fault(Handle):
         """Be as if never added: what it planned is gone from the bus."""
         self._bus = None
 
+    @property
+    def acts(self) -> bool:
+        """Whether it acts now."""
+        if self._bus is None or self._bus.time_ns < _nanoseconds(self.start):
+            return False
+        return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
+
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         """Find what there is to act on, and plan when."""
         raise NotImplementedError
@@ -81,11 +98,14 @@ class Fault(Handle):
     def _plan(self, bus: Bus, time: float, act: Callable[[], None]) -> None:
         """Have something happen at a time, at once if it has passed, never if it is infinite."""
         if time < math.inf:
-            bus.schedule(max(bus.time_ns, round(time * NANOSECONDS)), act)
+            bus.schedule(max(bus.time_ns, _nanoseconds(time)), act)
 
 
 class MessageFault(Fault):
     """Something that goes wrong with the messages of a topic, each with a probability."""
+
+    needs: type[Message] = Message
+    """What the topic must carry."""
 
     def __init__(
         self, topic: str, *, probability: float = 1.0, start: float = 0.0, end: float = math.inf, seed: int = 0
@@ -101,14 +121,15 @@ class MessageFault(Fault):
 
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         simulation.latest(self.topic)
+        carried = next(topic.msg_type for topic in bus.topics() if topic.name == self.topic)
+        if not issubclass(carried, self.needs):
+            raise TypeError(
+                f"{type(self).__name__} needs a topic of {self.needs.__name__}, {self.topic} carries {carried.__name__}"
+            )
         bus.filters.append(self._filter)
 
     def _filter(self, topic: str, message: Message) -> Copies:
-        if (
-            topic != self.topic
-            or self._bus is None
-            or not self.start * NANOSECONDS <= self._bus.time_ns < self.end * NANOSECONDS
-        ):
+        if topic != self.topic or not self.acts:
             return None
         if self.probability < 1.0 and self._random.random() >= self.probability:
             return self.pass_by(message)
@@ -133,7 +154,7 @@ class Delay(MessageFault):
 
     def __init__(self, topic: str, seconds: float, *, jitter: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
-        _check_at_least_0(seconds=seconds, jitter=jitter)
+        check_at_least_0(seconds=seconds, jitter=jitter)
         self.seconds, self.jitter = seconds, jitter
 
     def change(self, message: Message) -> Copies:
@@ -148,7 +169,7 @@ class Duplicate(MessageFault):
 
     def __init__(self, topic: str, *, after: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
-        _check_at_least_0(after=after)
+        check_at_least_0(after=after)
         self.after = after
 
     def change(self, message: Message) -> Copies:
@@ -193,16 +214,18 @@ class Blackout(Drop):
 class StuckRanges(MessageFault):
     """A scanner whose ranges stay what they were when it began, under stamps that go on."""
 
+    needs = LaserScan
+
     def __init__(self, topic: str = "/scan", **options: Any) -> None:
         super().__init__(topic, **options)
         self._first: LaserScan | None = None
 
     def change(self, message: Message) -> Copies:
         """The scan goes out with the ranges of the first."""
-        scan = _scan(message, self)
-        self._first = self._first or scan
+        assert isinstance(message, LaserScan)
+        self._first = self._first or message
         self._note(f"ranges of {self.topic} stuck")
-        return [(0, replace(scan, ranges=self._first.ranges))]
+        return [(0, replace(message, ranges=self._first.ranges))]
 
 
 class BlockedSector(MessageFault):
@@ -211,28 +234,33 @@ class BlockedSector(MessageFault):
     Nearer than the scanner's least range they read -inf, as REP-117 has it.
     """
 
+    needs = LaserScan
+
     def __init__(
         self, first_angle: float, last_angle: float, *, distance: float = 0.0, topic: str = "/scan", **options: Any
     ) -> None:
         super().__init__(topic, **options)
         if not first_angle < last_angle:
             raise ValueError(f"the last angle must be greater than the first, got {first_angle} and {last_angle}")
-        _check_at_least_0(distance=distance)
+        check_at_least_0(distance=distance)
         self.first_angle, self.last_angle, self.distance = first_angle, last_angle, distance
 
     def change(self, message: Message) -> Copies:
         """The scan goes out with other ranges in the sector."""
-        scan = _scan(message, self)
-        angles = scan.angle_min + np.arange(len(scan.ranges)) * scan.angle_increment
+        assert isinstance(message, LaserScan)
+        angles = message.angle_min + np.arange(len(message.ranges)) * message.angle_increment
         blocked = (self.first_angle <= angles) & (angles <= self.last_angle)
-        reading = self.distance if self.distance >= scan.range_min else -math.inf
+        reading = self.distance if self.distance >= message.range_min else -math.inf
         self._note(f"{int(blocked.sum())} beams of {self.topic} blocked")
-        ranges = np.where(blocked, np.minimum(scan.ranges, np.float32(reading)), scan.ranges).astype(np.float32)
-        return [(0, replace(scan, ranges=ranges))]
+        ranges = np.where(blocked, np.minimum(message.ranges, np.float32(reading)), message.ranges).astype(np.float32)
+        return [(0, replace(message, ranges=ranges))]
 
 
 class Slip(Fault):
-    """Wheels that slip: a robot moves by this share less than they turn, of which its odometry knows nothing."""
+    """Wheels that slip: a robot moves by this share less than they turn, of which its odometry knows nothing.
+
+    What several let pass at one time is multiplied.
+    """
 
     def __init__(self, share: float, *, robot: str | None = None, **options: Any) -> None:
         super().__init__(**options)
@@ -242,10 +270,12 @@ class Slip(Fault):
 
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         robot = simulation.named(self.robot)
-        self._plan(bus, self.start, partial(self._slip, robot, self.share))
-        self._plan(bus, self.end, partial(self._slip, robot, 0.0))
+        for time in (self.start, self.end):
+            self._plan(bus, time, partial(self._slip, simulation, robot))
 
-    def _slip(self, robot: SimulatedRobot, share: float) -> None:
+    def _slip(self, simulation: Simulation, robot: SimulatedRobot) -> None:
+        shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot) is robot]
+        share = shares[0] if len(shares) == 1 else 1.0 - math.prod(1.0 - share for share in shares)
         robot.robot.slip(share)
         self._note(f"{robot.name or 'the robot'} slips by {share:g}")
 
@@ -254,7 +284,7 @@ class OdometryDrift(Fault):
     """Odometry that errs by the velocity motion model of Probabilistic Robotics, table 5.3, and says how far.
 
     alphas: alpha1 to alpha6. Instead of the parameter odometry_alphas; from the end on odometry is exact again, as seen from
-    where the robot is by then.
+    where the robot is by then. raises: ValueError when added, if another is to act on the robot at the same time.
     """
 
     def __init__(self, alphas: Sequence[float], *, robot: str | None = None, seed: int = 0, **options: Any) -> None:
@@ -265,6 +295,12 @@ class OdometryDrift(Fault):
 
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         robot = simulation.named(self.robot)
+        for other in simulation.faults:
+            same = isinstance(other, OdometryDrift) and simulation.named(other.robot) is robot
+            if same and other.start < self.end and self.start < other.end:
+                raise ValueError(
+                    f"odometry can drift in one way at a time, and does from {other.start:g} s to {other.end:g} s already"
+                )
         self._plan(bus, self.start, partial(self._drift, robot, drifts=True))
         self._plan(bus, self.end, partial(self._drift, robot, drifts=False))
 
@@ -301,7 +337,10 @@ class Startable(Protocol):
 
 
 class Outage(Fault):
-    """A node that stops and comes back: "robot", which stands still meanwhile, "laser" or "map_server"."""
+    """A node that stops and comes back: "robot", which stands still meanwhile, "laser" or "map_server".
+
+    Of several that overlap, the last to end brings it back.
+    """
 
     def __init__(self, node: str, *, robot: str | None = None, start: float = 0.0, end: float = math.inf) -> None:
         super().__init__(start=start, end=end)
@@ -312,24 +351,25 @@ class Outage(Fault):
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         robot = simulation.named(self.robot)
         nodes: dict[str, Startable] = {"robot": robot.robot, "laser": robot.laser, "map_server": simulation.map_server}
-        self._plan(bus, self.start, partial(self._switch, nodes[self.node], on=False))
-        self._plan(bus, self.end, partial(self._switch, nodes[self.node], on=True))
+        self._node = nodes[self.node]
+        self._plan(bus, self.start, self._stop)
+        self._plan(bus, self.end, partial(self._come_back, simulation))
 
-    def _switch(self, node: Startable, *, on: bool) -> None:
-        if on:
-            node.start()
-        else:
-            node.stop()
-        self._note(f"{self.node} {'is back' if on else 'stops'}")
+    def _stop(self) -> None:
+        self._node.stop()
+        self._note(f"{self.node} stops")
 
-
-def _check_at_least_0(**values: float) -> None:
-    for name, value in values.items():
-        if not 0.0 <= value < math.inf:
-            raise ValueError(f"{name} must be finite and at least 0, got {value}")
+    def _come_back(self, simulation: Simulation) -> None:
+        if any(fault._node is self._node for fault in _acting(simulation, Outage)):
+            return
+        self._node.start()
+        self._note(f"{self.node} is back")
 
 
-def _scan(message: Message, fault: MessageFault) -> LaserScan:
-    if not isinstance(message, LaserScan):
-        raise TypeError(f"{type(fault).__name__} needs a topic of LaserScan, {fault.topic} carries {type(message).__name__}")
-    return message
+def _nanoseconds(time: float) -> int:
+    return round(time * NANOSECONDS)
+
+
+def _acting(simulation: Simulation, kind: type[F]) -> list[F]:
+    """The faults of a kind that act now."""
+    return [fault for fault in simulation.faults if isinstance(fault, kind) and fault.acts]

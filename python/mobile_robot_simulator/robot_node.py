@@ -84,6 +84,8 @@ class MobileRobotSimulator(Handle):
         self._first_pose = start_pose or Pose()
         self._running: Handles | None = None
         self._footprint = self._parameters.shape
+        self._slipping = 0.0
+        self._drifting: tuple[MotionNoise | None, int] = (None, 0)
         self.reset()
         self._world.join(self)
 
@@ -128,13 +130,19 @@ class MobileRobotSimulator(Handle):
         return self._motion.distance(self._world.now_ns())
 
     def reset(self) -> None:
-        """Put the robot back to where it was at first, at rest, with odometry as it was then and no distance driven."""
+        """Put the robot back to where it was at first, at rest, with odometry as it was then and no distance driven.
+
+        What has it slip or drift goes on.
+        """
         now, parameters, first = self._world.now_ns(), self._parameters, self._first_pose
         frames = (first, Pose()) if parameters.publish_map_transform else (Pose(), first)
         self._motion = self._motion_from(now, *frames)
-        alphas = parameters.odometry_alphas
-        noise = None if alphas is None else noise_of(alphas)
-        self._odometer = Odometer(frames[1], now, noise=noise, seed=parameters.odometry_seed)
+        if self._slipping:
+            self._motion.slip(self._slipping, now)
+        alphas, (noise, seed) = parameters.odometry_alphas, self._drifting
+        if noise is None and alphas is not None:
+            noise, seed = noise_of(alphas), parameters.odometry_seed
+        self._odometer = Odometer(frames[1], now, noise=noise, seed=seed)
         self._believed = frames[1]
         self._world.changed()
 
@@ -182,11 +190,12 @@ class MobileRobotSimulator(Handle):
 
     def slip(self, share: float) -> None:
         """From now on, have the robot move by this share less than its wheels turn, of which odometry knows nothing."""
+        self._slipping = share
         self._motion.slip(share, self._world.now_ns())
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """From now on, have odometry err so; as sure of where it is now as it was at first."""
-        now = self._world.now_ns()
+        now, self._drifting = self._world.now_ns(), (noise, seed)
         self._odometer = Odometer(self._motion.wheels(now), now, noise=noise, seed=seed)
 
     def start(self) -> None:

@@ -6,7 +6,7 @@ import copy
 import difflib
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -113,6 +113,11 @@ class Simulation(Handle):
     def robots(self) -> Mapping[str, SimulatedRobot]:
         """The robots by their names; the one robot of a simulation without names is called ''."""
         return dict(self._robots)
+
+    @property
+    def faults(self) -> Sequence[Fault]:
+        """The faults added so far."""
+        return tuple(self._faults)
 
     @property
     def robot(self) -> MobileRobotSimulator:

@@ -123,7 +123,7 @@ def test_scans():
     assert "beam 3 at -0.942 rad" in message(assert_scan_close, scan, other, tolerance=0.1)
     assert_scan_close(scan, other, tolerance=0.1, share=0.9)
     assert_scan_close(scan, other, tolerance=0.26)
-    with pytest.raises(ValueError, match="as many beams"):
+    with pytest.raises(ValueError, match="as many as each other"):
         assert_scan_close(scan, other[:5])
 
 
@@ -143,3 +143,27 @@ def test_bad_arguments_are_refused():
         assert_clearance(sim, 0.0)
     with pytest.raises(ValueError, match="unknown robot 'x'"):
         assert_no_contact(sim, robot="x")
+
+
+@pytest.mark.parametrize("tolerance", [math.nan, -0.1, math.inf])
+def test_tolerances_that_would_pass_or_fail_anything_are_refused(tolerance):
+    sim, ones = simulation(), np.ones(3, np.float32)
+    for call in (
+        lambda: assert_reaches(sim, (2.0, 2.0), 1.0, tolerance=tolerance),
+        lambda: assert_reaches(sim, (2.0, 2.0, 0.0), 1.0, yaw_tolerance=tolerance),
+        lambda: assert_rate(sim, "/odom", 10.0, tolerance=tolerance),
+        lambda: assert_scan_close(ones, 2 * ones, tolerance=tolerance),
+    ):
+        with pytest.raises(ValueError, match="tolerance must be finite and at least 0"):
+            call()
+
+
+@pytest.mark.parametrize("share", [0.0, -1.0, 1.1, math.nan])
+def test_shares_of_beams_that_are_none_are_refused(share):
+    with pytest.raises(ValueError, match="share must be above 0 and at most 1"):
+        assert_scan_close(np.ones(3, np.float32), np.zeros(3, np.float32), share=share)
+
+
+def test_scans_without_beams_are_refused():
+    with pytest.raises(ValueError, match="must have beams"):
+        assert_scan_close(np.zeros(0, np.float32), np.zeros(0, np.float32))

@@ -258,7 +258,59 @@ def test_a_fault_is_added_once(sim):
         simulation().add_fault(fault)
 
 
-def test_a_scanners_fault_needs_scans(sim):
-    sim.add_fault(faults.StuckRanges("/odom"))
+@pytest.mark.parametrize(
+    "make", [lambda: faults.StuckRanges("/odom"), lambda: faults.BlockedSector(0.0, 1.0, topic="/odom")]
+)
+def test_a_scanners_fault_needs_scans(sim, make):
     with pytest.raises(TypeError, match="needs a topic of LaserScan, /odom carries Odometry"):
-        sim.run_for(1.0)
+        sim.add_fault(make())
+    sim.run_for(1.0)
+
+
+@pytest.mark.parametrize("seed", [None, "1", 1.0])
+def test_a_fault_without_a_seed_would_not_repeat(seed):
+    with pytest.raises(TypeError, match="interpreted as an integer"):
+        faults.Drop("/odom", seed=seed)
+
+
+def test_slips_that_overlap_are_multiplied_and_end_each_by_itself(sim):
+    drive(sim, 0.5)
+    sim.add_fault(faults.Slip(0.5, start=0.5, end=3.1))
+    sim.add_fault(faults.Slip(0.2, start=1.1, end=2.1))
+    speeds = []
+    for seconds in (0.2, 0.4, 1.0, 1.0, 1.0):
+        sim.run_for(seconds)
+        speeds.append(sim.truth.velocity[0])
+    assert speeds == pytest.approx([0.5, 0.25, 0.2, 0.25, 0.5])
+
+
+def test_a_node_comes_back_after_the_last_of_its_outages(sim):
+    sim.add_fault(faults.Outage("laser", start=0.55, end=2.1))
+    sim.add_fault(faults.Outage("laser", start=0.75, end=1.1))
+    sim.add_fault(faults.Outage("robot", start=0.85, end=3.0))
+    times = [time for time, _ in arrivals(sim, "/scan", 2.4)]
+    assert times == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 2.2, 2.3, 2.4])
+
+
+def test_odometry_drifts_in_one_way_at_a_time(sim):
+    alphas = (0.1,) * 6
+    sim.add_fault(faults.OdometryDrift(alphas, start=1.0, end=2.0))
+    sim.add_fault(faults.OdometryDrift(alphas, start=2.0, end=3.0))
+    with pytest.raises(ValueError, match="does from 1 s to 2 s already"):
+        sim.add_fault(faults.OdometryDrift(alphas, start=1.5))
+    assert len(sim.faults) == 2
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.2])
+def test_a_reset_ends_no_fault(radius):
+    sim = simulation(robot_radius=radius)
+    sim.add_fault(faults.Slip(0.4, end=3.0))
+    sim.add_fault(faults.OdometryDrift((0.1,) * 6, end=3.0))
+    sim.run_for(1.0)
+    sim.reset()
+    drive(sim, 0.5)
+    sim.run_for(1.0)
+    assert sim.truth.velocity[0] == pytest.approx(0.3) and sim.pose.x == pytest.approx(5.3)
+    assert sim.latest("/odom").pose.covariance[0] > 1e-6
+    sim.run_for(1.5)
+    assert sim.truth.velocity[0] == pytest.approx(0.5) and sim.latest("/odom").pose.covariance[0] < 1e-6
