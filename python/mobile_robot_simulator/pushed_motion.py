@@ -162,7 +162,7 @@ class PushedMotion(Motion):
         elif reached == start:
             self._take_up(STANDING, command, from_ns)
         else:  # along what it met, or out of what came over it
-            vx, vy, wz = start.twist_to(end, dt)
+            vx, vy, wz = start.twist_to(reached, dt)
             held = (vx / rest, vy / rest, wz / rest) if rest else wanted
             self._begin(from_ns, held, to_ns)
             self._begin(to_ns, held, FOREVER, pose=end)

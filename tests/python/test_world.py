@@ -149,6 +149,29 @@ def test_a_polygon_that_moves_is_seen_by_the_closed_form():
         assert ranges(sim)[30:32].min() == pytest.approx(1.9 + 0.5 * sim.time, rel=2e-3)
 
 
+@pytest.mark.parametrize("limits", [{}, {"acceleration_limits": (2.0, 2.0, 2.0)}])
+@pytest.mark.parametrize("map_transform", [True, False])
+def test_what_slides_is_as_fast_as_it_moves(limits, map_transform):
+    """Headed into the lower wall at 0.4 rad, far from the origin: along it remains the cosine's share."""
+    start = (4.0, 0.6, -0.4)
+    sim = simulation(start, robot_radius=0.3, contact="slide", publish_map_transform=map_transform, **limits)
+    drive(sim, 0.5)
+    sim.run_for(3.0)
+    speeds = []
+    for _ in range(7):
+        before = sim.truth.pose
+        sim.run_for(0.033)
+        after, (vx, vy, wz) = sim.truth.pose, sim.truth.velocity
+        speeds.append((after.x - before.x) / 0.033)
+        assert math.hypot(vx, vy) == pytest.approx(speeds[-1], rel=0.02 if limits else 1e-6)
+        assert wz == pytest.approx(0.0, abs=1e-9)
+        assert sim.truth.path[-1, 1:] == pytest.approx(tuple(after), abs=1e-9)
+    if not limits:
+        assert speeds == pytest.approx([0.5 * math.cos(0.4)] * 7)
+    steps = np.diff(sim.truth.path[:, 1:3], axis=0)
+    assert sim.truth.distance == pytest.approx(np.hypot(*steps.T).sum())
+
+
 def test_an_obstacle_on_whole_cells_looks_like_the_grid():
     sim = simulation(start=(10.0, 10.0, 0.1))
     sim.add_obstacle(mrs.Shape.rectangle(0.5, 0.3), (12.25, 10.45, 0.0))
