@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from .clock import NANOSECONDS
 from .faults import check_at_least_0
 from .messages import LaserScan, Message
 
@@ -64,7 +65,7 @@ def assert_reaches(
     )
     if distances[nearest] <= tolerance:
         text += f"; yaw {goal[2]:g} was wanted to {yaw_tolerance:g} rad"
-    contacts = [contact for contact in one.robot.motion.contacts if contact.time >= began]
+    contacts = [contact for contact in one.robot.motion.met(round(sim.time * NANOSECONDS)) if contact.time >= began]
     if contacts:
         text += f"; on its way it {_touched(contacts[0])}"
     _fail(sim, text)

@@ -87,6 +87,14 @@ class Motion:
         moving = max(0, min(time_ns, piece.until_ns) - piece.start_ns) / NANOSECONDS
         return piece.pose.integrate(piece.velocity, moving).wrapped()
 
+    def way(self, time_ns: int) -> list[Piece]:
+        """The way up to a time that has come."""
+        return self.pieces
+
+    def met(self, time_ns: int) -> list[ContactEvent]:
+        """The contacts up to a time that has come."""
+        return self.contacts
+
     def wheels(self, time_ns: int) -> Pose:
         """Where the robot would be had its wheels never slipped, in the motion's own frame."""
         if self._wheels is None:

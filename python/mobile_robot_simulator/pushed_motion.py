@@ -8,7 +8,7 @@ from typing import Literal
 
 from ._core import Limits, Pose, advance
 from .clock import NANOSECONDS
-from .motion import FOREVER, STANDING, ContactEvent, Motion, Velocity
+from .motion import FOREVER, STANDING, ContactEvent, Motion, Piece, Velocity
 from .world import Body, World
 
 Mode = Literal["stop", "slide", "report"]
@@ -61,6 +61,18 @@ class PushedMotion(Motion):
     def pose(self, time_ns: int) -> Pose:
         """Where the robot is, in the motion's own frame."""
         return super().pose(time_ns) if time_ns <= self._stepped_ns else Motion.pose(self._at(time_ns), time_ns)
+
+    def map_pose_at(self, time_ns: int) -> Pose:
+        """Where the robot was in the map at a time past."""
+        return super().map_pose_at(time_ns) if time_ns <= self._stepped_ns else self.map_pose(time_ns)
+
+    def way(self, time_ns: int) -> list[Piece]:
+        """The way up to a time that has come."""
+        return self.pieces if time_ns <= self._stepped_ns else self.pieces + self._at(time_ns).pieces
+
+    def met(self, time_ns: int) -> list[ContactEvent]:
+        """The contacts up to a time that has come."""
+        return self.contacts if time_ns <= self._stepped_ns else self.contacts + self._at(time_ns).contacts
 
     def wheels(self, time_ns: int) -> Pose:
         """Where the robot would be had its wheels never slipped, in the motion's own frame."""

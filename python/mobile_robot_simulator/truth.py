@@ -57,8 +57,7 @@ class Truth(Handle):
         """Contacts that began so far. raises: ValueError if the robot has no footprint."""
         if self._robot.footprint is None:
             raise ValueError("contacts need a footprint: give the parameter robot_radius or footprint")
-        self._world.now_ns()
-        return list(self._robot.motion.contacts)
+        return list(self._robot.motion.met(self._world.now_ns()))
 
     @property
     def clearance(self) -> float:
@@ -98,7 +97,8 @@ class Truth(Handle):
         A point at each change of velocity, and at least one each tenth of a second in between; exact at each. Where the
         robot was put elsewhere there are two points at one time.
         """
-        pieces, now = self._robot.motion.pieces, self._world.now_ns()
+        now = self._world.now_ns()
+        pieces = self._robot.motion.way(now)
         rows: list[tuple[float, ...]] = []
         for piece, end_ns in zip(pieces, [*(after.start_ns for after in pieces[1:]), now], strict=True):
             start, length = piece.start_ns / NANOSECONDS, (end_ns - piece.start_ns) / NANOSECONDS

@@ -172,6 +172,23 @@ def test_what_slides_is_as_fast_as_it_moves(limits, map_transform):
     assert sim.truth.distance == pytest.approx(np.hypot(*steps.T).sum())
 
 
+def test_between_two_steps_the_truth_is_of_one_mind():
+    """From (10, 10) towards a disc whose edge is 0.509 m before the footprint's, so that they meet within a step."""
+    sim = simulation((10.0, 10.0, 0.0), robot_radius=0.3)
+    sim.add_obstacle(mrs.Shape.disc(0.3), (11.109, 10.0, 0.0))
+    drive(sim, 1.0)
+    for moment in (0.009, 0.507, 0.515):
+        sim.run_for(moment - sim.time)
+        expected = (10.0 + min(moment, 0.509), 10.0, 0.0)
+        assert tuple(sim.truth.pose) == pytest.approx(expected, abs=2e-6)
+        assert sim.truth.path[-1] == pytest.approx([moment, *sim.truth.pose], abs=1e-12)
+        assert tuple(sim.truth.pose_at(moment)) == pytest.approx(tuple(sim.truth.pose), abs=1e-12)
+        assert sim.truth.pose_at(moment - 0.004).x == pytest.approx(10.0 + min(moment - 0.004, 0.509), abs=2e-6)
+    (contact,) = sim.truth.contacts
+    sim.run_for(0.1)
+    assert sim.truth.contacts == [contact] and contact.time == pytest.approx(0.509, abs=1e-5)
+
+
 def test_an_obstacle_on_whole_cells_looks_like_the_grid():
     sim = simulation(start=(10.0, 10.0, 0.1))
     sim.add_obstacle(mrs.Shape.rectangle(0.5, 0.3), (12.25, 10.45, 0.0))
