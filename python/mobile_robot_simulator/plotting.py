@@ -9,14 +9,14 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import OccupancyGrid, Pose
+from ._core import OccupancyGrid, Pose, Shape
 
 try:
     from matplotlib import style
@@ -42,6 +42,7 @@ _TITLE, _LEGEND = 0.25, 0.48  # what a title adds above; how far below the axes 
 
 _FREE, _OCCUPIED, _UNKNOWN = (255, 255, 255), (38, 42, 51), (226, 229, 233)
 _INK, _FAINT, _ROBOT, _SCAN, _GOAL = "#262a33", "#8a919c", "#1f4fd8", "#e8442e", "#f5a300"
+_SHAPE = "#b9c2d0"
 _TIME = LinearSegmentedColormap.from_list("time", ["#20308f", "#7a2bc4", "#d62a9d", "#ff8a3d"])
 _ARROW = Outline([(1.0, 0.0), (-0.8, 0.7), (-0.4, 0.0), (-0.8, -0.7), (1.0, 0.0)], closed=True)
 
@@ -77,6 +78,8 @@ def plot_drive(
     grid: OccupancyGrid,
     path: _Points,
     *,
+    others: Mapping[str, _Points] | None = None,
+    shapes: Sequence[tuple[Shape, Pose]] = (),
     scan_points: _Points | None = None,
     laser_pose: _PoseLike | None = None,
     goal: Sequence[float] | None = None,
@@ -85,6 +88,8 @@ def plot_drive(
     """Draw the path of a robot in its map, cropped to what is known of the map around it.
 
     path: (N, 2) or (N, 3) float64, N >= 1: x, y [m] and yaw [rad] in the map frame; its colour tells first from last.
+    others: paths of other robots by their names, which are written beside their ends. shapes: what is drawn in outline, such
+    as obstacles and footprints, with poses in the map frame.
     scan_points: (M, 2) float64, where the beams of the last scan ended [m]; laser_pose: from where. goal: x, y [m].
     file: ending in .png, .pdf or .svg; an older one is replaced in one step.
     raises: ValueError for another ending, a wrong shape or a number that is not finite; OSError if the folder is not
@@ -97,13 +102,21 @@ def plot_drive(
     ends = _rows("scan_points", scan_points, (2,))
     laser = _rows("laser_pose", laser_pose, (3,))
     target = _rows("goal", goal, (2, 3))
-    drive = np.vstack([path[:, :2], ends, target[:, :2]])
+    ways = {name: _rows(f"others[{name!r}]", way, (2, 3)) for name, way in (others or {}).items()}
+    outlines = [_outline(shape, pose) for shape, pose in shapes]
+    drive = np.vstack([path[:, :2], ends, target[:, :2], *(way[:, :2] for way in ways.values()), *outlines])
     view = _view(np.vstack([_known_around(grid, drive), drive]), margin=0.02)
     with style.context(["default", _STYLE]):
         figure, axes = _figure(view, title)
         _draw_map(axes, grid)
-        axes.plot(*path[0, :2], "o", ms=8, mfc="white", mec=_TIME(0.0), mew=2.2, zorder=6, label="start")
-        _draw_path(axes, path)
+        for outline in outlines:
+            axes.fill(*outline.T, fc=_SHAPE, ec=_INK, lw=0.8, zorder=2)
+        for name, way in ways.items():
+            if len(way):
+                _draw_path(axes, way)
+                _draw_robot(axes, way[-1])
+                axes.annotate(name, (way[-1, 0], way[-1, 1]), (8, 8), textcoords="offset points", color=_INK, zorder=9)
+        _draw_path(axes, path, labels=("start", "path"))
         _draw_robot(axes, path[-1], label="end")
         if len(target):
             axes.plot(*target[:, :2].T, "*", ms=17, mfc=_GOAL, mec="white", mew=1.2, zorder=7, label="goal")
@@ -184,8 +197,19 @@ def _draw_scan(axes: Axes, ends: _Points, laser: _Points, *, label: str) -> None
     axes.plot(*ends.T, "o", ms=2.6, mfc=_SCAN, mec="none", zorder=5, label=label)
 
 
-def _draw_path(axes: Axes, path: _Points) -> None:
-    """The path over a white seam, in at most some thousand pieces."""
+def _outline(shape: Shape, pose: Pose) -> _Points:
+    """Corners of a shape in the map frame; a disc has many."""
+    corners = shape.points
+    if shape.radius is not None:
+        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        corners = shape.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    outline: _Points = Affine2D().rotate(pose.yaw).translate(pose.x, pose.y).transform(corners)
+    return outline
+
+
+def _draw_path(axes: Axes, path: _Points, *, labels: tuple[str, str] = ("_", "_")) -> None:
+    """Where a path starts, and the path over a white seam, in at most some thousand pieces."""
+    axes.plot(*path[0, :2], "o", ms=8, mfc="white", mec=_TIME(0.0), mew=2.2, zorder=6, label=labels[0])
     points = path[:: max(1, len(path) // 4000), :2]
     if len(path) > 1:
         points = np.vstack([points, path[-1:, :2]])
@@ -193,10 +217,10 @@ def _draw_path(axes: Axes, path: _Points) -> None:
     pieces = list(np.stack([points[:-1], points[1:]], axis=1))
     colours = _TIME(np.linspace(0.0, 1.0, len(pieces)))
     axes.add_collection(LineCollection(pieces, colors=colours, linewidths=2.0, capstyle="round", zorder=4))
-    axes.plot([], [], color=_TIME(0.5), lw=2.0, label="path")
+    axes.plot([], [], color=_TIME(0.5), lw=2.0, label=labels[1])
 
 
-def _draw_robot(axes: Axes, pose: _Points, *, label: str) -> None:
+def _draw_robot(axes: Axes, pose: _Points, *, label: str = "_") -> None:
     """An arrow along the heading, or a disc if there is none."""
     look: dict[str, Any] = {"marker": "o", "ms": 11}
     if len(pose) == 3:

@@ -398,18 +398,27 @@ class Simulation(Handle):
     # --- pictures, and the end ---
 
     def draw(self, file: str | os.PathLike[str]) -> None:
-        """Save a picture of the map, the way the robot really drove, and its last scan; of the first robot if several.
+        """Save a picture of the map, the ways that the robots really drove, what else is there, and the first's last scan.
 
         raises: ImportError without matplotlib.
         """
         from .plotting import plot_drive
 
-        first, path = self._first, Path(file)
-        scan = self._bus.latest(first.laser.parameters.laser_topic)
-        pose = first.pose
-        points = first.laser.scanner.end_points(pose, scan.ranges) if isinstance(scan, LaserScan) else None
+        first, *others = [self._first, *list(self._robots.values())[1:]]
+        scans = self._bus.topic(first.laser.parameters.laser_topic, LaserScan)
+        taken, scanner = first.robot.motion.map_pose_at(scans.latest_ns), first.laser.scanner
+        points = scanner.end_points(taken, scans.latest.ranges) if isinstance(scans.latest, LaserScan) else None
+        path = Path(file)
         path.parent.mkdir(parents=True, exist_ok=True)
-        plot_drive(path, self._grid, first.truth.path[:, 1:], scan_points=points, laser_pose=tuple(pose))
+        plot_drive(
+            path,
+            self._grid,
+            first.truth.path[:, 1:],
+            others={robot.name: robot.truth.path[:, 1:] for robot in others},
+            shapes=[placed for _, placed in self._world.everybody()],
+            scan_points=points,
+            laser_pose=taken * scanner.mount,
+        )
 
     def close(self) -> None:
         """Let go of recordings, callbacks and nodes; time no longer goes on. The second time, nothing happens."""

@@ -99,18 +99,21 @@ class World(Handle):
 
     def touched(self, shape: Shape, pose: Pose) -> str | None:
         """What a shape at a pose would touch now, but for walls; None if nothing."""
-        now = self.now_ns()
-        for other, placed in self._everybody(now, lambda body: body.motion.map_pose(now)):
+        for other, placed in self.everybody():
             if self.grid is not None and touches(self.grid, shape, pose, obstacles=[placed]):
                 return _named(other)
         return None
 
-    def seen_by(self, body: Body) -> list[Placed]:
-        """All but the map that can be seen from a robot now, where it is now."""
+    def everybody(self) -> list[tuple[Body | Obstacle, Placed]]:
+        """All but the map, where it is now."""
         now = self.now_ns()
         if self._seen is None or self._seen[0] != now:
             self._seen = now, self._everybody(now, lambda body: body.motion.map_pose(now))
-        return [placed for other, placed in self._seen[1] if other is not body]
+        return self._seen[1]
+
+    def seen_by(self, body: Body) -> list[Placed]:
+        """All but the map that can be seen from a robot now."""
+        return [placed for other, placed in self.everybody() if other is not body]
 
     def around_at(self, body: Body, time_ns: int) -> list[Placed]:
         """All but the map that was around a robot at a time past."""

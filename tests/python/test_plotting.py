@@ -19,12 +19,13 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from mobile_robot_simulator import OccupancyGrid, plotting
-from mobile_robot_simulator._core import Pose
+from mobile_robot_simulator._core import Pose, Shape
 from mobile_robot_simulator.plotting import plot_drive, plot_scan
 
 FREE, OCCUPIED, UNKNOWN = plotting._FREE, plotting._OCCUPIED, plotting._UNKNOWN
-ROBOT, GOAL, SCAN = (
-    tuple(round(255 * share) for share in to_rgb(name)) for name in (plotting._ROBOT, plotting._GOAL, plotting._SCAN)
+ROBOT, GOAL, SCAN, SHAPE = (
+    tuple(round(255 * share) for share in to_rgb(name))
+    for name in (plotting._ROBOT, plotting._GOAL, plotting._SCAN, plotting._SHAPE)
 )
 PATH = np.column_stack([np.linspace(1.0, 4.0, 50), np.linspace(1.0, 2.0, 50), np.zeros(50)])
 HITS = np.array([[4.5, 2.0], [4.5, 2.5], [4.0, 3.0]])
@@ -264,3 +265,22 @@ def test_without_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "mobile_robot_simulator.plotting")
     with pytest.raises(ImportError, match=r"pip install 'mobile-robot-simulator\[plotting\]'"):
         importlib.import_module("mobile_robot_simulator.plotting")
+
+
+def test_other_robots_and_shapes_lie_where_they_are(drawn: Drawn) -> None:
+    other = np.column_stack([np.full(20, 1.5), np.linspace(3.0, 4.0, 20), np.zeros(20)])
+    disc, box = Shape.disc(0.2), Shape.rectangle(0.6, 0.2)
+    shapes = [(disc, Pose(3.5, 3.5, 0.0)), (box, Pose(2.5, 3.5, math.pi / 2))]
+    plot_drive("held.png", room(), PATH, others={"two": other}, shapes=shapes)
+    assert drawn(1.5, 4.0) == ROBOT and drawn(1.5, 3.4) not in (FREE, ROBOT)
+    assert [text.get_text() for text in drawn.axes.texts] == ["two"]
+    for x, y, filled in ((3.65, 3.5, True), (3.75, 3.5, False), (2.5, 3.75, True), (2.65, 3.5, False)):
+        assert drawn(x, y) == (SHAPE if filled else FREE)
+    assert drawn.axes.get_legend_handles_labels()[1] == ["start", "path", "end"]
+
+
+def test_the_view_holds_other_robots_and_shapes(drawn: Drawn) -> None:
+    plot_drive(
+        "held.png", room(), PATH, others={"two": np.array([[30.0, 2.0]])}, shapes=[(Shape.disc(1.0), Pose(2.0, -20.0))]
+    )
+    assert drawn.axes.get_xlim()[1] > 30.0 and drawn.axes.get_ylim()[0] < -21.0
