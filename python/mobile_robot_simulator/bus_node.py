@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 from .bus import Bus, Client, FreshPublisher, Publisher, Service, Subscription, Timer, check_callback
 from .clock import NANOSECONDS, Clock
@@ -28,10 +29,26 @@ class ParameterAlreadyDeclaredException(ValueError):
     """A parameter was declared twice."""
 
 
+class ParameterType(Enum):
+    """What a parameter's value is, as rclpy numbers it; on the bus any value is taken."""
+
+    NOT_SET = 0
+    BOOL = 1
+    INTEGER = 2
+    DOUBLE = 3
+    STRING = 4
+    BYTE_ARRAY = 5
+    BOOL_ARRAY = 6
+    INTEGER_ARRAY = 7
+    DOUBLE_ARRAY = 8
+    STRING_ARRAY = 9
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A node's parameter."""
 
+    Type: ClassVar[type[ParameterType]] = ParameterType
     name: str
     type_: Any = None
     value: Any = None

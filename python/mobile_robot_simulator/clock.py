@@ -30,11 +30,14 @@ def _duration(nanoseconds: int) -> Duration:
     return Duration(nanoseconds=nanoseconds)
 
 
-@dataclass(frozen=True, order=True, slots=True)
+@dataclass(frozen=True, order=True, slots=True, init=False)
 class Instant:
     """A moment of the bus's clock."""
 
     nanoseconds: int
+
+    def __init__(self, nanoseconds: int = 0, *, seconds: float = 0.0, **_: Any) -> None:
+        object.__setattr__(self, "nanoseconds", nanoseconds + round(seconds * NANOSECONDS) if seconds else nanoseconds)
 
     def to_msg(self) -> Time:
         """The moment as a message."""

@@ -7,8 +7,8 @@ A file that says `from rclpy.node import Node` and `from geometry_msgs.msg impor
     simulation.spawn(Follower)
 
 Stood in for: rclpy.node.Node, rclpy.time.Time, rclpy.duration.Duration, rclpy.parameter.Parameter, rclpy.qos,
-rclpy.exceptions, rclpy.callback_groups, and those messages and services that `messages` has. What runs nodes (rclpy.spin) is
-left to Simulation.
+rclpy.exceptions, rclpy.callback_groups, the classes of what a node creates, and those messages and services that `messages`
+has. What runs nodes (rclpy.spin) is left to Simulation.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from enum import Enum
 from types import ModuleType
 from typing import Any
 
-from . import bus_node, clock, messages
+from . import bus, bus_node, clock, messages
 
 
 class ReliabilityPolicy(Enum):
@@ -94,6 +94,12 @@ def _modules() -> dict[str, ModuleType]:
             "ParameterNotDeclaredException": bus_node.ParameterNotDeclaredException,
             "ParameterAlreadyDeclaredException": bus_node.ParameterAlreadyDeclaredException,
         },
+        "rclpy.publisher": {"Publisher": bus.Publisher},
+        "rclpy.subscription": {"Subscription": bus.Subscription},
+        "rclpy.timer": {"Timer": bus.Timer},
+        "rclpy.service": {"Service": bus.Service},
+        "rclpy.client": {"Client": bus.Client},
+        "rclpy.task": {"Future": bus.Future},
         "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
         "rclpy.executors": {
             **dict.fromkeys(("SingleThreadedExecutor", "MultiThreadedExecutor"), _spin),

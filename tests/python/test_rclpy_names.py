@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import sys
 from pathlib import Path
@@ -146,3 +147,19 @@ def test_callbacks_must_not_wait():
     client = hall().create_node("clerk").create_client(mrs.GetMap, "/static_map")
     with pytest.raises(RuntimeError, match="use call_async"):
         client.call(mrs.GetMap.Request())
+
+
+def test_times_parameters_and_classes_are_made_as_rclpys_are():
+    with stand_in():
+        from rclpy.parameter import Parameter
+        from rclpy.publisher import Publisher
+        from rclpy.time import Time
+        from rclpy.timer import Timer
+    assert Time() == Time(seconds=0) and Time(seconds=1.5, nanoseconds=2).nanoseconds == 1_500_000_002
+    node = hall().create_node("clerk")
+    assert isinstance(node.get_clock().now(), Time) and copy.deepcopy(Time(seconds=1)) == Time(seconds=1)
+    node.declare_parameter("speed", 0.5)
+    (result,) = node.set_parameters([Parameter("speed", Parameter.Type.DOUBLE, 0.75)])
+    assert result.successful and node.get_parameter("speed").value == 0.75
+    assert isinstance(node.create_publisher(mrs.Twist, "/x", 1), Publisher)
+    assert isinstance(node.create_timer(1.0, print), Timer)
