@@ -167,3 +167,42 @@ def test_shares_of_beams_that_are_none_are_refused(share):
 def test_scans_without_beams_are_refused():
     with pytest.raises(ValueError, match="must have beams"):
         assert_scan_close(np.zeros(0, np.float32), np.zeros(0, np.float32))
+
+
+def test_all_robots_are_looked_at_and_named():
+    grid = simulation().grid
+    sim = mrs.Simulation(grid, robots={"one": (2, 2, 0), "two": (2, 5, 0)}, parameters={"velocity_timeout": 0})
+    sim.publish("/two/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=-1.0)))
+    sim.run_for(3.0)
+    assert message(assert_no_contact, sim).startswith("two touched a wall at (0.100, 5.000)")
+    assert message(assert_clearance, sim, 0.5).startswith("two came within 0.000 m of something")
+    assert_no_contact(sim, robot="one")
+    assert_clearance(sim, 0.5, robot="one")
+    assert message(assert_reaches, sim, (9.0, 9.0), 0.1, robot="two").startswith("two did not come within")
+
+
+def test_contacts_before_the_run_are_not_on_its_way():
+    sim = simulation()
+    drive(sim, -1.0)
+    sim.run_for(3.0)
+    drive(sim, 0.2)
+    assert "on its way" not in message(assert_reaches, sim, (9.0, 9.0), 1.0)
+    drive(sim, -1.0)
+    assert "on its way it touched a wall" in message(assert_reaches, sim, (9.0, 9.0), 3.0)
+
+
+def test_a_rate_leaves_nothing_behind_and_counts_from_now_on():
+    sim = simulation()
+    sim.run_for(1.0)
+    before = len(sim._bus.taps)
+    assert_rate(sim, "/scan", 10.0, over=1.0, tolerance=0.0)
+    assert message(assert_rate, sim, "/map", 1.0, over=3.0).startswith("/map had 0 messages")
+    assert len(sim._bus.taps) == before
+
+
+def test_a_range_that_is_none_is_far_from_one_that_is():
+    ones = np.ones(3, np.float32)
+    for none in (math.nan, math.inf):
+        other = np.array([1.0, none, 1.0], np.float32)
+        assert "the worst is beam 1" in message(assert_scan_close, ones, other)
+        assert_scan_close(other, other)

@@ -314,3 +314,53 @@ def test_a_reset_ends_no_fault(radius):
     assert sim.latest("/odom").pose.covariance[0] > 1e-6
     sim.run_for(1.5)
     assert sim.truth.velocity[0] == pytest.approx(0.5) and sim.latest("/odom").pose.covariance[0] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("make", "texts"),
+    [
+        (lambda: faults.Drop("/odom", end=0.15), {"drop /odom"}),
+        (lambda: faults.Delay("/odom", 0.05, end=0.15), {"delay /odom by 0.05 s"}),
+        (lambda: faults.Duplicate("/odom", end=0.15), {"duplicate /odom"}),
+        (lambda: faults.Reorder("/odom", end=0.15), {"reorder /odom"}),
+        (lambda: faults.Blackout(end=0.15), {"blackout of /scan"}),
+        (lambda: faults.StuckRanges(end=0.15), {"ranges of /scan stuck"}),
+        (lambda: faults.BlockedSector(-0.1, 0.1, end=0.15), {"4 beams of /scan blocked"}),
+        (lambda: faults.Slip(0.25, end=0.15), {"the robot slips by 0.25", "the robot slips by 0"}),
+        (
+            lambda: faults.OdometryDrift([0.1] * 6, end=0.15),
+            {"odometry of the robot drifts", "odometry of the robot is exact"},
+        ),
+        (lambda: faults.ClockJump(2.0, at=0.1), {"the clock jumps by 2 s"}),
+        (lambda: faults.Outage("laser", start=0.05, end=0.15), {"laser stops", "laser is back"}),
+    ],
+)
+def test_each_fault_is_seen_in_the_recording(sim, make, texts):
+    fault = make()
+    sim.add_fault(fault)
+    assert set(notes(sim, 0.3)) == texts
+
+
+def test_a_wall_before_what_blocks_the_scanner_is_seen(sim):
+    sim.set_pose((0.5, 5.0, math.pi))
+    sim.add_fault(faults.BlockedSector(-0.1, 0.1, distance=3.0))
+    sim.run_for(0.1)
+    assert sim.latest("/scan").ranges[30] == pytest.approx(0.4, abs=0.01)
+
+
+def test_an_outage_of_a_robot_with_a_footprint_ends_its_command():
+    sim = simulation(robot_radius=0.2)
+    drive(sim, 0.5)
+    sim.add_fault(faults.Outage("robot", start=1.0, end=2.0))
+    sim.run_for(3.0)
+    assert sim.pose.x == pytest.approx(5.5) and sim.truth.velocity == (0.0, 0.0, 0.0)
+
+
+def test_the_seed_of_the_simulation_names_the_drift_of_its_odometry():
+    def believed(seed):
+        sim = mrs.Simulation(simulation().grid, parameters={"odometry_alphas": (0.1,) * 6}, seed=seed, start=(5, 5, 0))
+        drive(sim, 0.5)
+        sim.run_for(1.0)
+        return tuple(sim.robot.believed_pose)
+
+    assert believed(1) == believed(1) != believed(2)

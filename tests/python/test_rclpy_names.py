@@ -6,6 +6,7 @@ import copy
 import logging
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -163,3 +164,24 @@ def test_times_parameters_and_classes_are_made_as_rclpys_are():
     assert result.successful and node.get_parameter("speed").value == 0.75
     assert isinstance(node.create_publisher(mrs.Twist, "/x", 1), Publisher)
     assert isinstance(node.create_timer(1.0, print), Timer)
+
+
+def test_an_rclpy_that_is_there_is_back_afterwards(monkeypatch):
+    real = ModuleType("rclpy")
+    monkeypatch.setitem(sys.modules, "rclpy", real)
+    with stand_in():
+        import rclpy
+
+        assert rclpy is not real
+    assert sys.modules["rclpy"] is real and "rclpy.node" not in sys.modules
+
+
+def test_parameters_given_to_spawn_come_first_and_private_names_are_below_the_node():
+    class Talker(Node):
+        def __init__(self):
+            super().__init__("talker", parameter_overrides=[Parameter("a", value=1), Parameter("b", value=2)])
+            self.a, self.b = (self.declare_parameter(name).value for name in "ab")
+            self.said = self.create_publisher(mrs.String, "~/said", 1).topic_name
+
+    talker = hall().spawn(Talker, namespace="/robot1", parameters={"b": 3})
+    assert (talker.a, talker.b, talker.said) == (1, 3, "/robot1/talker/said")

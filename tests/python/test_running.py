@@ -222,3 +222,11 @@ def test_a_robot_starts_where_no_obstacle_is(sim):
         sim.add_robot("two", start=(3.3, 3.0, 0.0))
     sim.run_for(1.0)
     sim.add_robot("two", start=(3.3, 3.0, 0.0))
+
+
+def test_run_until_sees_what_happens_at_its_last_moment(sim):
+    seen = []
+    sim.subscribe("/cmd_vel", mrs.Twist, seen.append)
+    drive(sim)
+    assert sim.run_until(lambda sim: seen, 0.0) == 0.0
+    assert sim.run_until(lambda sim: sim.latest("/scan") is not None, 0.1) == pytest.approx(0.1)

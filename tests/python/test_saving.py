@@ -209,3 +209,47 @@ def test_cells_that_changed_are_back():
         assert sim.grid.cells[50, 30] == 0 and run(sim, 1.0) == first
         sim.grid.set_cells(10, 30, np.full((80, 1), 100, np.int8))
         assert run(sim, 1.0) == second
+
+
+def test_what_was_added_since_is_gone_and_can_be_added_again():
+    sim = simulation()
+    sim.run_for(1.05)
+    state = sim.save()
+    first = run(sim, 0.5)
+    box, drop = mrs.Shape.disc(0.4), faults.Drop("/odom")
+    probe = type("Probe", (), {})()
+    for _ in range(2):
+        sim.restore(state)
+        sim.add_obstacle(box, (3.0, 2.0, 0.0))
+        sim.add_fault(drop)
+        sim.keep(probe).count = 1
+        assert run(sim, 0.5) != first
+        sim.restore(state)
+        probe.count = 2
+        assert run(sim, 0.5) == first and sim.faults == ()
+        sim.restore(state)
+        assert probe.count == 2
+
+
+def test_robots_and_outages_that_came_since_are_gone():
+    sim = mrs.Simulation(room(), robots={"one": (2, 2, 0)}, parameters={"laser_beam_count": 11})
+    sim.run_for(1.0)
+    state = sim.save()
+    sim.add_robot("two", start=(5, 5, 0))
+    sim.add_fault(faults.Outage("map_server"))
+    sim.run_for(1.0)
+    sim.restore(state)
+    assert list(sim.robots) == ["one"]
+    with pytest.raises(ValueError, match="unknown topic"):
+        sim.latest("/two/odom")
+    future = sim.create_node("clerk").create_client(mrs.GetMap, "/static_map").call_async(mrs.GetMap.Request())
+    sim.run_for(0.1)
+    assert future.result().map.info.width == 120
+    sim.add_robot("two", start=(5, 5, 0))
+    sim.add_fault(faults.Outage("map_server", start=1.5, end=2.0))
+    sim.run_for(0.5)
+    during = sim.save()
+    sim.run_for(1.0)
+    sim.restore(during)
+    sim.map_server.start()
+    assert sim.create_node("clerk").create_client(mrs.GetMap, "/static_map").service_is_ready()

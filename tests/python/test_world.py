@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator import faults
 from mobile_robot_simulator.obstacles import Obstacle
 
 SEED = 11
@@ -358,3 +359,62 @@ def test_everything_repeats_after_a_restore_in_the_middle():
         sim.add_obstacle(mrs.Shape.disc(0.1), (15, 15, 0))
         sim.restore(state)
     assert ends[0] == ends[1] and ends[0][1][0]
+
+
+def test_a_wall_that_is_left_and_met_again_is_met_twice():
+    sim = simulation((1.0, 10.0, math.pi), robot_radius=0.3)
+    for speed in (1.0, -0.5, 1.0):
+        drive(sim, speed)
+        sim.run_for(1.0)
+    first, second = sim.truth.contacts
+    assert first.what == second.what == "a wall" and second.time > first.time + 1.0
+
+
+def test_contact_that_is_only_reported_changes_nothing_to_the_last_bit():
+    ways = []
+    for parameters in ({"robot_radius": 0.3, "contact": "report"}, {}):
+        sim = simulation((0.7, 3.0, -2.0), **parameters)
+        drive(sim, 0.6, wz=0.1)
+        sim.run_for(2.01)
+        ways.append((tuple(sim.truth.pose), sim.truth.velocity, sim.truth.distance))
+    assert ways[0] == ways[1]
+
+
+def test_what_slides_on_wheels_that_slip_believes_that_they_turned():
+    sim = simulation((4.0, 0.6, -0.4), robot_radius=0.3, contact="slide")
+    sim.add_fault(faults.Slip(0.5))
+    drive(sim, 0.5)
+    sim.run_for(3.0)
+    vx, vy, _ = sim.truth.velocity
+    assert math.hypot(vx, vy) == pytest.approx(0.25 * math.cos(0.4))
+    assert sim.robot.motion.wheel_velocity(3_000_000_000)[:2] == pytest.approx((2 * vx, 2 * vy))
+
+
+def test_an_obstacle_may_be_driven_by_where_the_robot_is():
+    """One that keeps 1 m before the robot, as it is when it asks."""
+    sim = simulation((5.0, 10.0, 0.0), robot_radius=0.3)
+    sim.add_obstacle(mrs.Shape.disc(0.2), lambda time: (sim.pose.x + 1.0, 10.0, 0.0))
+    drive(sim, 0.5)
+    sim.run_for(4.0)
+    assert sim.pose.x == pytest.approx(7.0) and sim.truth.contacts == []
+    assert ranges(sim).min() == pytest.approx(0.8, abs=0.01)
+
+
+def test_robots_of_one_simulation_have_noise_of_their_own_and_are_reset_together():
+    sim = pair(apply_noise=True)
+    seeds = {robot.laser.parameters.seed for robot in sim.robots.values()}
+    seeds |= {robot.robot.parameters.odometry_seed for robot in sim.robots.values()}
+    assert len(seeds) >= 2 and SEED not in seeds
+    assert len({robot.laser.parameters.seed for robot in sim.robots.values()}) == 2
+    for name in sim.robots:
+        drive(sim, 0.5, topic=f"/{name}/cmd_vel")
+    sim.run_for(1.0)
+    sim.reset()
+    assert [tuple(robot.pose) for robot in sim.robots.values()] == [(5.0, 10.0, 0.0), (9.0, 10.0, math.pi)]
+
+
+def test_clearances_are_told_apart_up_to_ten_metres():
+    sim = mrs.Simulation(hall(30.0), start=(9.6, 15.0, 0.0))
+    assert sim.truth.clearance == pytest.approx(9.5, abs=1e-5)
+    sim.set_pose((15.0, 15.0, 0.0))
+    assert sim.truth.clearance == 10.0
