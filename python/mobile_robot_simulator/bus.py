@@ -12,7 +12,6 @@ Callbacks are called again as they are; what they keep elsewhere is not the bus'
 from __future__ import annotations
 
 import heapq
-import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,9 +22,12 @@ from .clock import NANOSECONDS
 from .handles import Handle
 from .messages import Message, copied
 from .node_interface import M
+from .services import Future as Future
+from .services import Service
 
 if TYPE_CHECKING:
     from .bus_node import BusNode as BusNode
+    from .timer import Timer
 
 Tap = Callable[[str, Message, int], None]
 
@@ -258,12 +260,6 @@ def absolute(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def check_callback(callback: object) -> None:
-    """Refuse what cannot be called."""
-    if not callable(callback):
-        raise TypeError(f"a callback must be callable, got {callback!r}")
-
-
 @dataclass(eq=False)
 class Subscription(Handle, Generic[M]):
     """A callback that gets the messages of a topic."""
@@ -332,139 +328,6 @@ class FreshPublisher(Publisher[M]):
     def publish(self, message: M) -> None:
         """Send one message, which must not change after."""
         self.bus.publish(self.topic, message)
-
-
-class Timer(Handle):
-    """Fires at multiples of its period after its start: rounded to nanoseconds, without drift."""
-
-    def __init__(self, bus: Bus, period: float, callback: Callable[[], None]) -> None:
-        if not 1 <= period * NANOSECONDS < math.inf:
-            raise ValueError(f"a timer's period must be at least a nanosecond, and finite, got {period} s")
-        check_callback(callback)
-        self._bus, self._period, self._callback = bus, period, callback
-        self._order, self._due_ns = bus.next_timer_order(), 0
-        bus.timers[self] = None
-        self.reset()
-
-    @property
-    def timer_period_ns(self) -> int:
-        """The period [ns]."""
-        return round(self._period * NANOSECONDS)
-
-    def cancel(self) -> None:
-        """Fire no more, until `reset`."""
-        self._cancelled = True
-
-    def is_canceled(self) -> bool:
-        """Whether the timer was cancelled."""
-        return self._cancelled
-
-    def reset(self) -> None:
-        """Fire one period from now, and each period after; also if it was cancelled."""
-        self._start_ns, self._fired, self._cancelled = self._bus.time_ns, 0, False
-        self._wait()
-
-    def time_until_next_call(self) -> int | None:
-        """Nanoseconds until it fires, None if it was cancelled."""
-        return None if self._cancelled else self._due_ns - self._bus.time_ns
-
-    def save(self) -> Any:
-        """When it fires next."""
-        return self._start_ns, self._fired, self._cancelled, self._due_ns
-
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._start_ns, self._fired, self._cancelled, self._due_ns = state
-
-    def _wait(self) -> None:
-        due_ns = self._start_ns + round((self._fired + 1) * self._period * NANOSECONDS)
-        if due_ns != self._due_ns:
-            self._due_ns = due_ns
-            self._bus.schedule_timer(due_ns, self._order, self._fire)
-
-    def _fire(self) -> None:
-        # An event that was planned before a reset comes at a time that is no longer due.
-        if self._cancelled or self._bus.time_ns != self._due_ns:
-            return
-        self._fired += 1
-        self._wait()
-        self._callback()
-
-
-class Future(Handle):
-    """A service's answer, once it is there."""
-
-    def __init__(self) -> None:
-        self._done = False
-        self._result: Any = None
-        self._callbacks: list[Callable[[Future], None]] = []
-
-    def done(self) -> bool:
-        """Whether the answer is there."""
-        return self._done
-
-    def result(self) -> Any:
-        """The answer, None before it is there."""
-        return self._result
-
-    def set_result(self, result: Any) -> None:
-        """Give the answer, and call all callbacks."""
-        self._done, self._result = True, result
-        callbacks, self._callbacks = self._callbacks, []
-        for callback in callbacks:
-            callback(self)
-
-    def add_done_callback(self, callback: Callable[[Future], None]) -> None:
-        """Call back with the future once the answer is there, at once if it is."""
-        if self._done:
-            callback(self)
-        else:
-            self._callbacks.append(callback)
-
-    def save(self) -> Any:
-        """Whether it is done, and who waits."""
-        return self._done, self._result, tuple(self._callbacks)
-
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._done, self._result, callbacks = state
-        self._callbacks = list(callbacks)
-
-
-@dataclass(eq=False)
-class Service(Handle):
-    """A name that requests are sent to, and who answers them."""
-
-    name: str
-    srv_type: Any
-    handler: Callable[[Any, Any], Any] | None = None
-
-
-@dataclass(eq=False)
-class Client(Handle):
-    """Calls a service."""
-
-    bus: Bus
-    service: Service
-
-    def service_is_ready(self) -> bool:
-        """Whether anyone answers."""
-        return self.service.handler is not None
-
-    def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Whether anyone answers; time on the bus does not pass while somebody waits."""
-        return self.service_is_ready()
-
-    def call_async(self, request: Any) -> Future:
-        """Ask; the answer comes at the same moment, after the caller has returned. If nobody answers, it never comes."""
-        if not isinstance(request, self.service.srv_type.Request):
-            expected = self.service.srv_type.Request.__name__
-            raise TypeError(f"{self.service.name} takes a {expected}, got {type(request).__name__}")
-        return self.bus.call(self.service, copied(request))
-
-    def call(self, request: Any) -> Any:
-        """Not on the bus, where a callback that waits would wait for ever. raises: RuntimeError."""
-        raise RuntimeError(f"a callback must not wait for {self.service.name}: use call_async and add_done_callback")
 
 
 def __getattr__(name: str) -> Any:

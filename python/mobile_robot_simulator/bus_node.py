@@ -13,10 +13,12 @@ from enum import Enum
 from functools import partial
 from typing import Any, ClassVar
 
-from .bus import Bus, Client, FreshPublisher, Publisher, Service, Subscription, Timer, check_callback
+from .bus import Bus, FreshPublisher, Publisher, Subscription
 from .clock import NANOSECONDS, Clock
-from .handles import Handle
+from .handles import Handle, check_callback
 from .node_interface import M, QoS
+from .services import Client, Service
+from .timer import Timer
 
 LATCHED_DURABILITY = "TRANSIENT_LOCAL"
 

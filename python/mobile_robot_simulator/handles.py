@@ -14,6 +14,12 @@ class Handle:
         return self
 
 
+def check_callback(callback: object) -> None:
+    """Refuse what cannot be called."""
+    if not callable(callback):
+        raise TypeError(f"a callback must be callable, got {callback!r}")
+
+
 class Handles:
     """Publishers, subscriptions, timers: each with what lets go of it.
 

@@ -21,7 +21,7 @@ from enum import Enum
 from types import ModuleType
 from typing import Any
 
-from . import bus, bus_node, clock, messages
+from . import bus, bus_node, clock, messages, services, timer
 
 
 class ReliabilityPolicy(Enum):
@@ -96,10 +96,10 @@ def _modules() -> dict[str, ModuleType]:
         },
         "rclpy.publisher": {"Publisher": bus.Publisher},
         "rclpy.subscription": {"Subscription": bus.Subscription},
-        "rclpy.timer": {"Timer": bus.Timer},
-        "rclpy.service": {"Service": bus.Service},
-        "rclpy.client": {"Client": bus.Client},
-        "rclpy.task": {"Future": bus.Future},
+        "rclpy.timer": {"Timer": timer.Timer},
+        "rclpy.service": {"Service": services.Service},
+        "rclpy.client": {"Client": services.Client},
+        "rclpy.task": {"Future": services.Future},
         "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
         "rclpy.executors": {
             **dict.fromkeys(("SingleThreadedExecutor", "MultiThreadedExecutor"), _spin),
