@@ -7,7 +7,6 @@ import difflib
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,21 +26,13 @@ from .obstacles import Obstacle, PoseLike, Way
 from .parameters import LaserParameters, RobotParameters, check_names, for_node
 from .robot_node import MobileRobotSimulator
 from .robots import SimulatedRobot, of_namespace
+from .saving import Kept, State
 from .transforms import TransformBuffer, TransformListener
 from .truth import Truth
 from .world import World
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Fault)
-
-
-@dataclass(frozen=True)
-class State:
-    """What `Simulation.save` saved; only `Simulation.restore` of the same simulation can make use of it."""
-
-    simulation: Simulation = field(repr=False)
-    time: float
-    parts: Any = field(repr=False)
 
 
 class Simulation(Handle):
@@ -88,7 +79,7 @@ class Simulation(Handle):
         self._transforms = TransformBuffer()
         self._listener = TransformListener(self._node, self._transforms)
         self._robots: dict[str, SimulatedRobot] = {}
-        self._kept: list[Any] = []
+        self._kept = Kept()
         self._faults: list[Fault] = []
         self.picture: Path | None = None
         """Where an assertion that fails leaves a picture of the drive, if anywhere."""
@@ -287,7 +278,7 @@ class Simulation(Handle):
         By its methods `save()` and `restore(state)`, if it has both, else by deep copies of its attributes. Nodes made by
         `spawn` are kept without asking; variables of functions are not, whoever calls them.
         """
-        self._kept.append(thing)
+        self._kept.add(thing)
         return thing
 
     def save(self) -> State:
@@ -300,9 +291,8 @@ class Simulation(Handle):
         """
         robots = {name: (robot, robot.robot.save(), robot.laser.save()) for name, robot in self._robots.items()}
         faults = [(fault, fault.save()) for fault in self._faults]
-        kept = [(thing, _saved(thing)) for thing in self._kept]
         grid = copy.copy(self._grid)  # which costs nothing until one of the two changes
-        parts = (grid, self._bus.save(), self._world.save(), robots, faults, self._map_server.save(), kept)
+        parts = (grid, self._bus.save(), self._world.save(), robots, faults, self._map_server.save(), self._kept.save())
         return State(self, self.time, parts)
 
     def restore(self, state: State) -> None:
@@ -329,9 +319,7 @@ class Simulation(Handle):
         self._faults = [fault for fault, _ in faults]
         for fault, fault_state in faults:
             fault.restore(fault_state)
-        self._kept = [thing for thing, _ in kept]
-        for thing, thing_state in kept:
-            _restore(thing, thing_state)
+        self._kept.restore(kept)
 
     # --- topics and nodes ---
 
@@ -477,17 +465,3 @@ def _span(seconds: float, what: str) -> int:
 def _called(predicate: Callable[..., Any]) -> str:
     name = getattr(predicate, "__name__", "")
     return f"the predicate {name}" if name and name != "<lambda>" else "the predicate"
-
-
-def _saved(thing: Any) -> Any:
-    if hasattr(thing, "save") and hasattr(thing, "restore"):
-        return thing.save()
-    return copy.deepcopy(vars(thing), {id(thing): thing})
-
-
-def _restore(thing: Any, state: Any) -> None:
-    if hasattr(thing, "save") and hasattr(thing, "restore"):
-        thing.restore(state)
-    else:
-        vars(thing).clear()
-        vars(thing).update(copy.deepcopy(state, {id(thing): thing}))
