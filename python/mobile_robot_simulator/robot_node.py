@@ -225,7 +225,7 @@ class MobileRobotSimulator(Handle):
             handles.add(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
             node.set_speed(parameters.speed_factor)
             handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
-            if parameters.clock_rate > 0.0:
+            if self._clock is not None and parameters.clock_rate > 0.0:
                 handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
             self._running = handles
 

@@ -34,6 +34,30 @@ def test_timers_follow_the_speed() -> None:
     assert 35 <= len(fired) <= 51
 
 
+def test_timers_fire_together_at_multiples_of_their_periods() -> None:
+    wall, fired = [1_007_000_000], list[str]()
+    loop, clock = Loop(), PacedClock(lambda: wall[0])
+    time.sleep(0.003)
+    for name, period in (("fast", 0.01), ("slow", 0.02), ("other", 0.025)):
+        loop.create_timer(clock, period, lambda name=name: fired.append(name))
+    for wall[0], expected in (
+        (1_009_999_999, []),
+        (1_010_000_000, ["fast"]),
+        (1_020_000_001, ["fast", "slow"]),
+        # What was missed in between is made up for once.
+        (1_050_000_000, ["fast", "slow", "other"]),
+        (1_060_000_000, ["fast", "slow"]),
+        # Time goes back.
+        (505_000_000, []),
+        (510_000_000, ["fast"]),
+    ):
+        fired.clear()
+        loop.notify()
+        time.sleep(0.05)
+        assert fired == expected
+    loop.end()
+
+
 def test_callbacks_take_turns() -> None:
     loop, inside, most = Loop(), [0], [0]
 
