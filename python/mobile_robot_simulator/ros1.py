@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Thread
 from typing import Any
+from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from .messages import Message
 from .node_interface import Logger, M, QoS
 from .paced_clock import PacedClock
 from .parameters import MapParameters, Parameters, RobotParameters
+from .ros_local import LocalTopics, Subscription, Topic
 from .ros_loop import Loop, Timer
 from .ros_messages import Dialect
 from .ros_nodes import Behaviour, behaviour_of, change, models_of, resolve, split, warn_of_unknown
@@ -36,17 +39,20 @@ DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"publish_c
 """Where ROS 1 has other defaults: there, /clock comes from elsewhere or not at all, unless it is asked for."""
 
 LOOKED_AT_EVERY = 1.0
-"""How often the parameter server is looked at for changes [s]."""
+"""How often the master is asked for changes of parameters and of who publishes what [s]."""
+
+REACHED_WITHIN = 0.5
+"""How long a node may take to answer before it counts as gone [s]."""
 
 
 class Ros1Node:
     """The surroundings of a node on ROS 1, of which there is one in a process.
 
-    loop: where callbacks take turns. clock: what the node goes by, if not by the time of rospy.
+    loop: where callbacks take turns. topics: those of the process. clock: what the node goes by, if not by rospy's time.
     """
 
-    def __init__(self, loop: Loop, clock: PacedClock | None = None) -> None:
-        self._loop, self._clock = loop, clock
+    def __init__(self, loop: Loop, topics: LocalTopics, clock: PacedClock | None = None) -> None:
+        self._loop, self._topics, self._clock = loop, topics, clock
 
     def get_clock(self) -> PacedClock | _RosClock:
         """The clock that stamps are taken from."""
@@ -65,17 +71,26 @@ class Ros1Node:
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS) -> _Publisher:
         """A publisher to a topic."""
         kind = ROS1.find_message(msg_type.ros_type)
-        return _Publisher(kind, rospy.Publisher(topic, kind, queue_size=10, latch=qos_profile is QoS.LATCHED))
+        is_latched = qos_profile is QoS.LATCHED
+        publisher = rospy.Publisher(topic, kind, queue_size=10, latch=is_latched)
+        return _Publisher(kind(), publisher, self._topics.advertise(publisher.resolved_name, msg_type), is_latched)
 
-    def create_subscription(self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS) -> Any:
+    def create_subscription(
+        self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS
+    ) -> Subscription:
         """Have every message of a topic handed to the callback."""
         take = self._loop.in_turn(callback)
 
         def receive(message: Any) -> None:
             take(ROS1.from_ros(message, msg_type))
 
-        kind = ROS1.find_message(msg_type.ros_type)
-        return rospy.Subscriber(topic, kind, receive, queue_size=100, buff_size=2**24, tcp_nodelay=True)
+        def listen() -> Callable[[], object]:
+            kind = ROS1.find_message(msg_type.ros_type)
+            subscriber = rospy.Subscriber(topic, kind, receive, queue_size=100, buff_size=2**24, tcp_nodelay=True)
+            unregister: Callable[[], object] = subscriber.unregister
+            return unregister
+
+        return self._topics.topic(rospy.resolve_name(topic), msg_type).subscribe(qos_profile, take, listen)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
         """Have the callback called once a period of the node's clock."""
@@ -101,11 +116,12 @@ class Ros1Node:
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
         """Take a publisher away."""
+        publisher.topic.publishers -= 1
         publisher.publisher.unregister()
 
-    def destroy_subscription(self, subscription: Any) -> None:
+    def destroy_subscription(self, subscription: Subscription) -> None:
         """Take a subscription away."""
-        subscription.unregister()
+        subscription.topic.unsubscribe(subscription)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Take a timer away."""
@@ -149,12 +165,18 @@ def _service(ros_type: str) -> Any:
 
 @dataclass
 class _Publisher:
-    kind: Any
+    """message: what is sent each time, filled anew."""
+
+    message: Any
     publisher: Any
+    topic: Topic
+    is_latched: bool
 
     def publish(self, message: Message) -> None:
+        self.topic.hand(message)
         try:
-            self.publisher.publish(ROS1.to_ros(message, self.kind))
+            if self.is_latched or self.publisher.get_num_connections() > 0:
+                self.publisher.publish(ROS1.fill(self.message, message))
         except rospy.ROSException:
             # The node is being shut down.
             if not rospy.is_shutdown():
@@ -206,7 +228,7 @@ def run(name: str, arguments: list[str]) -> None:
         raise OSError(f"no ROS master at {rosgraph.get_master_uri()}: start roscore first")
     own_name = models[0].node_name if len(models) == 1 else "mobile_robot_simulator"
     rospy.init_node(own_name, argv=["mobile-robot-simulator", *ros_arguments], disable_signals=True)
-    loop = Loop()
+    loop, topics = Loop(), LocalTopics()
     try:
         given = _given()
         warn_of_unknown(given, logging.getLogger("rosout"))
@@ -223,10 +245,10 @@ def run(name: str, arguments: list[str]) -> None:
             parameters = model.checked(values)
             if getattr(parameters, "publish_clock", False) or not rospy.get_param("/use_sim_time", False):
                 clock = clock or PacedClock()
-            behaviours.append(loop.in_turn(behaviour_of)(parameters, Ros1Node(loop, clock)))
+            behaviours.append(loop.in_turn(behaviour_of)(parameters, Ros1Node(loop, topics, clock)))
         for behaviour in behaviours:
             loop.in_turn(behaviour.start)()
-        _Watch(behaviours, given, loop)
+        _Watch(behaviours, given, loop, topics)
         rospy.on_shutdown(loop.end)
         loop.wait()
     except KeyboardInterrupt:
@@ -241,23 +263,41 @@ def _given() -> dict[str, Any]:
     return dict(found) if isinstance(found, dict) else {}
 
 
-class _Watch:
-    """Notices parameters that change on the server; those that are refused are set back there."""
+def _runs(node: str) -> bool:
+    """Whether a node can be reached; the master knows on of those that were killed."""
+    try:
+        uri = urlsplit(rosgraph.Master(rospy.get_name()).lookupNode(node))
+        socket.create_connection((uri.hostname, uri.port), REACHED_WITHIN).close()
+    except (OSError, rosgraph.MasterException):
+        return False
+    return True
 
-    def __init__(self, behaviours: list[Behaviour], given: dict[str, Any], loop: Loop) -> None:
-        self._behaviours, self._seen, self._loop = behaviours, given, loop
-        Thread(target=self._run, name="parameters", daemon=True).start()
+
+class _Watch:
+    """Notices parameters that change on the server, where those that are refused are set back, and who else publishes."""
+
+    def __init__(self, behaviours: list[Behaviour], given: dict[str, Any], loop: Loop, topics: LocalTopics) -> None:
+        self._behaviours, self._seen, self._loop, self._topics = behaviours, given, loop, topics
+        Thread(target=self._run, name="master", daemon=True).start()
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
             time.sleep(LOOKED_AT_EVERY)
             try:
-                self._look()
-            except OSError:
+                self._look_for_publishers()
+                self._look_for_parameters()
+            except (OSError, rosgraph.MasterException):
                 # The master is away, and nothing changes meanwhile.
                 continue
 
-    def _look(self) -> None:
+    def _look_for_publishers(self) -> None:
+        published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        names = self._topics.names
+        others = {topic: set(nodes) - {rospy.get_name()} for topic, nodes in published if topic in names}
+        shared = {topic for topic, nodes in others.items() if any(map(_runs, nodes))}
+        self._loop.in_turn(self._topics.look)(lambda topic: topic.name in shared)
+
+    def _look_for_parameters(self) -> None:
         given = _given()
         changed = {name: value for name, value in given.items() if self._seen.get(name, _UNSEEN) != value}
         if changed:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable
+from functools import partial
 from threading import Thread
 from typing import Any
 
@@ -11,6 +12,7 @@ from .messages import Message
 from .node_interface import Future, Logger, M, QoS
 from .paced_clock import PacedClock
 from .parameters import MapParameters, Parameters, RobotParameters
+from .ros_local import LocalTopics, Subscription, Topic
 from .ros_loop import Loop, Timer
 from .ros_messages import Dialect
 from .ros_nodes import Behaviour, behaviour_of, change, models_of, resolve, split, warn_of_unknown
@@ -31,6 +33,9 @@ except ImportError as error:
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"cmd_vel_stamped": True, "clock_rate": 100.0}}
 """Where ROS 2 has other defaults."""
 
+LOOKED_AT_EVERY = 0.2
+"""How often it is looked at who publishes what [s]."""
+
 ALIASES = {"robot_localization/srv/SetPose": "nav2_msgs/srv/SetInitialPose"}
 """Services of the same fields, for where the first is not installed."""
 
@@ -38,11 +43,12 @@ ALIASES = {"robot_localization/srv/SetPose": "nav2_msgs/srv/SetInitialPose"}
 class Ros2Node:
     """The surroundings of a node on ROS 2.
 
-    loop: where callbacks take turns. clock: what the node goes by, if not by the ROS node's own clock.
+    loop: where callbacks take turns. topics: those of the process. clock: what the node goes by, if not by the clock of its
+    ROS node.
     """
 
-    def __init__(self, node: Any, loop: Loop, clock: PacedClock | None = None) -> None:
-        self._node, self._loop, self._clock = node, loop, clock
+    def __init__(self, node: Any, loop: Loop, topics: LocalTopics, clock: PacedClock | None = None) -> None:
+        self._node, self._loop, self._topics, self._clock = node, loop, topics, clock
 
     def get_clock(self) -> Any:
         """The clock that stamps are taken from."""
@@ -62,16 +68,24 @@ class Ros2Node:
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS) -> _Publisher:
         """A publisher to a topic."""
         kind = ROS2.find(msg_type.ros_type)
-        return _Publisher(kind, self._node.create_publisher(kind, topic, _offered(qos_profile)))
+        publisher = self._node.create_publisher(kind, topic, _offered(qos_profile))
+        own = self._topics.advertise(publisher.topic_name, msg_type)
+        return _Publisher(kind(), publisher, own, is_latched=qos_profile is QoS.LATCHED)
 
-    def create_subscription(self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS) -> Any:
+    def create_subscription(
+        self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS
+    ) -> Subscription:
         """Have every message of a topic handed to the callback."""
         kind, take = ROS2.find(msg_type.ros_type), self._loop.in_turn(callback)
 
         def receive(message: Any) -> None:
             take(ROS2.from_ros(message, msg_type))
 
-        return self._node.create_subscription(kind, topic, receive, _requested(qos_profile))
+        def listen() -> Callable[[], object]:
+            subscription = self._node.create_subscription(kind, topic, receive, _requested(qos_profile))
+            return partial(self._node.destroy_subscription, subscription)
+
+        return self._topics.topic(self._node.resolve_topic_name(topic), msg_type).subscribe(qos_profile, take, listen)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
         """Have the callback called once a period of the node's clock."""
@@ -95,11 +109,12 @@ class Ros2Node:
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
         """Take a publisher away."""
+        publisher.topic.publishers -= 1
         self._node.destroy_publisher(publisher.publisher)
 
-    def destroy_subscription(self, subscription: Any) -> None:
+    def destroy_subscription(self, subscription: Subscription) -> None:
         """Take a subscription away."""
-        self._node.destroy_subscription(subscription)
+        subscription.topic.unsubscribe(subscription)
 
     def destroy_timer(self, timer: Timer) -> None:
         """Take a timer away."""
@@ -153,11 +168,15 @@ def _requested(qos: QoS) -> QoSProfile:
 
 
 class _Publisher:
-    def __init__(self, kind: Any, publisher: Any) -> None:
-        self.kind, self.publisher = kind, publisher
+    """message: what is sent each time, filled anew."""
+
+    def __init__(self, message: Any, publisher: Any, topic: Topic, *, is_latched: bool) -> None:
+        self.message, self.publisher, self.topic, self.is_latched = message, publisher, topic, is_latched
 
     def publish(self, message: Message) -> None:
-        self.publisher.publish(ROS2.to_ros(message, self.kind))
+        self.topic.hand(message)
+        if self.is_latched or self.publisher.get_subscription_count() > 0:
+            self.publisher.publish(ROS2.fill(self.message, message))
 
 
 class _Client:
@@ -202,7 +221,7 @@ def run(name: str, arguments: list[str]) -> None:
     except RuntimeError as error:
         raise ValueError(f"ROS 2 refuses its arguments: {error}") from None
     context = rclpy.get_default_context()
-    loop, nodes, threads = Loop(), list[Any](), list[Thread]()
+    loop, topics, nodes, threads = Loop(), LocalTopics(), list[Any](), list[Thread]()
     try:
         clock: PacedClock | None = None
         announced: set[str] = set()
@@ -214,10 +233,11 @@ def run(name: str, arguments: list[str]) -> None:
                 raise ValueError("map needs a map: give MAP.yaml, or the parameter yaml_filename")
             if getattr(parameters, "publish_clock", False) or not node.get_parameter("use_sim_time").value:
                 clock = clock or PacedClock()
-            _start(node, parameters, loop, clock)
+            _start(node, parameters, Ros2Node(node, loop, topics, clock), loop)
             nodes.append(node)
             threads.append(Thread(target=_spin, args=(node, loop), name=model.node_name, daemon=True))
             threads[-1].start()
+        loop.create_timer(PacedClock(), LOOKED_AT_EVERY, partial(topics.look, partial(_is_shared, nodes[0])))
         loop.wait()
     except KeyboardInterrupt:
         pass
@@ -268,9 +288,13 @@ def _node(model: type[Parameters], given: dict[str, Any], announced: set[str]) -
     return node, parameters
 
 
-def _start(node: Any, parameters: Parameters, loop: Loop, clock: PacedClock | None) -> None:
+def _is_shared(node: Any, topic: Topic) -> bool:
+    return bool(node.count_publishers(topic.name) > topic.publishers)
+
+
+def _start(node: Any, parameters: Parameters, surroundings: Ros2Node, loop: Loop) -> None:
     def start() -> None:
-        behaviour = behaviour_of(parameters, Ros2Node(node, loop, clock))
+        behaviour = behaviour_of(parameters, surroundings)
         node.add_on_set_parameters_callback(loop.in_turn(lambda changes: _change(behaviour, changes)))
         behaviour.start()
 

@@ -56,7 +56,12 @@ class Dialect:
             elif isinstance(value, np.ndarray):
                 setattr(target, name, self.pack(value, getattr(target, name)))
             elif isinstance(value, list):
-                setattr(target, name, [self.to_ros(item, self.find(item.ros_type)) for item in value])
+                items = getattr(target, name)
+                if len(items) != len(value):
+                    items = [self.find(item.ros_type)() for item in value]
+                    setattr(target, name, items)
+                for item, filling in zip(items, value, strict=True):
+                    self.fill(item, filling)
             else:
                 setattr(target, name, value)
         return target

@@ -120,6 +120,33 @@ def test_scans_are_those_of_scan_batch_at_the_published_pose(world: Any, map_fil
     assert np.sum(differences > 1e-3) <= 2
 
 
+def test_the_laser_of_all_follows_the_transforms_of_others(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, laser_frequency=20.0, **{**QUIET, "publish_map_transform": False})
+    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+    laser, grid = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0), mrs.load_map(map_file)
+
+    def sees_from(pose: mrs.Pose) -> Any:
+        ranges = laser.scan_batch(grid, np.array([tuple(pose)]))[0]
+        # A beam that passes a corner may fall on either side of it.
+        return lambda it: np.sum(np.abs(np.asarray(it.ranges) - ranges) > 1e-3) <= 2
+
+    scan.next(sees_from(mrs.Pose()))
+    map_from_odom = mrs.Pose(1.0, 0.5, 0.3)
+    link = find("geometry_msgs/msg/TransformStamped")()
+    link.header.frame_id, link.child_frame_id = "map", "odom"
+    link.transform.translation.x, link.transform.translation.y = 1.0, 0.5
+    link.transform.rotation.z, link.transform.rotation.w = math.sin(0.15), math.cos(0.15)
+    world.publisher("/tf", TF)(find(TF)(transforms=[link]))
+    scan.next(sees_from(map_from_odom))
+    world.publisher("/cmd_vel", TWIST)(twist(0.3, 0.5))
+    odom.next(lambda it: it.twist.twist.linear.x > 0.0)
+    odom.next(lambda it: it.twist.twist.linear.x == 0.0)
+    # Longer than odometry carries a pose on: what the robot itself says still arrives.
+    time.sleep(1.5)
+    assert odom[-1].pose.pose.position.x > 0.05
+    scan.next(sees_from(map_from_odom * odom_pose(odom[-1])))
+
+
 def test_parameters_change_while_running_or_are_refused(world: Any, map_file: Path) -> None:
     process = world.start("all", map_file=map_file, laser_frequency=20.0, **QUIET)
     scan = world.subscribe("/scan", SCAN)
@@ -262,8 +289,8 @@ def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path) -> None:
         f"latency of a scan: median {np.median(delays) * 1e3:.2f} ms, 99 % {np.quantile(delays, 0.99) * 1e3:.2f} ms"
     )
     assert rates == (pytest.approx(40.0, rel=0.05), pytest.approx(100.0, rel=0.05))
-    # A tenth to a sixth on a quiet machine; more where others keep the caches cold.
-    assert share < 0.4
+    # Less than a tenth on a quiet machine; more where others keep the caches cold.
+    assert share < 0.25
 
 
 @pytest.mark.parametrize(

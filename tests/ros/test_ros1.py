@@ -34,6 +34,22 @@ def test_remappings_names_and_private_parameters(world: Any) -> None:
     assert "/tortoise" in nodes.output.split()
 
 
+def test_the_laser_of_all_subscribes_to_transforms_while_others_publish_them(world: Any, map_file: Path) -> None:
+    import rosgraph
+
+    def subscribes() -> bool:
+        _, subscribed, _ = rosgraph.Master("/test").getSystemState()
+        return any(topic == "/tf" and "/simulator" in nodes for topic, nodes in subscribed)
+
+    other = world.start("robot", remap=("__name:=other", "/odom:=/other"))
+    world.subscribe("/other", ODOM).wait_for(1)
+    world.start("all", map_file=map_file, remap=("__name:=simulator",))
+    wait_until(subscribes, "a subscription")
+    # The master knows on of who is killed.
+    other.kill()
+    wait_until(lambda: not subscribes(), "the subscription's end")
+
+
 def test_rosbag_records_and_replays(world: Any, map_file: Path, tmp_path: Path) -> None:
     nodes = world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
     scan = world.subscribe("/scan", SCAN)
