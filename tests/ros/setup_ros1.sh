@@ -8,6 +8,11 @@ packages=(ros-core rosbash python3-{genpy,roslaunch,rospy,rosbag,rostopic,rosser
 if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
     root=()
     [ "$(id -u)" -eq 0 ] || root=(sudo)
+    for command in apt-get "${root[@]}"; do
+        command -v "$command" >/dev/null && continue
+        echo "ROS 1 needs Debian 12 or a relative, and root or sudo; there is no $command" >&2
+        exit 1
+    done
     export DEBIAN_FRONTEND=noninteractive
     "${root[@]}" apt-get update -qq
     "${root[@]}" apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null

@@ -1,10 +1,19 @@
 #!/usr/bin/env bash
 # Makes a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI, and builds what PyPI has no wheels for: the
 # message of tf2, and the one service of nav2_msgs that the robot offers.
-# Usage: setup_ros2.sh VENV [PYTHON], where PYTHON is CPython 3.10 to 3.13. Needs g++; cmake comes from PyPI.
+# Usage: setup_ros2.sh VENV. Needs g++ and CPython 3.10 to 3.13: $PYTHON, or what else there is; cmake comes from PyPI.
 set -euo pipefail
 venv=$(realpath -m "$1")
-python=${2:-python3}
+command -v g++ >/dev/null || { echo "ROS 2 needs g++ to build messages" >&2; exit 1; }
+python=
+fits='import ensurepip, sys, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))'
+for candidate in "${PYTHON:-python3}" python3 /usr/bin/python3 python3.1{3,2,1,0}; do
+    if "$candidate" -c "$fits" 2>/dev/null; then
+        python=$candidate
+        break
+    fi
+done
+[ -n "$python" ] || { echo "ROS 2 from PyPI needs CPython 3.10 to 3.13 with venv; there is none" >&2; exit 1; }
 rm -rf "$venv"
 "$python" -m venv "$venv"
 install() { "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"; }

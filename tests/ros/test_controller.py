@@ -8,17 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 import mobile_robot_simulator as mrs
 from test_nodes import ODOM
-from worlds import VERSION, wait_until
+from worlds import wait_until
 
 EXAMPLE = Path(__file__).parents[2] / "examples/testing"
 PATH = [0.0, 0.0, 2.0, 0.0, 2.0, 1.5]
-
-if VERSION != "2":
-    pytest.skip("the controller is written for rclpy", allow_module_level=True)
 
 
 def on_the_bus() -> np.ndarray[Any, Any]:

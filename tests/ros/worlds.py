@@ -69,6 +69,8 @@ class Process:
 
     def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
         self._log = Path(tempfile.mkstemp(suffix=".log")[1])
+        # Else what rostopic prints stays in its buffer.
+        environment = {**environment, "PYTHONUNBUFFERED": "1"}
         with self._log.open("w") as log:
             self._process = subprocess.Popen(arguments, env=environment, stdout=log, stderr=subprocess.STDOUT)
 
