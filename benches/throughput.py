@@ -183,14 +183,14 @@ def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
                 print(f"{workload + '/' + name + '/' + kernel:32s}{took / count * 1e9:9.2f} ns{ratio:8.2f}x{memory:8.0f} MB")
         best = workers[names[-1]]
         batch = {"one thread": best, "two threads": best, "all threads": best}
-        times = in_turns(batch, {task: task for task in batch})
+        times = in_turns(batch, {task: task for task in batch}, 3 * TURNS)
         for task in ("two threads", "all threads"):
             print(f"{10 * SCANS} scans, {task}, {os.cpu_count()} cores: {times['one thread'] / times[task]:.2f}x one thread")
         rust = {"MOBILE_ROBOT_SIMULATOR_KERNEL": names[-1], "CARGO_TERM_QUIET": "true"}
         command = ["cargo", "bench", "--locked", "--bench", "call", "--", scratch]
         workers["rust"] = Worker([*command, str(grid.cells.shape[1]), str(grid.resolution)], rust)
         workers["python"] = workers["new array"] = best
-        times = in_turns(workers, {"rust": str(SCANS), "python": "scan", "new array": "new array"}, 3 * TURNS)
+        times = in_turns(workers, {"rust": str(SCANS), "python": "scan", "new array": "new array"}, 15 * TURNS)
         for task in ("python", "new array"):
             print(f"{SCANS} scans from {task} over the Rust call: {times[task] / times['rust']:.3f}x")
         times = in_turns(workers, {"rust": "1", "python": "one"}, 50 * TURNS)

@@ -16,6 +16,9 @@ pub fn rows(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     let [_, 3] = *view.shape() else {
         return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(view.shape()))));
     };
+    if let Some(numbers) = view.as_slice() {
+        return Ok(numbers.as_chunks().0.to_vec());
+    }
     Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
 }
 
