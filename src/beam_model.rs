@@ -200,6 +200,9 @@ pub struct Sampler<'a> {
     sure_hits: u32,
 }
 
+// A group's beams that need more than their bits are counted by the bits of an u32.
+const _: () = assert!(GROUP <= 32);
+
 /// Bits that choose a part of the mixture.
 const SHARE_BITS: u32 = 24;
 

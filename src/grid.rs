@@ -140,6 +140,8 @@ impl OccupancyGrid {
     /// What fast casting needs, built at the first call, by so many threads or as many as there are cores.
     pub fn prepare(&self, threads: Option<usize>) -> &Clearance {
         let blocks = |&value: &i8| self.options.blocks(value);
+        // A worker that waits for other threads takes up other work, which may wait for this grid in turn.
+        let threads = if rayon::current_thread_index().is_some() { Some(1) } else { threads };
         self.clearance.get_or_init(|| Clearance::new(&self.cells, self.width, threads, blocks))
     }
 

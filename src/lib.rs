@@ -23,7 +23,8 @@
 //! - **Noise**: the beam model of *Probabilistic Robotics*, table 6.1, properly normalised; see [`BeamModel`].
 //! - **Same seed, same bytes**: for any number of threads, any split of a batch, any instruction set, any machine. The random
 //!   stream of a scan is named by (seed, index of the scan); nothing else enters it. Arithmetic is in one order everywhere,
-//!   without fused multiply-adds, and transcendental functions are those of the `libm` crate.
+//!   without fused multiply-adds, and transcendental functions are those of the `libm` crate, but for the directions of unrelated
+//!   rays, which have polynomials of their own: such a ray and a scan's beam at its angle may differ in the last bits.
 //! - **Motion**: a twist is integrated exactly (the exponential of SE(2)), not by Euler steps.
 
 mod beam_model;

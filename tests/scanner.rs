@@ -2,10 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{
-    BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, OccupancyGrid, Pose,
-    ScannerOptions, Unknown,
+    BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
+    Pose, ScannerOptions, Unknown,
 };
+use rayon::prelude::*;
 
 const SEED: u64 = 11;
 
@@ -139,6 +141,44 @@ fn readings_that_are_no_return_are_marked() {
     let mut readings = [0.0, 0.5, 7.999, 8.0];
     laser.mark_invalid(&mut readings, NoReturn::Max);
     assert_eq!(readings, [f32::NEG_INFINITY, 0.5, 7.999, 8.0]);
+}
+
+#[test]
+fn angles_that_overflow_lead_nowhere() {
+    let mut grid = room();
+    let options = GridOptions { origin: Pose::new(-1.0, 2.0, -1.7e308), ..grid.options() };
+    grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), options).expect("a room");
+    let start = [-0.5, 2.5, 1.7e308];
+    let mut others = Vec::new();
+    for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.is_available()) {
+        let laser =
+            scanner(ScannerOptions { max_range: 5.0, beam_count: 3, ..ScannerOptions::default() }).with_kernel(kernel);
+        let mut ranges = [0.0; 3];
+        laser.scan_batch(&grid, &[start], None, Some(1), &mut ranges).expect("a scan");
+        assert_eq!(ranges, [5.0; 3], "{}", kernel.name());
+        let rays = [start, [-0.5, 2.5, -1.7e308], [-0.5, 2.5, 1.0]];
+        let mut ranges = [0.0; 3];
+        Caster::new(&grid, 5.0, kernel).cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges).expect("ranges");
+        assert_eq!(ranges[0], 5.0, "{}", kernel.name());
+        others.push([ranges[1], ranges[2]]);
+    }
+    assert!(others.windows(2).all(|pair| pair[0] == pair[1]), "{others:?}");
+}
+
+#[test]
+fn scans_may_run_on_the_threads_of_others() {
+    let laser = scanner(ScannerOptions::default());
+    let (grid, starts) = (room(), poses(64));
+    let expected: Vec<_> = starts.iter().map(|&start| scan(&laser, &room(), start)).collect();
+    // Each of them would build what casting needs.
+    let found: Vec<_> = starts.par_iter().map(|&start| scan(&laser, &grid, start)).collect();
+    assert!(found == expected);
+}
+
+fn scan(laser: &LaserScanner, grid: &OccupancyGrid, start: [f64; 3]) -> Vec<f32> {
+    let mut ranges = vec![0.0; laser.options().beam_count];
+    laser.scan(grid, start.into(), &mut ranges).expect("a scan");
+    ranges
 }
 
 #[test]

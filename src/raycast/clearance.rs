@@ -39,9 +39,13 @@ pub fn breadth(length: i32) -> i32 {
 
 impl Clearance {
     /// The boxes of a grid whose cells, row by row, block where `blocks` says so; built by so many threads, or as many as there
-    /// are cores.
+    /// are cores; but for finding out which cells are free, which takes 2 bytes a cell meanwhile.
+    ///
+    /// # Panics
+    /// If there is no cell, or not as many in each row.
     #[must_use]
     pub fn new<T>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool) -> Self {
+        assert!(!cells.is_empty() && cells.len().is_multiple_of(width), "{} cells in rows of {width}", cells.len());
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
         let mut lengths = Pages::zeroed(Sector::COUNT * plane);
@@ -56,6 +60,9 @@ impl Clearance {
     }
 
     /// Builds anew what depends on the cells of a region, given again all cells and which of them block.
+    ///
+    /// # Panics
+    /// If the region is not on the grid.
     pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) {
         let shape = Self { lengths: Pages::zeroed(0), ..*self };
         let free = Free::new(cells, self.width, region, blocks);

@@ -11,7 +11,7 @@ const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2
 /// Adding this to a number of less than 51 bits and taking it off again rounds to a whole number.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// Cosines and sines of angles, to within an ulp or so.
+/// Cosines and sines of angles, to within 2 ulp.
 ///
 /// The polynomials of fdlibm (`k_sin.c`, `k_cos.c`) after a reduction to [-π/4, π/4] by Cody & Waite (1980); angles too large for
 /// it go to `libm`.

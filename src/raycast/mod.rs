@@ -51,17 +51,24 @@ impl<'grid> Caster<'grid> {
     }
 
     /// Hands over, group by group, ranges in metres, infinite where there is no return within the maximum.
+    ///
+    /// # Panics
+    /// If the sink casts.
     pub fn cast(&self, source: impl Source, sink: impl Sink) {
         thread_local! {
             static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
         }
+        // Before the block is taken, as building may have this thread do other work.
+        self.grid.clearance();
         let sink = InMetres { resolution: self.grid.resolution(), max_range: self.max_range, sink };
         BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
 
     /// [`cast`](Self::cast) of a fan that may start off the grid.
     pub fn cast_fan(&self, fan: Fan<'_>, sink: impl Sink) {
-        if let Some(cell) = self.grid.clearance().cell_at(fan.origin) {
+        if let Some(cell) = self.grid.clearance().cell_at(fan.origin)
+            && fan.heading.is_finite()
+        {
             return self.cast(Fan { cell, ..fan }, sink);
         }
         let mut groups = vec![RayGroup::ASTRAY; fan.cos.len()];
@@ -135,7 +142,7 @@ impl<'grid> Caster<'grid> {
     }
 }
 
-/// Puts rays of the map frame into groups, and where there are none left the first one again.
+/// Puts rays of the map frame into groups, and fills the last one up with its first ray.
 struct Enter<'a, 'grid> {
     caster: &'a Caster<'grid>,
     rays: &'a [[f64; 3]],
@@ -217,3 +224,4 @@ pub fn cast_rays<'a>(
 
 /// Rays that one thread takes at a time.
 const CHUNK: usize = 1024;
+const _: () = assert!(CHUNK.is_multiple_of(GROUP) && CHUNK <= block::BLOCK);

@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 use memmap2::MmapMut;
 
-/// Bytes that start as zeros, in huge pages where there are many and the system has such pages: on a grid that no cache holds,
+/// Bytes that start as zeros, in huge pages where there are many and the system grants such pages: on a grid that no cache holds,
 /// looking up where a page is costs as much as what is in it.
 #[derive(Debug)]
 pub struct Pages(Memory);
@@ -27,9 +27,7 @@ impl Pages {
         }
         let Ok(mapped) = MmapMut::map_anon(length) else { return Self(Memory::Allocated(vec![0; length])) };
         #[cfg(target_os = "linux")]
-        if mapped.advise(memmap2::Advice::HugePage).is_err() {
-            // A system without them has pages all the same.
-        }
+        let _ = mapped.advise(memmap2::Advice::HugePage); // A system without them has pages all the same.
         Self(Memory::Mapped(mapped))
     }
 }

@@ -34,8 +34,8 @@ impl Ray {
     /// From outside, the ray is clipped to the grid's box; the start cell is the one at the side it comes in by.
     #[must_use]
     pub fn entering(width: usize, height: usize, origin: DVec2, direction: DVec2) -> Option<Self> {
-        if !origin.is_finite() {
-            // Metres that overflow when counted in cells are beyond any range.
+        if !origin.is_finite() || !direction.is_finite() {
+            // Metres that overflow when counted in cells are beyond any range, and angles that overflow lead nowhere.
             return None;
         }
         let direction = DVec2::new(still(direction.x), still(direction.y));

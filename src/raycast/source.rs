@@ -57,10 +57,10 @@ impl Source for Fan<'_> {
     }
 
     fn is_walled_in(&self, grid: &OccupancyGrid) -> bool {
-        let (col, row) = (self.cell.0 as usize, self.cell.1 as usize);
-        let inside = col > 0 && row > 0 && col + 1 < grid.width() && row + 1 < grid.height();
-        let sides = [(col.wrapping_sub(1), row), (col + 1, row), (col, row.wrapping_sub(1)), (col, row + 1)];
-        inside && sides.into_iter().all(|(col, row)| grid.is_blocking(Cell { col, row }))
+        let (col, row) = self.cell;
+        let inside = col > 0 && row > 0 && col + 1 < grid.width() as i32 && row + 1 < grid.height() as i32;
+        let is_blocking = |(col, row)| grid.is_blocking(Cell { col: col as usize, row: row as usize });
+        inside && [(col - 1, row), (col + 1, row), (col, row - 1), (col, row + 1)].into_iter().all(is_blocking)
     }
 }
 
@@ -83,7 +83,7 @@ impl RayGroup {
         Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
     };
 
-    /// Puts rays into the group if all of them start on a grid of this size; returns whether they do.
+    /// Puts rays into the group if all of them have directions and start on a grid of this size; returns whether they do.
     #[inline(always)]
     pub fn start(
         &mut self,
@@ -92,7 +92,10 @@ impl RayGroup {
         (cos, sin): (&Group, &Group),
     ) -> bool {
         let (width, height) = (width as f64, height as f64);
-        let on_grid = |place: usize| (x[place] >= 0.0) & (x[place] < width) & (y[place] >= 0.0) & (y[place] < height);
+        let on_grid = |place: usize| {
+            let is_finite = cos[place].is_finite() & sin[place].is_finite();
+            is_finite & (x[place] >= 0.0) & (x[place] < width) & (y[place] >= 0.0) & (y[place] < height)
+        };
         if !(0..GROUP).fold(true, |all, place| all & on_grid(place)) {
             return false;
         }
@@ -118,7 +121,7 @@ impl RayGroup {
     }
 }
 
-/// The floor of a number from 0 to 2³¹, in a form that vectorises.
+/// The floor of a number in [0, 2³¹), in a form that vectorises.
 #[inline(always)]
 fn floor(number: f64) -> i32 {
     // Numbers of 2⁵² and more are whole: adding it rounds to the nearest one, which its lowest bits are then.

@@ -133,7 +133,8 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn gather(self, bytes: &[u8], places: __m256i) -> __m256i {
         assert!((1..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: `self` is proof that the processor has the instruction set; no place is beyond the last one after the minimum.
+        // SAFETY: `self` is proof that the processor has the instruction set; a vector is as many numbers, of any bits; no place
+        // is beyond the last one after the minimum.
         unsafe {
             let places = _mm256_min_epu32(places, _mm256_set1_epi32((bytes.len() - 1) as i32));
             let places: [u32; 8] = std::mem::transmute(places);
@@ -147,14 +148,14 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> __m256 {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm256_loadu_ps(numbers.as_ptr()) }
     }
 
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> __m256i {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm256_loadu_si256(numbers.as_ptr().cast()) }
     }
 
@@ -177,14 +178,14 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn store(self, numbers: &mut [f32], at: usize, a: __m256) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), a) }
     }
 
     #[inline(always)]
     fn store_int(self, numbers: &mut [i32], at: usize, a: __m256i) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm256_storeu_si256(numbers.as_mut_ptr().cast(), a) }
     }
 }

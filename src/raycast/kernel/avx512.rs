@@ -5,9 +5,10 @@ use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
     _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepi32_ps,
     _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_loadu_ps, _mm512_loadu_si512,
-    _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_test_epi32_mask, _mm512_maskz_compress_epi32,
+    _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask, _mm512_maskz_compress_epi32,
     _mm512_maskz_compress_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps,
-    _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
+    _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps,
+    _mm512_storeu_si512,
 };
 
 use super::lanes::Lanes;
@@ -97,7 +98,7 @@ impl Lanes for Avx512 {
         pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
         is_less(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, a, b) }
         is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
-        is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_test_epi32_mask(within, a, a) }
+        is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_cmpgt_epi32_mask(within, a, _mm512_setzero_si512()) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
     }
 
@@ -119,7 +120,8 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn gather(self, bytes: &[u8], places: __m512i) -> __m512i {
         assert!((1..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: `self` is proof that the processor has the instruction set; no place is beyond the last one after the minimum.
+        // SAFETY: `self` is proof that the processor has the instruction set; a vector is as many numbers, of any bits; no place
+        // is beyond the last one after the minimum.
         unsafe {
             let places = _mm512_min_epu32(places, _mm512_set1_epi32((bytes.len() - 1) as i32));
             let places: [u32; 16] = std::mem::transmute(places);
@@ -137,14 +139,14 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> __m512 {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }
 
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> __m512i {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
     }
 
@@ -165,14 +167,14 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn store(self, numbers: &mut [f32], at: usize, a: __m512) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }
     }
 
     #[inline(always)]
     fn store_int(self, numbers: &mut [i32], at: usize, a: __m512i) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
         unsafe { _mm512_storeu_si512(numbers.as_mut_ptr().cast(), a) }
     }
 }

@@ -106,9 +106,9 @@ impl Kernel {
     }
 }
 
-/// Work that becomes part of the function that does it, if its methods are marked to; a closure's need not be.
+/// Work to be compiled with a kernel's instruction set.
 pub trait Work {
-    /// Does it.
+    /// Does it. Has to be `#[inline(always)]`, which a closure cannot be, to become part of the function with that set.
     fn run(self);
 }
 
