@@ -1,7 +1,7 @@
 //! `cargo bench --bench ratios [-- MAP...]`: how many times as fast as the plain traversal each kernel is, in one run.
 //!
 //! Kernels take turns on small pieces of the work, so that a busy machine slows all of them alike; of each piece the median time
-//! counts. Single thread, but for the line on threads.
+//! counts. Single thread.
 
 mod workloads;
 

@@ -3,12 +3,13 @@
 Run: python benches/throughput.py [MAP...]. Every kernel has a process of its own; they take turns on the same work, so that
 a busy machine slows all of them alike, and of each the median counts. All of it on one thread unless said. Peak memory is
 that of the process, Python and NumPy with it. The Rust call needs cargo; raycast2D and ir-sim are measured where they are
-installed.
+installed, one scan a call.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib.util
 import json
 import math
@@ -37,6 +38,9 @@ BEAMS = 541
 FOV = 0.75 * math.tau
 CELLS = 600
 """Maximum range in cells."""
+
+Scan = Callable[[np.ndarray], np.ndarray]
+Scans = Callable[[mrs.OccupancyGrid], Scan]
 
 FOLDER = Path(__file__).parents[1]
 REAL = {
@@ -101,12 +105,12 @@ def work(folder: Path) -> None:
     """Be a worker: for each line on standard input, the seconds that it took."""
     about = json.loads((folder / "about").read_text())
     cells = np.fromfile(folder / "cells", np.int8).reshape(-1, about["width"])
-    starts = np.fromfile(folder / "poses").reshape(-1, 3)
+    starts, rays = (np.fromfile(folder / name).reshape(-1, 3) for name in ("poses", "rays"))
     grid = mrs.OccupancyGrid(cells, resolution=about["resolution"])
+    del cells
     grid.prepare()
     max_range = CELLS * grid.resolution
-    laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=max_range)
-    rays, model = poses(grid, RAYS), mrs.BeamModel()
+    laser, model = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=max_range), mrs.BeamModel()
     room = np.empty((10 * SCANS, BEAMS), np.float32)
 
     def scan(count: int, threads: int) -> None:
@@ -126,6 +130,11 @@ def work(folder: Path) -> None:
         task = line.strip()
         if task == "memory":
             print(peak_memory(), flush=True)
+        elif task in PACKAGES:
+            # What packages print is no answer.
+            with contextlib.redirect_stdout(sys.stderr):
+                found = single_scans(grid, starts[:50].copy(), PACKAGES[task])
+            print(json.dumps(found), flush=True)
         else:
             start = time.perf_counter()
             tasks[task]()
@@ -158,10 +167,11 @@ def kernels() -> list[str]:
     fine = []
     for name in ("traversal", "portable", "avx2", "avx512"):
         environment = {**os.environ, "MOBILE_ROBOT_SIMULATOR_KERNEL": name}
-        if subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=False).returncode == 0:
+        ran = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+        if ran.returncode == 0:
             fine.append(name)
         else:
-            print(f"passed over: this machine has no {name}")
+            print(f"passed over: {name}: {ran.stderr.splitlines()[-1]}")
     return fine
 
 
@@ -171,6 +181,7 @@ def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
         folder = Path(scratch)
         grid.cells.tofile(folder / "cells")
         poses(grid, 10 * SCANS).tofile(folder / "poses")
+        poses(grid, RAYS).tofile(folder / "rays")
         (folder / "about").write_text(json.dumps({"width": grid.cells.shape[1], "resolution": grid.resolution}))
         command = [sys.executable, __file__, "--work", scratch]
         workers = {kernel: Worker(command, {"MOBILE_ROBOT_SIMULATOR_KERNEL": kernel}) for kernel in names}
@@ -197,37 +208,47 @@ def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
         print(f"one scan from Python over the Rust call: {(times['python'] - times['rust']) * 1e6:.1f} us more")
         for worker in {id(worker): worker for worker in workers.values()}.values():
             worker.close()
+        for package in PACKAGES:
+            if importlib.util.find_spec(package) is None:
+                print(f"passed over: {package} is not installed")
+                continue
+            worker = Worker([sys.executable, __file__, "--work", scratch], {"MPLBACKEND": "Agg"})
+            found = worker.ask(package)
+            line = f"{'single scan/' + name + '/' + package:40s}{found['seconds'] / BEAMS * 1e9:9.0f} ns"
+            print(
+                f"{line}{found['memory']:8.0f} MB   {found['scans']} scans, off by {found['mean']:.3f} cells in the mean, "
+                f"{found['most']:.0f} at most, {found['far']:.2%} by more than 2"
+            )
+            worker.close()
 
 
-def peers(name: str, grid: mrs.OccupancyGrid) -> None:
-    """Print the lines of other packages, scan by scan from the centres of cells, and how far off they are."""
-    starts = poses(grid, 50)
+def single_scans(grid: mrs.OccupancyGrid, starts: np.ndarray, make: Scans) -> dict[str, float]:
+    """How long scans take one by one from the centres of cells, and how far off they are."""
     starts[:, :2] = (np.floor(starts[:, :2] / grid.resolution) + 0.5) * grid.resolution
+    scan = make(grid)
+    seconds, found = [], []
+    deadline = time.perf_counter() + 30.0
+    for start in starts:
+        begun = time.perf_counter()
+        ranges = scan(start)
+        seconds.append(time.perf_counter() - begun)
+        found.append(np.minimum(ranges, CELLS * grid.resolution))
+        if time.perf_counter() > deadline:
+            break
+    memory = peak_memory()
     laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
-    exact = laser.scan_batch(grid, starts)
-    for peer, make in {"raycast2D": raycast2d, "irsim": ir_sim}.items():
-        if importlib.util.find_spec(peer) is None:
-            print(f"passed over: {peer} is not installed")
-            continue
-        scan = make(grid)
-        times, off = [], []
-        deadline = time.perf_counter() + 60.0
-        for start, expected in zip(starts, exact, strict=True):
-            begun = time.perf_counter()
-            found = scan(start)
-            times.append(time.perf_counter() - begun)
-            off.append(np.abs(np.minimum(found, CELLS * grid.resolution) - expected) / grid.resolution)
-            if time.perf_counter() > deadline:
-                break
-        took, errors = statistics.median(times) / BEAMS * 1e9, np.concatenate(off)
-        far = np.mean(errors > 2.0)
-        print(
-            f"{'scan/' + name + '/' + peer:32s}{took:9.2f} ns{'':9s}{peak_memory():8.0f} MB   {len(times)} scans, off by "
-            f"{errors.mean():.3f} cells in the mean, {errors.max():.0f} at most, {far:.2%} by more than 2"
-        )
+    off = np.abs(np.array(found) - laser.scan_batch(grid, starts[: len(found)])) / grid.resolution
+    errors = {"mean": float(off.mean()), "most": float(off.max()), "far": float(np.mean(off > 2.0))}
+    return {"seconds": statistics.median(seconds), "memory": memory, "scans": len(found), **errors}
 
 
-def raycast2d(grid: mrs.OccupancyGrid) -> Callable[[np.ndarray], np.ndarray]:
+def ours(grid: mrs.OccupancyGrid) -> Scan:
+    """Scans of this package, as the others are measured."""
+    laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
+    return lambda pose: laser.scan(grid, tuple(pose))
+
+
+def raycast2d(grid: mrs.OccupancyGrid) -> Scan:
     """Scans by raycast2D, to the corners of cells as it names them."""
     import raycast2D  # type: ignore[import-untyped]
 
@@ -237,12 +258,12 @@ def raycast2d(grid: mrs.OccupancyGrid) -> Callable[[np.ndarray], np.ndarray]:
     def scan(pose: np.ndarray) -> np.ndarray:
         col, row = int(pose[0] / grid.resolution), int(pose[1] / grid.resolution)
         hits = lidar.scan((col, row, pose[2] + math.pi / 2), only_true_collisions=False).astype(np.int32)
-        return np.hypot(hits[:, 0] - col, hits[:, 1] - row) * grid.resolution
+        return np.asarray(np.hypot(hits[:, 0] - col, hits[:, 1] - row) * grid.resolution)
 
     return scan
 
 
-def ir_sim(grid: mrs.OccupancyGrid) -> Callable[[np.ndarray], np.ndarray]:
+def ir_sim(grid: mrs.OccupancyGrid) -> Scan:
     """Scans by ir-sim's 2D lidar, over its map of an image."""
     import irsim  # type: ignore[import-untyped]
     import yaml
@@ -264,6 +285,9 @@ def ir_sim(grid: mrs.OccupancyGrid) -> Callable[[np.ndarray], np.ndarray]:
     return scan
 
 
+PACKAGES: dict[str, Scans] = {"mobile_robot_simulator": ours, "raycast2D": raycast2d, "irsim": ir_sim}
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -278,7 +302,6 @@ def main() -> None:
     for name, grid in maps():
         if name in options.maps or (not options.maps and name != "huge"):
             measure(name, grid, names)
-            peers(name, grid)
 
 
 if __name__ == "__main__":

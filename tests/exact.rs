@@ -1,6 +1,6 @@
 //! Fifty million beams and more, by every kernel of this machine: all equal to the plain traversal's, to the last bit.
 //!
-//! That many are cast by `cargo test --release --test exact`; without optimisation a hundredth, with the kernels' bounds asserted.
+//! That many are cast by `cargo test --release --test exact`; by `cargo test` a hundredth, with the kernels' bounds asserted.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -44,7 +44,7 @@ const IMAGES: [&str; 4] = [
 
 const BEAMS: usize = 541;
 
-/// What is left out without optimisation: all but one in so many.
+/// What is left out where bounds are asserted: all but one in so many.
 const FEWER: usize = if cfg!(debug_assertions) { 100 } else { 1 };
 
 /// Scans of each grid that is made here; with the rays, 50 million beams.

@@ -36,7 +36,7 @@ const MADE: [(&str, Blocks); 4] = [
     // Every jump is one cell: nothing is won by jumping.
     ("checkerboard", |col, row| (col + row) % 2 == 0),
     // Walls along a grid line: beams that graze them see short boxes all the way.
-    ("corridor", |_, row| row % 30 == 0),
+    ("grid_lines", |_, row| row % 30 == 0),
     // A wall at 45°, on which every box ends in a corner.
     ("diagonal", |col, row| (col + row) % 200 == 0),
 ];
