@@ -115,7 +115,9 @@ def plot_drive(
             if len(way):
                 _draw_path(axes, way)
                 _draw_robot(axes, way[-1])
-                axes.annotate(name, (way[-1, 0], way[-1, 1]), (8, 8), textcoords="offset points", color=_INK, zorder=9)
+                paper = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
+                end = (way[-1, 0], way[-1, 1])
+                axes.annotate(name, end, (8, 8), textcoords="offset points", color=_INK, bbox=paper, zorder=9)
         _draw_path(axes, path, labels=("start", "path"))
         _draw_robot(axes, path[-1], label="end")
         if len(target):
