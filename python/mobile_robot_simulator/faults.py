@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import math
 import random
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -42,7 +43,7 @@ def check_at_least_0(**values: float) -> None:
             raise ValueError(f"{name} must be finite and at least 0, got {value}")
 
 
-class Fault(Handle):
+class Fault(Handle, ABC):
     """Something that goes wrong for a while.
 
     start, end: when [s]. seed: names what is drawn.
@@ -86,9 +87,9 @@ class Fault(Handle):
             return False
         return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
 
+    @abstractmethod
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         """Find what there is to act on, and plan when."""
-        raise NotImplementedError
 
     def _note(self, text: str) -> None:
         """Tell the recording."""
@@ -115,9 +116,9 @@ class MessageFault(Fault):
             raise ValueError(f"the probability must be in 0..1, got {probability}")
         self.topic, self.probability = absolute(topic), probability
 
+    @abstractmethod
     def change(self, message: Message) -> Copies:
         """What goes out instead of a message, and how much later [ns]; None for the message as it is."""
-        raise NotImplementedError
 
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         simulation.latest(self.topic)

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -102,7 +103,7 @@ class Process:
         self._process.wait(PATIENCE)
 
 
-class World:
+class World(ABC):
     """What both versions of ROS have in common."""
 
     environment: dict[str, str]
@@ -121,8 +122,8 @@ class World:
         maps = [str(map_file)] if map_file else []
         return self.run(*COMMAND, node, *maps, *self.arguments(parameters, remap))
 
-    def arguments(self, parameters: dict[str, Any], remap: tuple[str, ...]) -> list[str]:
-        raise NotImplementedError
+    @abstractmethod
+    def arguments(self, parameters: dict[str, Any], remap: tuple[str, ...]) -> list[str]: ...
 
     def end(self) -> None:
         for process in self.processes:
