@@ -103,7 +103,7 @@ impl<'grid> Caster<'grid> {
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
             GROUPS.with_borrow_mut(|groups| {
                 groups.resize(ranges.len().div_ceil(GROUP), RayGroup::ASTRAY);
-                self.kernel.lend(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups });
+                self.kernel.with_features(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups });
                 self.cast(Rays { groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
             });
             if obstacles.is_empty() {

@@ -27,13 +27,13 @@ impl Avx2 {
     }
 
     /// Does some work with the instruction set.
-    pub fn lend(self, work: impl Work) {
+    pub fn with_features(self, work: impl Work) {
         #[target_feature(enable = "avx2,fma")]
-        fn lend(_: Avx2, work: impl Work) {
+        fn with_features(_: Avx2, work: impl Work) {
             work.run();
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { lend(self, work) }
+        unsafe { with_features(self, work) }
     }
 
     /// See [`march::cast`].
@@ -96,7 +96,7 @@ impl Lanes for Avx2 {
         multiply(a: __m256, b: __m256) -> __m256 { _mm256_mul_ps(a, b) }
         multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
         multiply_subtract(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmsub_ps(a, b, c) }
-        lesser(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
+        min(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
         ceil(a: __m256) -> __m256 { _mm256_ceil_ps(a) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
@@ -160,7 +160,7 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: __m256) {
+    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: __m256) {
         let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
         let kept = unsafe { _mm256_permutevar8x32_ps(a, order) };
@@ -168,7 +168,7 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m256i) {
+    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m256i) {
         let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
         let kept = unsafe { _mm256_permutevar8x32_epi32(a, order) };

@@ -36,13 +36,13 @@ impl Avx512 {
     }
 
     /// Does some work with the instruction set.
-    pub fn lend(self, work: impl Work) {
+    pub fn with_features(self, work: impl Work) {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn lend(_: Avx512, work: impl Work) {
+        fn with_features(_: Avx512, work: impl Work) {
             work.run();
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { lend(self, work) }
+        unsafe { with_features(self, work) }
     }
 
     /// See [`march::cast`].
@@ -87,7 +87,7 @@ impl Lanes for Avx512 {
         multiply(a: __m512, b: __m512) -> __m512 { _mm512_mul_ps(a, b) }
         multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
         multiply_subtract(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmsub_ps(a, b, c) }
-        lesser(a: __m512, b: __m512) -> __m512 { _mm512_min_ps(a, b) }
+        min(a: __m512, b: __m512) -> __m512 { _mm512_min_ps(a, b) }
         floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
         ceil(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(a) }
         off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
@@ -151,14 +151,14 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: __m512) {
+    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: __m512) {
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
         let kept = unsafe { _mm512_maskz_compress_ps(bits as __mmask16, a) };
         self.store(numbers, at, kept);
     }
 
     #[inline(always)]
-    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m512i) {
+    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m512i) {
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
         let kept = unsafe { _mm512_maskz_compress_epi32(bits as __mmask16, a) };
         self.store_int(numbers, at, kept);

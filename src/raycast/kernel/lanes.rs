@@ -28,7 +28,7 @@ pub trait Lanes: Copy {
     /// a · b - c.
     fn multiply_subtract(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     /// The lesser ones; b where one is not a number.
-    fn lesser(self, a: Self::Float, b: Self::Float) -> Self::Float;
+    fn min(self, a: Self::Float, b: Self::Float) -> Self::Float;
     /// The largest whole numbers that are no greater.
     fn floor(self, a: Self::Float) -> Self::Float;
     /// The least whole numbers that are no less.
@@ -66,9 +66,9 @@ pub trait Lanes: Copy {
     /// Numbers from a place on.
     fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
     /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
-    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: Self::Float);
+    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: Self::Float);
     /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
-    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: Self::Int);
+    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.
     fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.

@@ -121,8 +121,8 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.int(1));
         let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
         let number = lanes.load_int(&block.number, rays.at);
-        lanes.keep_int(bits, &mut block.ended, to, number);
-        lanes.keep_int(bits, &mut block.ended_in, to, cell);
+        lanes.compress_store_int(bits, &mut block.ended, to, number);
+        lanes.compress_store_int(bits, &mut block.ended_in, to, cell);
         bits.count_ones() as usize
     }
 
@@ -132,15 +132,15 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let lanes = self.lanes;
         let bits = lanes.bits(rays.active);
         for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
-            lanes.keep(bits, &mut axis.cell, to, cell);
+            lanes.compress_store(bits, &mut axis.cell, to, cell);
             for numbers in [&mut axis.first, &mut axis.direction, &mut axis.inverse] {
                 let kept = lanes.load(numbers, rays.at);
-                lanes.keep(bits, numbers, to, kept);
+                lanes.compress_store(bits, numbers, to, kept);
             }
         }
         for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
             let kept = lanes.load_int(numbers, rays.at);
-            lanes.keep_int(bits, numbers, to, kept);
+            lanes.compress_store_int(bits, numbers, to, kept);
         }
         bits.count_ones() as usize
     }
@@ -163,7 +163,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             lanes.multiply(lanes.add(line, lanes.load(&axis.first, rays.at)), lanes.load(&axis.inverse, rays.at))
         };
         let (to_major, to_minor) = (to_line(&block.major, far_major), to_line(&block.minor, far_minor));
-        let distance = lanes.lesser(to_major, to_minor);
+        let distance = lanes.min(to_major, to_minor);
         let crosses_major = lanes.is_less(active, to_major, to_minor);
         let crosses_minor = lanes.without(active, crosses_major);
 

@@ -78,14 +78,14 @@ impl Kernel {
 
     /// Does some work with the kernel's instruction set.
     #[inline]
-    pub(super) fn lend(self, work: impl Work) {
+    pub(super) fn with_features(self, work: impl Work) {
         #[cfg(target_arch = "x86_64")]
         {
             if let (Self::Avx512, Some(lanes)) = (self, avx512::Avx512::new()) {
-                return lanes.lend(work);
+                return lanes.with_features(work);
             }
             if let (Self::Avx2, Some(lanes)) = (self, avx2::Avx2::new()) {
-                return lanes.lend(work);
+                return lanes.with_features(work);
             }
         }
         work.run();

@@ -33,7 +33,7 @@ fn truncate(a: f32) -> i32 {
 
 /// Puts the lanes with a bit set from a place on, straight to where they are kept.
 #[inline(always)]
-fn keep<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
+fn compress_store<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
     let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("as many numbers as a vector has");
     let mut count = 0;
     for (lane, &a) in a.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn lesser(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
+    fn min(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
         each(|lane| if a[lane] < b[lane] { a[lane] } else { b[lane] })
     }
 
@@ -180,13 +180,13 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn keep(self, bits: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
-        keep(bits, numbers, at, a);
+    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
+        compress_store(bits, numbers, at, a);
     }
 
     #[inline(always)]
-    fn keep_int(self, bits: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
-        keep(bits, numbers, at, a);
+    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
+        compress_store(bits, numbers, at, a);
     }
 
     #[inline(always)]
