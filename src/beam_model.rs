@@ -97,17 +97,15 @@ impl BeamModel {
         }
     }
 
-    /// Normal around `range`, truncated to `[0, max_range]`, by rejection, from a first draw on.
-    fn sample_hit(&self, range: f64, max_range: f64, first: u64, stream: &mut impl Rng) -> f64 {
+    /// Normal around `range`, truncated to `[0, max_range]`, by rejection.
+    fn sample_hit(&self, range: f64, max_range: f64, stream: &mut impl Rng) -> f64 {
         let sigma = self.options.sigma_hit;
         if self.is_narrow(max_range) {
-            let mut draw = first;
             loop {
-                let reading = range + sigma * normal::layers().sample(draw, stream);
+                let reading = range + sigma * normal::sample(stream);
                 if (0.0..=max_range).contains(&reading) {
                     return reading;
                 }
-                draw = stream.next_u64();
             }
         }
         loop {
@@ -188,20 +186,21 @@ impl BeamModel {
 
 /// A beam model at work on one scan.
 ///
-/// Each beam has 64 bits: the lowest byte and the upper half are the first draw of its normal number, and the 24 bits between
-/// choose its part of the mixture. For nearly all beams that decides; the few others go on with a stream of their own.
+/// Each beam has 64 bits: the lowest 24 choose its part of the mixture, and the others with those of the beam half a group away
+/// make two normal numbers. For nearly all beams that decides; the few others go on with a stream of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler<'a> {
     model: &'a BeamModel,
-    layers: &'static normal::Layers,
     max_range: f64,
     bits: BeamBits,
     /// Choices below this are hits, whatever more digits they had.
     sure_hits: u32,
+    /// Choices within these are failures, whatever more digits they had.
+    sure_failures: [u32; 2],
 }
 
 // A group's beams that need more than their bits are counted by the bits of an u32.
-const _: () = assert!(GROUP <= 32);
+const _: () = assert!(GROUP <= 32 && GROUP.is_multiple_of(2));
 
 /// Bits that choose a part of the mixture.
 const SHARE_BITS: u32 = 24;
@@ -210,42 +209,48 @@ impl<'a> Sampler<'a> {
     /// The sampler of a scan by its bits.
     #[must_use]
     pub fn new(model: &'a BeamModel, max_range: f64, bits: BeamBits) -> Self {
-        let sure_hits = if model.is_narrow(max_range) { model.shares[0] * f64::from(1u32 << SHARE_BITS) } else { 0.0 };
-        Self { model, layers: normal::layers(), max_range, bits, sure_hits: sure_hits as u32 }
+        let [hit_end, short_end, max_end] = model.shares.map(|share| share * f64::from(1u32 << SHARE_BITS));
+        let sure_hits = if model.is_narrow(max_range) { hit_end as u32 } else { 0 };
+        Self { model, max_range, bits, sure_hits, sure_failures: [short_end.ceil() as u32, max_end as u32] }
     }
 
     /// Readings of a group of beams, given their true ranges, infinite for a beam that hits nothing.
     #[inline(always)]
     #[must_use]
     pub fn sample(&self, group: usize, ranges: &[f64; GROUP]) -> [f64; GROUP] {
+        const HALF: usize = GROUP / 2;
         let first = (group * GROUP) as u64;
-        let (sigma, max_range) = (self.model.options.sigma_hit, self.max_range);
-        let (mut readings, mut is_unsure) = ([0.0; GROUP], [0; GROUP]);
-        let (mut bits, mut edges) = ([0; GROUP], [[0.0; GROUP]; 2]);
-        // A number of turns that the compiler does not know keeps it from unrolling what it should make vectors of; the look-ups
-        // go by themselves, which it would rather not make a vector of.
-        let count = std::hint::black_box(GROUP).min(GROUP);
-        for (beam, bits) in (first..).zip(&mut bits[..count]) {
-            *bits = self.bits.of(beam);
-        }
+        let (mut low, mut high, mut normals) = ([0; GROUP], [0; GROUP], [0.0; GROUP]);
         for place in 0..GROUP {
-            [edges[0][place], edges[1][place]] = self.layers.edges(bits[place]);
+            let bits = self.bits.of(first + place as u64);
+            (low[place], high[place]) = (bits as u32, (bits >> 32) as u32);
         }
-        for place in 0..count {
-            let deviation = normal::uniform(bits[place]) * edges[0][place];
-            let reading = ranges[place] + sigma * deviation;
-            let misses = ranges[place] == f64::INFINITY;
-            let fits = (deviation.abs() < edges[1][place]) & (reading >= 0.0) & (reading <= max_range);
-            readings[place] = if misses { max_range } else { reading };
-            is_unsure[place] = u64::from(!((share(bits[place]) < self.sure_hits) & (fits | misses)));
+        for place in 0..HALF {
+            [normals[place], normals[place + HALF]] = normal::pair([high[place], high[place + HALF]], low[place]);
         }
-        let mut rest: u32 = (0..GROUP).map(|place| (is_unsure[place] as u32) << place).sum();
-        while rest != 0 {
-            let place = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            readings[place] = self.sample_one(first + place as u64, ranges[place]);
+        let (mut readings, mut all_sure) = ([0.0; GROUP], true);
+        for place in 0..GROUP {
+            let (reading, is_sure) = self.guess(ranges[place], low[place], normals[place]);
+            readings[place] = reading;
+            all_sure &= is_sure;
+        }
+        if !all_sure {
+            for place in (0..GROUP).filter(|&place| !self.guess(ranges[place], low[place], normals[place]).1) {
+                readings[place] = self.sample_one(first + place as u64, ranges[place]);
+            }
         }
         readings
+    }
+
+    /// A reading by the bits alone, and whether it is right.
+    #[inline(always)]
+    fn guess(&self, range: f64, low: u32, normal: f32) -> (f64, bool) {
+        let reading = range + self.model.options.sigma_hit * f64::from(normal);
+        let (misses, share) = (range == f64::INFINITY, share(low));
+        let fails = (share >= self.sure_failures[0]) & (share < self.sure_failures[1]);
+        let fits = (reading >= 0.0) & (reading <= self.max_range);
+        let is_sure = (share < self.sure_hits) & (fits | misses) | fails;
+        (if misses | fails { self.max_range } else { reading }, is_sure)
     }
 
     /// A reading of a beam, without a shortcut.
@@ -254,10 +259,10 @@ impl<'a> Sampler<'a> {
         let Self { model, max_range, .. } = *self;
         let (bits, mut stream) = (self.bits.of(beam), self.bits.stream(beam));
         let is_hit = range < f64::INFINITY;
-        let share = (f64::from(share(bits)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
+        let share = (f64::from(share(bits as u32)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
         let [hit_end, short_end, max_end] = model.shares;
         if share < hit_end {
-            if is_hit { model.sample_hit(range, max_range, bits, &mut stream) } else { max_range }
+            if is_hit { model.sample_hit(range, max_range, &mut stream) } else { max_range }
         } else if share < short_end {
             model.sample_short(if is_hit { range } else { max_range }, &mut stream)
         } else if share < max_end {
@@ -270,6 +275,6 @@ impl<'a> Sampler<'a> {
 
 /// The bits that choose a part of the mixture.
 #[inline(always)]
-fn share(bits: u64) -> u32 {
-    (bits as u32) >> 8
+fn share(bits: u32) -> u32 {
+    bits & ((1 << SHARE_BITS) - 1)
 }

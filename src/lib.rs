@@ -29,6 +29,7 @@
 
 mod beam_model;
 mod contact;
+mod elementary;
 mod error;
 mod grid;
 mod limits;

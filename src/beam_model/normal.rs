@@ -1,97 +1,36 @@
 //! The standard normal distribution, with the same bytes on every machine.
-//!
-//! Ready-made samplers call the platform's `exp` and `ln`, which differ from one C library to the next.
 
+use std::f32::consts::FRAC_PI_4;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use std::sync::LazyLock;
 
-use rand::{Rng, RngExt};
+use rand::Rng;
 
-/// Number of layers of equal area that the density is cut into.
-const LAYERS: usize = 256;
+use crate::elementary::{ln32, sin_cos32};
 
-/// Where the lowest layer's tail begins, for 256 layers (Marsaglia & Tsang 2000, sec. 3).
-const TAIL: f64 = 3.654_152_885_361_009;
-
-/// The layers that the density is cut into: right edges, and the (unnormalised) density there; layer 0 is the lowest.
-#[derive(Debug)]
-pub struct Layers {
-    edge: [f64; LAYERS + 1],
-    density: [f64; LAYERS + 1],
-}
-
-static ZIGGURAT: LazyLock<Layers> = LazyLock::new(|| {
-    let bell = |x: f64| libm::exp(-0.5 * x * x);
-    // The area of the lowest layer: a rectangle and the tail, which is sqrt(π/2)·erfc(r/√2).
-    let area = TAIL * bell(TAIL) + libm::sqrt(0.5 * PI) * libm::erfc(TAIL * FRAC_1_SQRT_2);
-    let mut edge = [0.0; LAYERS + 1];
-    // The lowest layer as if it were a rectangle of that area.
-    edge[0] = area / bell(TAIL);
-    edge[1] = TAIL;
-    for layer in 2..LAYERS {
-        edge[layer] = libm::sqrt(-2.0 * libm::log(area / edge[layer - 1] + bell(edge[layer - 1])));
-    }
-    Layers { edge, density: edge.map(bell) }
-});
-
-/// How far out a draw is in its layer, as part of the layer's width: by the upper half of its bits, the middle of one of 2³² parts
-/// of (-1, 1).
+/// Two independent standard normal numbers from two words of random bits and the two upper bits of a third, to the precision of a
+/// float32; beyond 6.6, where one in 10¹⁰ should be, there are none.
+///
+/// The point with these coordinates is at a random angle, and at a distance whose square is exponential (Box & Muller 1958).
 #[inline(always)]
-pub fn uniform(bits: u64) -> f64 {
-    (f64::from((bits >> 32) as i32) + 0.5) * (1.0 / (1u64 << 31) as f64)
-}
-
-/// The layers, made at the first call.
-pub fn layers() -> &'static Layers {
-    &ZIGGURAT
-}
-
-impl Layers {
-    /// Right edges of a draw's layer, by its lowest byte, and of the layer above.
-    ///
-    /// A draw that is not as far out as the latter surely lies under the density, as 98.8 % do: then it is a normal number.
+#[must_use]
+pub fn pair([first, second]: [u32; 2], quadrant: u32) -> [f32; 2] {
+    /// The middle of one of 2³² parts of (-1, 1).
     #[inline(always)]
-    pub fn edges(&self, bits: u64) -> [f64; 2] {
-        let layer = (bits & 0xff) as usize;
-        [self.edge[layer], self.edge[layer + 1]]
+    fn part(bits: u32) -> f32 {
+        (bits as i32 as f32 + 0.5) * (1.0 / (1u32 << 31) as f32)
     }
-
-    /// A standard normal number, by the ziggurat method (Marsaglia & Tsang 2000, sec. 2), from a first draw and more of them from
-    /// the stream.
-    pub fn sample(&self, mut bits: u64, stream: &mut impl Rng) -> f64 {
-        loop {
-            let layer = (bits & 0xff) as usize;
-            let x = uniform(bits) * self.edge[layer];
-            if x.abs() < self.edge[layer + 1] {
-                return x;
-            }
-            if layer == 0 {
-                return sample_tail(stream).copysign(x);
-            }
-            let (low, high) = (self.density[layer], self.density[layer + 1]);
-            if low + (high - low) * stream.random::<f64>() < libm::exp(-0.5 * x * x) {
-                return x;
-            }
-            bits = stream.next_u64();
-        }
-    }
+    let distance = (-2.0 * ln32(part(first >> 1))).sqrt();
+    // An angle of at most 45° to an axis, and then to one of both and of their two directions.
+    let (sin, cos) = sin_cos32(part(second) * FRAC_PI_4);
+    let (across, along) = (sin * distance, cos * distance);
+    let along = f32::from_bits(along.to_bits() ^ (quadrant & 1 << 31));
+    if quadrant & 1 << 30 == 0 { [along, across] } else { [across, along] }
 }
 
 /// A standard normal number.
 pub fn sample(stream: &mut impl Rng) -> f64 {
-    layers().sample(stream.next_u64(), stream)
-}
-
-/// A normal number beyond `TAIL`, by rejection from an exponential (Marsaglia 1964).
-fn sample_tail(stream: &mut impl Rng) -> f64 {
-    loop {
-        // log1p(-u) and not log(u), which u = 0 would send to infinity.
-        let beyond = -libm::log1p(-stream.random::<f64>()) / TAIL;
-        let height = -libm::log1p(-stream.random::<f64>());
-        if 2.0 * height > beyond * beyond {
-            return TAIL + beyond;
-        }
-    }
+    let [first, second] = [stream.next_u64(), stream.next_u64()];
+    pair([first, second].map(|bits| (bits >> 32) as u32), first as u32)[0].into()
 }
 
 /// The probability between `below` under the mean and `above` over it, Φ(above) - Φ(-below), without cancellation.
@@ -102,4 +41,67 @@ pub fn mass_around_mean(below: f64, above: f64) -> f64 {
 /// The density φ.
 pub fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) / libm::sqrt(2.0 * PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use rand::RngExt;
+
+    const COUNT: usize = 1_000_000;
+
+    fn pairs() -> Vec<[f64; 2]> {
+        let mut stream = random::stream(11, 0);
+        (0..COUNT).map(|_| pair([stream.random(), stream.random()], stream.random()).map(f64::from)).collect()
+    }
+
+    /// Kolmogorov and Smirnov's test, at a level of about 1e-5.
+    #[test]
+    fn both_numbers_are_normal() {
+        for which in 0..2 {
+            let mut numbers: Vec<f64> = pairs().iter().map(|pair| pair[which]).collect();
+            numbers.sort_by(f64::total_cmp);
+            let cdf = |x: f64| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
+            let off = numbers.iter().enumerate().map(|(index, &x)| (cdf(x) - index as f64 / COUNT as f64).abs());
+            let off = off.fold(0.0, f64::max);
+            assert!(off < 2.5 / (COUNT as f64).sqrt(), "number {which} is off by {off}");
+            // One in 15,787 is.
+            let beyond = |limit: f64| numbers.iter().filter(|x| x.abs() > limit).count() as f64;
+            assert!((beyond(4.0) - COUNT as f64 / 15_787.0).abs() < 40.0, "{} are beyond 4", beyond(4.0));
+        }
+    }
+
+    #[test]
+    fn the_two_numbers_have_nothing_to_do_with_each_other() {
+        let mut quadrants = [0.0; 8];
+        let (mut products, mut squares) = (0.0, 0.0);
+        for [x, y] in pairs() {
+            quadrants[usize::from(x < 0.0) + 2 * usize::from(y < 0.0) + 4 * usize::from(x.abs() < y.abs())] += 1.0;
+            products += x * y;
+            squares += (x * x - 1.0) * (y * y - 1.0);
+        }
+        let count = COUNT as f64;
+        assert!(
+            quadrants.iter().all(|eighth| (eighth - count / 8.0).abs() < 4.5 * (count * 7.0 / 64.0).sqrt()),
+            "{quadrants:?}"
+        );
+        assert!(products.abs() < 4.5 * count.sqrt() && squares.abs() < 4.5 * 2.0 * count.sqrt(), "{products} {squares}");
+    }
+
+    #[test]
+    fn no_bits_lead_astray() {
+        for bits in [0, 1, u32::MAX / 2, u32::MAX - 1, u32::MAX, 1 << 31] {
+            for other in [0, u32::MAX, 1 << 31, 1 << 30] {
+                let [x, y] = pair([bits, other], other);
+                assert!(x.abs() < 6.7 && y.abs() < 6.7, "{x} {y} of {bits} {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_bytes_are_part_of_the_promise() {
+        let bits = pair([0x1234_5678, 0x9abc_def0], 1 << 30).map(f32::to_bits);
+        assert_eq!(bits, [3_215_676_459, 1_072_647_996]);
+    }
 }

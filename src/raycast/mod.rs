@@ -2,7 +2,6 @@
 
 mod block;
 mod clearance;
-mod direction;
 mod kernel;
 mod pages;
 mod ray;
@@ -22,6 +21,7 @@ pub use sector::Sector;
 pub use source::{Fan, GROUP, Group, RayGroup, Rays, Source};
 pub use traversal::traverse;
 
+use crate::elementary::directions;
 use crate::error::{Error, check_number, check_rows};
 use crate::grid::OccupancyGrid;
 use crate::obstacles::Obstacles;
@@ -29,7 +29,6 @@ use crate::pose::Pose;
 use crate::threads;
 use crate::world::World;
 use block::Block;
-use direction::directions;
 use kernel::Work;
 
 /// Casts rays over one grid up to one range.
@@ -201,8 +200,15 @@ pub(crate) fn store(ranges: &mut [f32], group: usize, numbers: &Group) {
     if let Some(room) = rest.first_chunk_mut() {
         *room = numbers;
     } else {
-        rest.copy_from_slice(&numbers[..rest.len()]);
+        store_last(rest, &numbers);
     }
+}
+
+// Not to become one copy of unknown length with the other case.
+#[cold]
+#[inline(never)]
+fn store_last(rest: &mut [f32], numbers: &[f32; GROUP]) {
+    rest.copy_from_slice(&numbers[..rest.len()]);
 }
 
 /// [`Caster::cast_rays`] by the kernel chosen for this machine.

@@ -1,6 +1,6 @@
-//! Directions from angles, in a form that vectorises, with the same bytes on every machine.
+//! Elementary functions in a form that vectorises, with the same bytes on every machine.
 
-use super::source::{GROUP, Group};
+use crate::raycast::{GROUP, Group};
 
 /// Angles up to here are reduced by multiples of π/2 that leave the first part of it exact.
 const LARGEST: f64 = 1e5;
@@ -73,6 +73,32 @@ fn polynomial(x: f64, coefficients: &[f64; 6]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
+/// Sine and cosine of a float32 in [-π/4, π/4], to within 2⁻²³ (fdlibm's polynomials for float32, `k_sinf.c` and `k_cosf.c`).
+#[inline(always)]
+pub fn sin_cos32(x: f32) -> (f32, f32) {
+    let z = x * x;
+    let sin = x + x * z * (-0.166_666_55 + z * (0.008_332_161 - z * 0.000_195_152_96));
+    let cos = 1.0 - z * (0.5 - z * (0.041_666_646 - z * (0.001_388_731_6 - z * 0.000_024_433_157)));
+    (sin, cos)
+}
+
+/// Logarithm of a positive float32 that is not subnormal, to within a relative 2⁻²² (fdlibm's polynomial for float32,
+/// `e_logf.c`).
+#[inline(always)]
+pub fn ln32(x: f32) -> f32 {
+    /// The bits of 1, and of the least number that is no less than √½.
+    const ONE: u32 = 0x3f80_0000;
+    const SQRT_HALF: u32 = 0x3f35_04f4;
+    // The significand in [√½, √2), and the power of 2 that it comes with.
+    let shifted = x.to_bits().wrapping_add(ONE - SQRT_HALF);
+    let power = (shifted >> 23) as i32 - 127;
+    let significand = f32::from_bits((shifted & 0x007f_ffff) + SQRT_HALF);
+    let s = (significand - 1.0) / (significand + 1.0);
+    let z = s * s;
+    let rest = z * ((0.666_666_6 + z * 0.400_009_72) + z * z * (0.284_987_87 + z * 0.242_790_79));
+    power as f32 * std::f32::consts::LN_2 + s * (2.0 + rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,5 +133,21 @@ mod tests {
             assert!((cos[place] - expected_cos).abs() < 1e-17 || cos[place] == expected_cos, "{place}");
             assert!((sin[place] - expected_sin).abs() < 1e-17 || sin[place] == expected_sin, "{place}");
         }
+    }
+
+    #[test]
+    fn float32_functions_are_those_of_float64() {
+        let mut stream = random::stream(4, 0);
+        for _ in 0..100_000 {
+            let x = (stream.random::<f32>() - 0.5) * std::f32::consts::FRAC_PI_2;
+            let ((sin, cos), (expected_sin, expected_cos)) = (sin_cos32(x), libm::sincos(x.into()));
+            let off = (f64::from(sin) - expected_sin).abs().max((f64::from(cos) - expected_cos).abs());
+            assert!(off < 1.2e-7, "{x} is off by {off}");
+            for x in [stream.random::<f32>(), stream.random::<f32>() * 1e-8, 1.0 - stream.random::<f32>() * 1e-6] {
+                let off = f64::from(ln32(x)) / libm::log(x.into()) - 1.0;
+                assert!(x == 0.0 || x == 1.0 || off.abs() < 2.4e-7, "{x} is off by a part of {off}");
+            }
+        }
+        assert_eq!(ln32(1.0), 0.0);
     }
 }
