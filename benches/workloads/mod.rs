@@ -30,16 +30,23 @@ type Blocks = fn(usize, usize) -> bool;
 
 const SIDE: usize = 2000;
 
-const MADE: [(&str, Blocks); 4] = [
+const MADE: [(&str, Blocks); 5] = [
     // Nothing to hit: a plain traversal walks to the maximum range.
     ("empty", |_, _| false),
     // Every jump is one cell: nothing is won by jumping.
     ("checkerboard", |col, row| (col + row) % 2 == 0),
+    // One cell in five blocks at random: rays are short, and no jump is long.
+    ("clutter", |col, row| scattered(col, row).is_multiple_of(5)),
     // Walls along a grid line: beams that graze them see short boxes all the way.
     ("grid_lines", |_, row| row % 30 == 0),
     // A wall at 45°, on which every box ends in a corner.
     ("diagonal", |col, row| (col + row) % 200 == 0),
 ];
+
+/// A number that looks random, by column and row.
+fn scattered(col: usize, row: usize) -> usize {
+    (col.wrapping_mul(0x9e37_79b9) ^ row.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 15 & 0xffff
+}
 
 /// The maps that there are.
 pub fn maps() -> impl Iterator<Item = (&'static str, OccupancyGrid)> {

@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use super::Ray;
 use super::ray::still;
-use crate::grid::{Cell, OccupancyGrid};
+use super::{Clearance, Ray, Sector};
 
 /// Rays come in groups of this many, so that loops over them have a fixed length.
 pub const GROUP: usize = 32;
@@ -20,10 +19,9 @@ pub trait Source: Copy {
     /// The ray at a place of a group. Behind the last ray there are others of no meaning, up to the group's end.
     fn ray(&self, group: usize, place: usize) -> Ray;
 
-    /// Whether the cell that all rays start in has walls on its four sides.
-    fn is_walled_in(&self, _: &OccupancyGrid) -> bool {
-        false
-    }
+    /// Whether rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
+    /// tell.
+    fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool;
 }
 
 /// Rays that start at one place of the grid.
@@ -56,11 +54,8 @@ impl Source for Fan<'_> {
         Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
     }
 
-    fn is_walled_in(&self, grid: &OccupancyGrid) -> bool {
-        let (col, row) = self.cell;
-        let inside = col > 0 && row > 0 && col + 1 < grid.width() as i32 && row + 1 < grid.height() as i32;
-        let is_blocking = |(col, row)| grid.is_blocking(Cell { col: col as usize, row: row as usize });
-        inside && [(col - 1, row), (col + 1, row), (col, row - 1), (col, row + 1)].into_iter().all(is_blocking)
+    fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool {
+        Sector::all().all(|sector| clearance.length(self.cell.0, self.cell.1, sector) <= length)
     }
 }
 
@@ -156,5 +151,11 @@ impl Source for Rays<'_> {
             row: rays.row[place],
             gap: rays.gap[place],
         }
+    }
+
+    fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool {
+        (0..8.min(self.count))
+            .map(|place| self.ray(0, place))
+            .all(|ray| clearance.length(ray.col, ray.row, Sector::of(ray.direction)) <= length)
     }
 }

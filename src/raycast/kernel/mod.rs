@@ -91,6 +91,15 @@ impl Kernel {
         work.run();
     }
 
+    /// The longest box that is no quicker to jump over than to traverse, as measured among cells that block at random.
+    fn not_worth_jumping(self) -> i32 {
+        match self {
+            Self::Traversal | Self::Portable => 6,
+            Self::Avx2 => 1,
+            Self::Avx512 => 0,
+        }
+    }
+
     /// Whether this machine can run it.
     #[must_use]
     pub fn is_available(self) -> bool {
@@ -131,11 +140,10 @@ impl<F: FnMut(usize, &Group)> Sink for F {
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
-    // Between four walls there is nothing to jump over.
-    if kernel == Kernel::Traversal || source.is_walled_in(grid) {
+    let clearance = grid.clearance();
+    if kernel == Kernel::Traversal || source.is_hemmed_in(clearance, kernel.not_worth_jumping()) {
         return each(source, sink, |ray| ray.gap + traverse(grid, ray, limit).max(0.0));
     }
-    let clearance = grid.clearance();
     if !fits(clearance) {
         return each(source, sink, |ray| scalar::cast(clearance, ray, limit));
     }
