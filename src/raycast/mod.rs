@@ -117,18 +117,19 @@ impl<'grid> Caster<'grid> {
     /// Puts rays of the map frame into a group.
     #[inline(always)]
     fn enter_all(&self, group: &mut RayGroup, rays: &[[f64; 3]; GROUP]) {
-        let mut placed = [[0.0; GROUP]; 3];
+        let [x, y, dx, dy] = group.parts();
+        let mut yaws = [0.0; GROUP];
         for (place, &ray) in rays.iter().enumerate() {
             let Pose { position, yaw } = self.grid.pose_in_grid(ray.into());
             let origin = position / self.grid.resolution();
-            (placed[0][place], placed[1][place], placed[2][place]) = (origin.x, origin.y, yaw);
+            (x[place], y[place], yaws[place]) = (origin.x, origin.y, yaw);
         }
-        let [x, y, yaw] = placed;
-        let (cos, sin) = directions(&yaw);
-        if !group.start((self.grid.width(), self.grid.height()), (&x, &y), (&cos, &sin)) {
+        directions(&yaws, dx, dy);
+        if !group.start((self.grid.width(), self.grid.height())) {
+            let [x, y, dx, dy] = group.parts().map(|part| *part);
             *group = RayGroup::ASTRAY;
             for place in 0..GROUP {
-                self.enter(group, place, DVec2::new(x[place], y[place]), DVec2::new(cos[place], sin[place]));
+                self.enter(group, place, DVec2::new(x[place], y[place]), DVec2::new(dx[place], dy[place]));
             }
         }
     }

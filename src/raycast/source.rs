@@ -78,32 +78,26 @@ impl RayGroup {
         Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
     };
 
-    /// Puts rays into the group if all of them have directions and start on a grid of this size; returns whether they do.
+    /// Where the rays start, by column and by row, and their directions, likewise: to be followed by [`start`](Self::start).
     #[inline(always)]
-    pub fn start(
-        &mut self,
-        (width, height): (usize, usize),
-        (x, y): (&Group, &Group),
-        (cos, sin): (&Group, &Group),
-    ) -> bool {
+    pub fn parts(&mut self) -> [&mut Group; 4] {
+        [&mut self.x, &mut self.y, &mut self.dx, &mut self.dy]
+    }
+
+    /// Starts the rays of these parts if all of them have directions and start on a grid of this size; returns whether they do.
+    #[inline(always)]
+    pub fn start(&mut self, (width, height): (usize, usize)) -> bool {
         let (width, height) = (width as f64, height as f64);
         let on_grid = |place: usize| {
-            let is_finite = cos[place].is_finite() & sin[place].is_finite();
-            is_finite & (x[place] >= 0.0) & (x[place] < width) & (y[place] >= 0.0) & (y[place] < height)
+            let (x, y) = (self.x[place], self.y[place]);
+            let is_finite = self.dx[place].is_finite() & self.dy[place].is_finite();
+            is_finite & (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height)
         };
-        if !(0..GROUP).fold(true, |all, place| all & on_grid(place)) {
-            return false;
-        }
-        *self = Self {
-            x: *x,
-            y: *y,
-            dx: cos.map(still),
-            dy: sin.map(still),
-            gap: [0.0; GROUP],
-            col: x.map(floor),
-            row: y.map(floor),
-        };
-        true
+        let on_grid = (0..GROUP).fold(true, |all, place| all & on_grid(place));
+        (self.dx, self.dy) = (self.dx.map(still), self.dy.map(still));
+        (self.col, self.row) = (self.x.map(floor), self.y.map(floor));
+        self.gap = [0.0; GROUP];
+        on_grid
     }
 
     /// Puts a ray at a place.
