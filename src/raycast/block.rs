@@ -16,10 +16,6 @@ pub struct RoughAxis {
     pub cell: Each<f32>,
     /// Distance from the origin to the far line of the first cell.
     pub first: Each<f32>,
-    /// The unit vector's component.
-    pub direction: Each<f32>,
-    /// One over it.
-    pub inverse: Each<f32>,
 }
 
 /// A block of rays that are on their way, and where they ended.
@@ -29,6 +25,10 @@ pub struct Block {
     pub major: RoughAxis,
     /// The other one.
     pub minor: RoughAxis,
+    /// Cells across for each one along.
+    pub slope: Each<f32>,
+    /// Cells along for each one across.
+    pub inverse_slope: Each<f32>,
     /// Where in the clearance's lengths the cell (0, 0) is: the one after the first along both axes.
     pub base: Each<i32>,
     /// From a row to the next in the sector's plane.
@@ -44,18 +44,12 @@ pub struct Block {
 }
 
 impl RoughAxis {
-    const EMPTY: Self = {
-        let zero = [0.0; BLOCK + GROUP];
-        Self { cell: zero, first: zero, direction: zero, inverse: zero }
-    };
+    const EMPTY: Self = Self { cell: [0.0; BLOCK + GROUP], first: [0.0; BLOCK + GROUP] };
 
     #[inline(always)]
-    fn aim(&mut self, at: usize, first: f64, direction: f64) {
-        let direction = direction as f32;
+    fn aim(&mut self, at: usize, first: f64) {
         self.cell[at] = -1.0;
         self.first[at] = first as f32;
-        self.direction[at] = direction;
-        self.inverse[at] = 1.0 / direction;
     }
 }
 
@@ -67,6 +61,8 @@ impl Block {
         Box::new(Self {
             major: RoughAxis::EMPTY,
             minor: RoughAxis::EMPTY,
+            slope: [0.0; BLOCK + GROUP],
+            inverse_slope: [0.0; BLOCK + GROUP],
             base: zero,
             stride: zero,
             number: zero,
@@ -95,8 +91,11 @@ impl Block {
             let (along, across) = if steep { (row, col) } else { (col, row) };
             let sector = i32::from(left) | i32::from(down) << 1 | i32::from(steep) << 2;
             let at = at + place;
-            self.major.aim(at, if steep { first_y } else { first_x }, if steep { ay } else { ax });
-            self.minor.aim(at, if steep { first_x } else { first_y }, if steep { ax } else { ay });
+            self.major.aim(at, if steep { first_y } else { first_x });
+            self.minor.aim(at, if steep { first_x } else { first_y });
+            let (major, minor) = if steep { (ay as f32, ax as f32) } else { (ax as f32, ay as f32) };
+            self.slope[at] = minor / major;
+            self.inverse_slope[at] = major / minor;
             self.base[at] =
                 sector.wrapping_mul(plane).wrapping_add((across + 2).wrapping_mul(stride)).wrapping_add(along + 2);
             self.stride[at] = stride;

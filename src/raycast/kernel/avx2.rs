@@ -93,12 +93,10 @@ impl Lanes for Avx2 {
         float(number: f32) -> __m256 { _mm256_set1_ps(number) }
         int(number: i32) -> __m256i { _mm256_set1_epi32(number) }
         add(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
-        multiply(a: __m256, b: __m256) -> __m256 { _mm256_mul_ps(a, b) }
         multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
         multiply_subtract(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmsub_ps(a, b, c) }
-        min(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
-        ceil(a: __m256) -> __m256 { _mm256_ceil_ps(a) }
+        half_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
         to_float(a: __m256i) -> __m256 { _mm256_cvtepi32_ps(a) }
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }

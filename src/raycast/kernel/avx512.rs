@@ -3,12 +3,12 @@
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
-    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepi32_ps,
-    _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_loadu_ps, _mm512_loadu_si512,
-    _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask, _mm512_maskz_compress_epi32,
-    _mm512_maskz_compress_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_reduce_ps,
-    _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps,
-    _mm512_storeu_si512,
+    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm256_cvtepu8_epi32, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps,
+    _mm512_castsi256_si512, _mm512_cvtepi32_ps, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_inserti64x4,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
+    _mm512_maskz_compress_epi32, _mm512_maskz_compress_ps, _mm512_min_epu32, _mm512_mul_ps, _mm512_mullo_epi32,
+    _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32,
+    _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::lanes::Lanes;
@@ -84,12 +84,10 @@ impl Lanes for Avx512 {
         float(number: f32) -> __m512 { _mm512_set1_ps(number) }
         int(number: i32) -> __m512i { _mm512_set1_epi32(number) }
         add(a: __m512, b: __m512) -> __m512 { _mm512_add_ps(a, b) }
-        multiply(a: __m512, b: __m512) -> __m512 { _mm512_mul_ps(a, b) }
         multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
         multiply_subtract(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmsub_ps(a, b, c) }
-        min(a: __m512, b: __m512) -> __m512 { _mm512_min_ps(a, b) }
         floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
-        ceil(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(a) }
+        half_up(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(_mm512_mul_ps(a, _mm512_set1_ps(0.5))) }
         off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
         to_int(a: __m512) -> __m512i { _mm512_cvttps_epi32(a) }
         to_float(a: __m512i) -> __m512 { _mm512_cvtepi32_ps(a) }
@@ -127,12 +125,13 @@ impl Lanes for Avx512 {
             let places: [u32; 16] = std::mem::transmute(places);
             debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
             let byte = |lane: usize| *bytes.get_unchecked(places[lane] as usize) as i8;
+            // Two chains of insertions, half as long each as one.
             #[rustfmt::skip]
-            let gathered = _mm_setr_epi8(
-                byte(0), byte(1), byte(2), byte(3), byte(4), byte(5), byte(6), byte(7),
-                byte(8), byte(9), byte(10), byte(11), byte(12), byte(13), byte(14), byte(15),
+            let (low, high) = (
+                _mm_setr_epi8(byte(0), byte(1), byte(2), byte(3), byte(4), byte(5), byte(6), byte(7), 0, 0, 0, 0, 0, 0, 0, 0),
+                _mm_setr_epi8(byte(8), byte(9), byte(10), byte(11), byte(12), byte(13), byte(14), byte(15), 0, 0, 0, 0, 0, 0, 0, 0),
             );
-            _mm512_cvtepu8_epi32(gathered)
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm256_cvtepu8_epi32(low)), _mm256_cvtepu8_epi32(high))
         }
     }
 

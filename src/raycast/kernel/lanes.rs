@@ -21,18 +21,14 @@ pub trait Lanes: Copy {
     fn int(self, number: i32) -> Self::Int;
     /// The sums.
     fn add(self, a: Self::Float, b: Self::Float) -> Self::Float;
-    /// The products.
-    fn multiply(self, a: Self::Float, b: Self::Float) -> Self::Float;
     /// a · b + c.
     fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     /// a · b - c.
     fn multiply_subtract(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
-    /// The lesser ones; b where one is not a number.
-    fn min(self, a: Self::Float, b: Self::Float) -> Self::Float;
     /// The largest whole numbers that are no greater.
     fn floor(self, a: Self::Float) -> Self::Float;
-    /// The least whole numbers that are no less.
-    fn ceil(self, a: Self::Float) -> Self::Float;
+    /// Halves of whole numbers in [0, 255], rounded up.
+    fn half_up(self, a: Self::Float) -> Self::Float;
     /// How far from the nearest whole number.
     fn off_whole(self, a: Self::Float) -> Self::Float;
     /// Whole numbers as such.

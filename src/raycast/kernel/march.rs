@@ -9,18 +9,18 @@
 use super::Sink;
 use super::lanes::Lanes;
 use crate::raycast::Clearance;
-use crate::raycast::block::{BLOCK, Block, RoughAxis};
+use crate::raycast::block::{BLOCK, Block};
 use crate::raycast::source::{GROUP, Source};
 use crate::raycast::track::{Track, distance};
 
-/// A crossing this near to a grid line, by the distance travelled, has to be decided exactly.
+/// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
-/// The distance to a line is off by at most 5 roundings, the place across by 2 more, each of 2⁻²⁴ of the distance; two lines'
-/// distances are told apart wrongly only if they differ by less than 10. All of it stays below 16 · 2⁻²⁴ = 2⁻²⁰ of the distance;
-/// twice that is on the safe side.
-const TIE_BY_DISTANCE: f32 = 1.0 / 524_288.0;
+/// Where a line is crossed is off by at most 6 roundings, each of 2⁻²⁴ of that way: 3 of the slope, and one each of a sum, a
+/// product and a difference. Which of two lines is crossed first is told wrongly only if the one is crossed that near to the
+/// other. All of it stays below 8 · 2⁻²⁴ = 2⁻²¹ of the way; four times that is on the safe side.
+const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
 
-/// And by the rounding of where the ray starts in its first cell, 2⁻²⁵, with much to spare.
+/// And by the rounding of where the ray starts in its first cell, 2⁻²⁵ along each axis, with much to spare.
 const TIE: f32 = 1.0 / 1_048_576.0;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
@@ -133,10 +133,12 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let bits = lanes.bits(rays.active);
         for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
             lanes.compress_store(bits, &mut axis.cell, to, cell);
-            for numbers in [&mut axis.first, &mut axis.direction, &mut axis.inverse] {
-                let kept = lanes.load(numbers, rays.at);
-                lanes.compress_store(bits, numbers, to, kept);
-            }
+            let first = lanes.load(&axis.first, rays.at);
+            lanes.compress_store(bits, &mut axis.first, to, first);
+        }
+        for numbers in [&mut block.slope, &mut block.inverse_slope] {
+            let kept = lanes.load(numbers, rays.at);
+            lanes.compress_store(bits, numbers, to, kept);
         }
         for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
             let kept = lanes.load_int(numbers, rays.at);
@@ -158,30 +160,25 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
 
         let along = lanes.to_float(length);
         let far_major = lanes.add(rays.major, along);
-        let far_minor = lanes.add(rays.minor, lanes.ceil(lanes.multiply(along, lanes.float(0.5))));
-        let to_line = |axis: &RoughAxis, line| {
-            lanes.multiply(lanes.add(line, lanes.load(&axis.first, rays.at)), lanes.load(&axis.inverse, rays.at))
-        };
-        let (to_major, to_minor) = (to_line(&block.major, far_major), to_line(&block.minor, far_minor));
-        let distance = lanes.min(to_major, to_minor);
-        let crosses_major = lanes.is_less(active, to_major, to_minor);
+        let far_minor = lanes.add(rays.minor, lanes.half_up(along));
+        let (first_major, first_minor) = (lanes.load(&block.major.first, rays.at), lanes.load(&block.minor.first, rays.at));
+        let (way_major, way_minor) = (lanes.add(far_major, first_major), lanes.add(far_minor, first_minor));
+        // Where the lines of the far sides are crossed.
+        let at_far_major = lanes.multiply_subtract(way_major, lanes.load(&block.slope, rays.at), first_minor);
+        let at_far_minor = lanes.multiply_subtract(way_minor, lanes.load(&block.inverse_slope, rays.at), first_major);
+        let crosses_major = lanes.is_less(active, at_far_major, far_minor);
         let crosses_minor = lanes.without(active, crosses_major);
-
-        let place = |axis: &RoughAxis| {
-            let direction = lanes.load(&axis.direction, rays.at);
-            lanes.multiply_subtract(distance, direction, lanes.load(&axis.first, rays.at))
-        };
-        let across = lanes.select(crosses_major, place(&block.minor), place(&block.major));
+        let across = lanes.select(crosses_major, at_far_major, at_far_minor);
         let cell = lanes.floor(across);
         let mut major = lanes.select(crosses_minor, cell, far_major);
         let mut minor = lanes.select(crosses_major, cell, far_minor);
 
-        let near = lanes.multiply_add(distance, lanes.float(TIE_BY_DISTANCE), lanes.float(TIE));
+        let near = lanes.multiply_add(way_major, lanes.float(TIE_BY_WAY), lanes.float(TIE));
         let ties = lanes.bits(lanes.is_at_most(active, lanes.off_whole(across), near));
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
         }
-        let active = lanes.is_at_most(active, distance, lanes.float(self.limit));
+        let active = lanes.is_at_most(active, major, lanes.float(self.limit));
         Rays { at: rays.at, active, major, minor }
     }
 

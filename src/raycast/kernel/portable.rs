@@ -65,11 +65,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn multiply(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
-        each(|lane| a[lane] * b[lane])
-    }
-
-    #[inline(always)]
     fn multiply_add(self, a: [f32; COUNT], b: [f32; COUNT], c: [f32; COUNT]) -> [f32; COUNT] {
         each(|lane| a[lane] * b[lane] + c[lane])
     }
@@ -80,19 +75,16 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn min(self, a: [f32; COUNT], b: [f32; COUNT]) -> [f32; COUNT] {
-        each(|lane| if a[lane] < b[lane] { a[lane] } else { b[lane] })
-    }
-
-    #[inline(always)]
     fn floor(self, a: [f32; COUNT]) -> [f32; COUNT] {
         // Cells are counted from -1 on.
         each(|lane| (truncate(a[lane] + 1.0) - 1) as f32)
     }
 
     #[inline(always)]
-    fn ceil(self, a: [f32; COUNT]) -> [f32; COUNT] {
-        each(|lane| -((truncate(256.0 - a[lane]) - 256) as f32))
+    fn half_up(self, a: [f32; COUNT]) -> [f32; COUNT] {
+        // Adding a number of 24 bits and taking it off again rounds to the nearest whole number.
+        const ROUND: f32 = 12_582_912.0;
+        each(|lane| (a[lane] * 0.5 + 0.25 + ROUND) - ROUND)
     }
 
     #[inline(always)]
