@@ -1,7 +1,7 @@
 //! Rays side by side, as the vector kernels take them.
 
 use super::Clearance;
-use super::source::{GROUP, Source};
+use super::source::{GROUP, Group, Source};
 
 /// Rays in a block: a whole scan of most scanners.
 pub const BLOCK: usize = 1024;
@@ -41,6 +41,8 @@ pub struct Block {
     pub ended_in: Each<i32>,
     /// The same in the order of the rays.
     pub cells: Each<i32>,
+    /// How far the rays came.
+    pub distances: [Group; BLOCK / GROUP],
 }
 
 impl RoughAxis {
@@ -69,6 +71,7 @@ impl Block {
             ended: zero,
             ended_in: zero,
             cells: zero,
+            distances: [[0.0; GROUP]; BLOCK / GROUP],
         })
     }
 

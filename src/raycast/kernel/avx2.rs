@@ -10,11 +10,8 @@ use std::arch::x86_64::{
     _mm256_setr_epi32, _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
+use super::Work;
 use super::lanes::Lanes;
-use super::{Sink, Work, march};
-use crate::raycast::Clearance;
-use crate::raycast::block::Block;
-use crate::raycast::source::Source;
 
 /// Proof that the processor has AVX2 and FMA.
 #[derive(Debug, Clone, Copy)]
@@ -24,33 +21,6 @@ impl Avx2 {
     /// The instruction set, if the processor has it.
     pub fn new() -> Option<Self> {
         (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
-    }
-
-    /// Does some work with the instruction set.
-    pub fn with_features(self, work: impl Work) {
-        #[target_feature(enable = "avx2,fma")]
-        fn with_features(_: Avx2, work: impl Work) {
-            work.run();
-        }
-        // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { with_features(self, work) }
-    }
-
-    /// See [`march::cast`].
-    pub fn cast(self, clearance: &Clearance, source: impl Source, limit: f64, block: &mut Block, sink: &mut impl Sink) {
-        #[target_feature(enable = "avx2,fma")]
-        fn cast(
-            lanes: Avx2,
-            clearance: &Clearance,
-            source: impl Source,
-            limit: f64,
-            block: &mut Block,
-            sink: &mut impl Sink,
-        ) {
-            march::cast(lanes, clearance, source, limit, block, sink);
-        }
-        // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { cast(self, clearance, source, limit, block, sink) }
     }
 }
 
@@ -119,6 +89,16 @@ impl Lanes for Avx2 {
             let beyond = _mm256_sub_ps(a, _mm256_floor_ps(a));
             _mm256_min_ps(beyond, _mm256_sub_ps(_mm256_set1_ps(1.0), beyond))
         }
+    }
+
+    fn with_features(self, work: impl Work) {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,fma")]
+        fn with_features(work: impl Work) {
+            work.run();
+        }
+        // SAFETY: `self` is proof that the processor has the instruction set.
+        unsafe { with_features(work) }
     }
 
     #[inline(always)]

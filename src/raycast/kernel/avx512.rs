@@ -11,11 +11,8 @@ use std::arch::x86_64::{
     _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
+use super::Work;
 use super::lanes::Lanes;
-use super::{Sink, Work, march};
-use crate::raycast::Clearance;
-use crate::raycast::block::Block;
-use crate::raycast::source::Source;
 
 /// Proof that the processor has AVX-512 F, BW, DQ and VL.
 #[derive(Debug, Clone, Copy)]
@@ -33,33 +30,6 @@ impl Avx512 {
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl");
         has.then_some(Self(()))
-    }
-
-    /// Does some work with the instruction set.
-    pub fn with_features(self, work: impl Work) {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn with_features(_: Avx512, work: impl Work) {
-            work.run();
-        }
-        // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { with_features(self, work) }
-    }
-
-    /// See [`march::cast`].
-    pub fn cast(self, clearance: &Clearance, source: impl Source, limit: f64, block: &mut Block, sink: &mut impl Sink) {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn cast(
-            lanes: Avx512,
-            clearance: &Clearance,
-            source: impl Source,
-            limit: f64,
-            block: &mut Block,
-            sink: &mut impl Sink,
-        ) {
-            march::cast(lanes, clearance, source, limit, block, sink);
-        }
-        // SAFETY: `self` is proof that the processor has the instruction set.
-        unsafe { cast(self, clearance, source, limit, block, sink) }
     }
 }
 
@@ -98,6 +68,16 @@ impl Lanes for Avx512 {
         is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
         is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_cmpgt_epi32_mask(within, a, _mm512_setzero_si512()) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
+    }
+
+    fn with_features(self, work: impl Work) {
+        #[inline(never)]
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn with_features(work: impl Work) {
+            work.run();
+        }
+        // SAFETY: `self` is proof that the processor has the instruction set.
+        unsafe { with_features(work) }
     }
 
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! Vectors of float32 and of int32, as the march over them needs them of an instruction set.
 
+use super::Work;
+
 /// An instruction set that the processor has, by its vectors. A value of such a type is proof that it has it.
 ///
 /// What rounds may round in any way: the march decides nothing on these numbers that rounding could change.
@@ -15,6 +17,8 @@ pub trait Lanes: Copy {
     /// Yes or no for each lane.
     type Mask: Copy;
 
+    /// Does some work with the instruction set, as a function of its own.
+    fn with_features(self, work: impl Work);
     /// The same number in all lanes.
     fn float(self, number: f32) -> Self::Float;
     /// The same number in all lanes.

@@ -6,11 +6,11 @@
 //! Steps are computed in float32 and are right unless the ray passes near a corner of a cell, by a bound on the rounding. There
 //! the exact step of [`Track`] decides. So the cell a ray ends in is exact, and the distance to it is computed once, in float64.
 
-use super::Sink;
 use super::lanes::Lanes;
+use super::{Sink, Work};
 use crate::raycast::Clearance;
 use crate::raycast::block::{BLOCK, Block};
-use crate::raycast::source::{GROUP, Source};
+use crate::raycast::source::{GROUP, Group, Source};
 use crate::raycast::track::{Track, distance};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
@@ -25,7 +25,6 @@ const TIE: f32 = 1.0 / 1_048_576.0;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` may be infinite. In cells.
-#[inline(always)]
 pub fn cast<L: Lanes, S: Source>(
     lanes: L,
     clearance: &Clearance,
@@ -39,20 +38,39 @@ pub fn cast<L: Lanes, S: Source>(
     let groups = source.count().div_ceil(GROUP);
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
         let count = (source.count() - first_group * GROUP).min(BLOCK);
-        let block_groups = count.div_ceil(GROUP);
-        for group in 0..block_groups {
-            block.aim(clearance, source, first_group + group, group * GROUP);
+        // One after the other, each function has the registers to itself.
+        lanes.with_features(Trace { march: March { lanes, clearance, source, first_group, limit }, block, count });
+        lanes.with_features(HandOver { first_group, distances: &block.distances[..count.div_ceil(GROUP)], sink });
+    }
+}
+
+/// Hands over the distances of some groups.
+struct HandOver<'a, S> {
+    first_group: usize,
+    distances: &'a [Group],
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Work for HandOver<'_, S> {
+    #[inline(always)]
+    fn run(self) {
+        for (group, distances) in (self.first_group..).zip(self.distances) {
+            self.sink.take(group, distances);
         }
-        March { lanes, clearance, source, first_group, limit }.run(block, count);
-        for group in 0..block_groups {
-            let cells: &[i32; GROUP] = block.cells[group * GROUP..].first_chunk().expect("whole groups fit into a block");
-            let mut distances = [0.0; GROUP];
-            for (place, found) in distances.iter_mut().enumerate() {
-                let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
-                *found = distance(clearance, &source.ray(first_group + group, place), cell);
-            }
-            sink.take(first_group + group, &distances);
-        }
+    }
+}
+
+/// Finds out how far the first rays of a block come.
+struct Trace<'a, L, S> {
+    march: March<'a, L, S>,
+    block: &'a mut Block,
+    count: usize,
+}
+
+impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
+    #[inline(always)]
+    fn run(self) {
+        self.march.trace(self.block, self.count);
     }
 }
 
@@ -76,6 +94,27 @@ struct Rays<L: Lanes> {
 }
 
 impl<L: Lanes, S: Source> March<'_, L, S> {
+    #[inline(always)]
+    fn trace(&self, block: &mut Block, count: usize) {
+        let Self { clearance, source, first_group, .. } = *self;
+        // Which the compiler has to see to do without checks.
+        let count = count.min(BLOCK);
+        let groups = count.div_ceil(GROUP);
+        for group in 0..groups {
+            block.aim(clearance, source, first_group + group, group * GROUP);
+        }
+        self.run(block, count);
+        for group in 0..groups {
+            let cells: &[i32; GROUP] = block.cells[group * GROUP..].first_chunk().expect("whole groups fit into a block");
+            let mut distances = [0.0; GROUP];
+            for (place, found) in distances.iter_mut().enumerate() {
+                let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
+                *found = distance(clearance, &source.ray(first_group + group, place), cell);
+            }
+            block.distances[group] = distances;
+        }
+    }
+
     /// Moves each of the first `count` rays to the blocking cell it hits, or off the grid, or beyond the limit.
     #[inline(always)]
     fn run(&self, block: &mut Block, count: usize) {

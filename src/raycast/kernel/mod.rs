@@ -16,6 +16,7 @@ use super::source::{GROUP, Group, Source};
 use super::{Ray, traverse};
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
+use lanes::Lanes;
 
 /// A way to cast rays. They differ in speed only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,10 +151,10 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     #[cfg(target_arch = "x86_64")]
     {
         if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
-            return lanes.cast(clearance, source, limit, block, &mut sink);
+            return march::cast(lanes, clearance, source, limit, block, &mut sink);
         }
         if let (Kernel::Avx2, Some(lanes)) = (kernel, avx2::Avx2::new()) {
-            return lanes.cast(clearance, source, limit, block, &mut sink);
+            return march::cast(lanes, clearance, source, limit, block, &mut sink);
         }
     }
     march::cast(portable::Portable, clearance, source, limit, block, &mut sink);

@@ -1,6 +1,7 @@
 //! Any processor: 8 rays to an array, in loops that compilers make vectors of, and independent of each other where they do not.
 #![allow(unsafe_code, reason = "conversions to integers that do not saturate")]
 
+use super::Work;
 use super::lanes::Lanes;
 
 /// Every processor has what this needs.
@@ -48,6 +49,11 @@ impl Lanes for Portable {
     type Float = [f32; COUNT];
     type Int = [i32; COUNT];
     type Mask = [u32; COUNT];
+
+    #[inline(never)]
+    fn with_features(self, work: impl Work) {
+        work.run();
+    }
 
     #[inline(always)]
     fn float(self, number: f32) -> [f32; COUNT] {
