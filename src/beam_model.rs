@@ -220,14 +220,15 @@ impl<'a> Sampler<'a> {
     pub fn sample(&self, group: usize, ranges: &[f64; GROUP]) -> [f64; GROUP] {
         const HALF: usize = GROUP / 2;
         let first = (group * GROUP) as u64;
-        let (mut low, mut high, mut normals) = ([0; GROUP], [0; GROUP], [0.0; GROUP]);
+        let (mut low, mut high, mut normals) = ([0; GROUP], [0; GROUP], [[0.0; HALF]; 2]);
         for place in 0..GROUP {
             let bits = self.bits.of(first + place as u64);
             (low[place], high[place]) = (bits as u32, (bits >> 32) as u32);
         }
         for place in 0..HALF {
-            [normals[place], normals[place + HALF]] = normal::pair([high[place], high[place + HALF]], low[place]);
+            (normals[0][place], normals[1][place]) = normal::pair([high[place], high[place + HALF]], low[place]);
         }
+        let normals = normals.as_flattened();
         let (mut readings, mut all_sure) = ([0.0; GROUP], true);
         for place in 0..GROUP {
             let (reading, is_sure) = self.guess(ranges[place], low[place], normals[place]);
@@ -235,7 +236,11 @@ impl<'a> Sampler<'a> {
             all_sure &= is_sure;
         }
         if !all_sure {
-            for place in (0..GROUP).filter(|&place| !self.guess(ranges[place], low[place], normals[place]).1) {
+            let is_unsure = |place: usize| !self.guess(ranges[place], low[place], normals[place]).1;
+            let mut unsure: u32 = (0..GROUP).map(|place| u32::from(is_unsure(place)) << place).sum();
+            while unsure != 0 {
+                let place = unsure.trailing_zeros() as usize;
+                unsure &= unsure - 1;
                 readings[place] = self.sample_one(first + place as u64, ranges[place]);
             }
         }
