@@ -68,7 +68,7 @@ impl Lanes for Avx2 {
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
         half_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
-        to_float(a: __m256i) -> __m256 { _mm256_cvtepi32_ps(a) }
+        to_float(within: __m256, a: __m256i) -> __m256 { _mm256_and_ps(within, _mm256_cvtepi32_ps(a)) }
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
         multiply_int(a: __m256i, b: __m256i) -> __m256i { _mm256_mullo_epi32(a, b) }
         pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }

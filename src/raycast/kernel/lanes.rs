@@ -37,8 +37,8 @@ pub trait Lanes: Copy {
     fn off_whole(self, a: Self::Float) -> Self::Float;
     /// Whole numbers as such.
     fn to_int(self, a: Self::Float) -> Self::Int;
-    /// Whole numbers as float32.
-    fn to_float(self, a: Self::Int) -> Self::Float;
+    /// Whole numbers as float32, and 0 where the mask does not hold.
+    fn to_float(self, within: Self::Mask, a: Self::Int) -> Self::Float;
     /// The sums, wrapping around.
     fn add_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// The products' lower 32 bits.

@@ -74,6 +74,7 @@ impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
     }
 }
 
+/// What the rays of a block march over.
 struct March<'a, L, S> {
     lanes: L,
     clearance: &'a Clearance,
@@ -94,6 +95,7 @@ struct Rays<L: Lanes> {
 }
 
 impl<L: Lanes, S: Source> March<'_, L, S> {
+    /// Aims the first `count` rays of a block, moves them, and writes down how far they came.
     #[inline(always)]
     fn trace(&self, block: &mut Block, count: usize) {
         let Self { clearance, source, first_group, .. } = *self;
@@ -197,7 +199,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let length = lanes.gather(self.clearance.lengths(), place);
         let active = lanes.is_positive(rays.active, length);
 
-        let along = lanes.to_float(length);
+        let along = lanes.to_float(active, length);
         let far_major = lanes.add(rays.major, along);
         let far_minor = lanes.add(rays.minor, lanes.half_up(along));
         let (first_major, first_minor) = (lanes.load(&block.major.first, rays.at), lanes.load(&block.minor.first, rays.at));
@@ -217,8 +219,20 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
         }
+        debug_assert!(self.have_stayed(active, (rays.major, rays.minor), (major, minor)), "a ray has left where it ended");
         let active = lanes.is_at_most(active, major, lanes.float(self.limit));
         Rays { at: rays.at, active, major, minor }
+    }
+
+    /// Whether the rays that are not of a mask are in the cells they were in.
+    fn have_stayed(&self, active: L::Mask, was: (L::Float, L::Float), is: (L::Float, L::Float)) -> bool {
+        let bits = self.lanes.bits(active);
+        [(was.0, is.0), (was.1, is.1)].into_iter().all(|(was, is)| {
+            let mut lists = [[0.0; 16]; 2];
+            self.lanes.store(&mut lists[0], 0, was);
+            self.lanes.store(&mut lists[1], 0, is);
+            (0..L::COUNT).all(|lane| bits >> lane & 1 != 0 || lists[0][lane] == lists[1][lane])
+        })
     }
 
     /// Whether the rays of a mask are at places that the lengths have.
@@ -248,7 +262,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             lanes.store(&mut list, 0, numbers);
             list
         };
-        let (now_major, now_minor, length) = (list(rays.major), list(rays.minor), list(lanes.to_float(length)));
+        let (now_major, now_minor, length) = (list(rays.major), list(rays.minor), list(lanes.to_float(rays.active, length)));
         let (mut major, mut minor) = (list(major), list(minor));
         while ties != 0 {
             let lane = ties.trailing_zeros() as usize;

@@ -108,8 +108,8 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn to_float(self, a: [i32; COUNT]) -> [f32; COUNT] {
-        each(|lane| a[lane] as f32)
+    fn to_float(self, within: [u32; COUNT], a: [i32; COUNT]) -> [f32; COUNT] {
+        each(|lane| (a[lane] & within[lane] as i32) as f32)
     }
 
     #[inline(always)]
