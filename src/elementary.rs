@@ -11,23 +11,24 @@ const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2
 /// Adding this to a number of less than 51 bits and taking it off again rounds to a whole number.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// Puts the cosines and sines of angles where they belong, to within 2 ulp.
+/// Puts the cosines and sines of angles where they belong, to within 2 ulp; returns whether all of them are finite.
 ///
 /// The polynomials of fdlibm (`k_sin.c`, `k_cos.c`) after a reduction to [-π/4, π/4] by Cody & Waite (1980); angles too large for
 /// it go to `libm`.
 #[inline(always)]
-pub fn directions(angles: &Group, cos: &mut Group, sin: &mut Group) {
+pub fn directions(angles: &Group, cos: &mut Group, sin: &mut Group) -> bool {
     for place in 0..GROUP {
         (cos[place], sin[place]) = direction(angles[place]);
     }
     if angles.iter().fold(true, |all, angle| all & (angle.abs() <= LARGEST)) {
-        return;
+        return true;
     }
     for place in 0..GROUP {
         if angles[place].abs() > LARGEST {
             (sin[place], cos[place]) = libm::sincos(angles[place]);
         }
     }
+    angles.iter().all(|angle| angle.is_finite())
 }
 
 #[inline(always)]
@@ -114,7 +115,7 @@ mod tests {
                 let mut angles = [0.0; GROUP];
                 angles.fill_with(|| angle(scale));
                 let (mut cos, mut sin) = ([0.0; GROUP], [0.0; GROUP]);
-                directions(&angles, &mut cos, &mut sin);
+                assert!(directions(&angles, &mut cos, &mut sin));
                 for place in 0..GROUP {
                     let (expected_sin, expected_cos) = libm::sincos(angles[place]);
                     let off = (cos[place] - expected_cos).abs().max((sin[place] - expected_sin).abs());
@@ -128,11 +129,22 @@ mod tests {
     fn quarters_of_a_turn_go_along_the_axes() {
         let angles = std::array::from_fn(|place| (place as f64 - 16.0) * FRAC_PI_2);
         let (mut cos, mut sin) = ([0.0; GROUP], [0.0; GROUP]);
-        directions(&angles, &mut cos, &mut sin);
+        assert!(directions(&angles, &mut cos, &mut sin));
         for place in 0..GROUP {
             let (expected_sin, expected_cos) = libm::sincos(angles[place]);
             assert!((cos[place] - expected_cos).abs() < 1e-17 || cos[place] == expected_cos, "{place}");
             assert!((sin[place] - expected_sin).abs() < 1e-17 || sin[place] == expected_sin, "{place}");
+        }
+    }
+
+    #[test]
+    fn angles_that_are_not_finite_have_no_direction() {
+        for angle in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let (mut angles, mut cos, mut sin) = ([1e6; GROUP], [0.0; GROUP], [0.0; GROUP]);
+            assert!(directions(&angles, &mut cos, &mut sin));
+            angles[GROUP - 1] = angle;
+            assert!(!directions(&angles, &mut cos, &mut sin));
+            assert!(cos[GROUP - 1].is_nan() && cos[0] == libm::cos(1e6));
         }
     }
 

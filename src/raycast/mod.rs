@@ -124,8 +124,8 @@ impl<'grid> Caster<'grid> {
             let origin = position / self.grid.resolution();
             (x[place], y[place], yaws[place]) = (origin.x, origin.y, yaw);
         }
-        directions(&yaws, dx, dy);
-        if !group.start((self.grid.width(), self.grid.height())) {
+        let have_directions = directions(&yaws, dx, dy);
+        if !(have_directions && group.start((self.grid.width(), self.grid.height()))) {
             let [x, y, dx, dy] = group.parts().map(|part| *part);
             *group = RayGroup::ASTRAY;
             for place in 0..GROUP {

@@ -84,14 +84,14 @@ impl RayGroup {
         [&mut self.x, &mut self.y, &mut self.dx, &mut self.dy]
     }
 
-    /// Starts the rays of these parts if all of them have directions and start on a grid of this size; returns whether they do.
+    /// Starts the rays of these parts, whose directions are finite, if all of them start on a grid of this size; returns whether they
+    /// do.
     #[inline(always)]
     pub fn start(&mut self, (width, height): (usize, usize)) -> bool {
         let (width, height) = (width as f64, height as f64);
         let on_grid = |place: usize| {
             let (x, y) = (self.x[place], self.y[place]);
-            let is_finite = self.dx[place].is_finite() & self.dy[place].is_finite();
-            is_finite & (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height)
+            (x >= 0.0) & (x < width) & (y >= 0.0) & (y < height)
         };
         let on_grid = (0..GROUP).fold(true, |all, place| all & on_grid(place));
         (self.dx, self.dy) = (self.dx.map(still), self.dy.map(still));
