@@ -137,3 +137,26 @@ fn far_starts_and_those_that_are_not_numbers_end() {
         }
     }
 }
+
+/// A ray on a grid line, off it by less than float32 can tell: 0 · ∞ in the march.
+#[test]
+fn a_ray_that_all_but_runs_along_a_grid_line() {
+    let grid = drawn_grid(
+        "..........
+         ..........
+         .....#....
+         ....#.....
+         ..........
+         ..........
+         .....#....",
+    );
+    for digits in [20, 37, 39, 50, 100, 200, 290] {
+        let off = 10f64.powi(-digits);
+        for direction in [DVec2::new(1.0, -off), DVec2::new(1.0, off), DVec2::new(-1.0, -off), DVec2::new(-1.0, off)] {
+            for row in 0..8 {
+                check(&grid, (DVec2::new(5.5, f64::from(row)), direction));
+                check(&grid, (DVec2::new(2.0, f64::from(row)), DVec2::new(direction.y, direction.x)));
+            }
+        }
+    }
+}

@@ -60,11 +60,12 @@ pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64
                 continue;
             }
             let within = |margin: f64| {
-                let (enter_x, leave_x) = slab(origin.x, direction.x, col as f64 - margin, (col + 1) as f64 + margin);
-                let (enter_y, leave_y) = slab(origin.y, direction.y, row as f64 - margin, (row + 1) as f64 + margin);
+                let (enter_x, leave_x) = slab(origin.x, direction.x, col as f64, margin);
+                let (enter_y, leave_y) = slab(origin.y, direction.y, row as f64, margin);
                 (enter_x.max(enter_y).max(0.0), leave_x.min(leave_y))
             };
-            let (enter, leave) = within(0.0);
+            // One that all but runs along a side is moved across it by rounding.
+            let (enter, leave) = within(-ROUNDING);
             if leave > enter + TOLERANCE {
                 crossed = crossed.min(enter);
             }
@@ -78,7 +79,10 @@ pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64
     (crossed, touched)
 }
 
-fn slab(origin: f64, direction: f64, low: f64, high: f64) -> (f64, f64) {
+/// Where a ray enters and leaves a cell along one axis, the cell being larger by a margin, or smaller if the ray moves along it.
+fn slab(origin: f64, direction: f64, cell: f64, margin: f64) -> (f64, f64) {
+    let margin = if direction.abs() > 1e-300 { margin } else { margin.max(0.0) };
+    let (low, high) = (cell - margin, cell + 1.0 + margin);
     let (a, b) = ((low - origin) / direction, (high - origin) / direction);
     if direction.abs() > 1e-300 {
         (a.min(b), a.max(b))
@@ -90,6 +94,9 @@ fn slab(origin: f64, direction: f64, low: f64, high: f64) -> (f64, f64) {
 }
 
 const TOLERANCE: f64 = 1e-9;
+
+/// More than rounding moves a ray that comes from beside these grids.
+const ROUNDING: f64 = 1e-12;
 
 /// Holds every method against the reference, and against the plain traversal to the last bit.
 pub fn check(grid: &OccupancyGrid, start: Start) {

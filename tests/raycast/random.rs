@@ -42,12 +42,17 @@ fn coordinate(size: usize) -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A direction: any, near a multiple of 45°, or from corner to corner of cells.
+/// A direction: any, near a multiple of 45°, all but along an axis, or from corner to corner of cells.
 fn direction() -> impl Strategy<Value = DVec2> {
     prop_oneof![
         2 => (-PI..PI).prop_map(toward),
         1 => (-4..=4, -1e-12..1e-12).prop_map(|(eighth, off)| toward(f64::from(eighth) * FRAC_PI_4 + off)),
         1 => (-4..=4).prop_map(|eighth| toward(f64::from(eighth) * FRAC_PI_4)),
+        1 => (0..4i32, 20..320i32, any::<bool>()).prop_map(|(quarter, digits, left): (i32, i32, bool)| {
+            let off = 10f64.powi(-digits);
+            let (along, across) = (if quarter < 2 { 1.0 } else { -1.0 }, if left { off } else { -off });
+            if quarter % 2 == 0 { DVec2::new(along, across) } else { DVec2::new(across, along) }
+        }),
         1 => (-9..=9, -9..=9).prop_filter("a vector", |&(x, y)| (x, y) != (0, 0))
             .prop_map(|(x, y)| DVec2::new(x.into(), y.into()).normalize()),
     ]

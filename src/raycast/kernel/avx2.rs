@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "intrinsics")]
 
 use std::arch::x86_64::{
-    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
+    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
     _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps, _mm256_cmpgt_epi32,
     _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fmsub_ps,
     _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
@@ -74,6 +74,7 @@ impl Lanes for Avx2 {
         pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }
         is_less(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }
         is_at_most(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }
+        is_not_greater(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_NGT_UQ>(a, b)) }
         is_positive(within: __m256, a: __m256i) -> __m256 {
             _mm256_and_ps(within, _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))))
         }

@@ -2,10 +2,10 @@
 #![allow(unsafe_code, reason = "intrinsics")]
 
 use std::arch::x86_64::{
-    __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF,
-    _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm256_cvtepu8_epi32, _mm512_abs_ps, _mm512_add_epi32, _mm512_add_ps,
-    _mm512_castsi256_si512, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_inserti64x4, _mm512_loadu_ps,
-    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
+    __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
+    _MM_FROUND_TO_NEG_INF, _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm256_cvtepu8_epi32, _mm512_abs_ps, _mm512_add_epi32,
+    _mm512_add_ps, _mm512_castsi256_si512, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_inserti64x4,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
     _mm512_maskz_compress_epi32, _mm512_maskz_compress_ps, _mm512_maskz_cvtepi32_ps, _mm512_min_epu32, _mm512_mul_ps,
     _mm512_mullo_epi32, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512,
     _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
@@ -66,6 +66,7 @@ impl Lanes for Avx512 {
         pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
         is_less(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, a, b) }
         is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
+        is_not_greater(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, a, b) }
         is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_cmpgt_epi32_mask(within, a, _mm512_setzero_si512()) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
     }

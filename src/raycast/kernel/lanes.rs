@@ -51,6 +51,8 @@ pub trait Lanes: Copy {
     fn is_less(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
     /// Where a mask holds and a <= b.
     fn is_at_most(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Where a mask holds and a > b does not, as it does not where one is not a number.
+    fn is_not_greater(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
     /// Where a mask holds and a is positive.
     fn is_positive(self, within: Self::Mask, a: Self::Int) -> Self::Mask;
     /// The first lanes.

@@ -15,16 +15,17 @@ use crate::raycast::track::{Track, distance};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
-/// Where a line is crossed is off by at most 6 roundings, each of 2⁻²⁴ of that way: 3 of the slope, and one each of a sum, a
-/// product and a difference. Which of two lines is crossed first is told wrongly only if the one is crossed that near to the
-/// other. All of it stays below 8 · 2⁻²⁴ = 2⁻²¹ of the way; four times that is on the safe side.
+/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of the other axis' start,
+/// and one each of a sum, a product and a difference. If the wrong one of two lines is taken for the first, the errors of both add
+/// up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is where a ray runs along
+/// a grid line but for less than float32 can tell, has to be decided exactly, too.
 const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
 
 /// And by the rounding of where the ray starts in its first cell, 2⁻²⁵ along each axis, with much to spare.
 const TIE: f32 = 1.0 / 1_048_576.0;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
-/// infinite if there is none; those beyond `limit` may be infinite. In cells.
+/// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
 pub fn cast<L: Lanes, S: Source>(
     lanes: L,
     clearance: &Clearance,
@@ -215,7 +216,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let mut minor = lanes.select(crosses_major, cell, far_minor);
 
         let near = lanes.multiply_add(way_major, lanes.float(TIE_BY_WAY), lanes.float(TIE));
-        let ties = lanes.bits(lanes.is_at_most(active, lanes.off_whole(across), near));
+        let ties = lanes.bits(lanes.is_not_greater(active, lanes.off_whole(across), near));
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
         }

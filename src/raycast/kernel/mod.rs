@@ -136,7 +136,7 @@ impl<F: FnMut(usize, &Group)> Sink for F {
 }
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
-/// infinite if there is none; those beyond `limit` may be infinite. In cells.
+/// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
 ///
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.

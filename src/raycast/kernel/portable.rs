@@ -143,6 +143,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn is_not_greater(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| within[lane] & !all_bits(a[lane] > b[lane]))
+    }
+
+    #[inline(always)]
     fn is_positive(self, within: [u32; COUNT], a: [i32; COUNT]) -> [u32; COUNT] {
         each(|lane| within[lane] & all_bits(a[lane] > 0))
     }
