@@ -8,6 +8,9 @@ use super::{Clearance, Ray, Sector};
 /// Rays come in groups of this many, so that loops over them have a fixed length.
 pub const GROUP: usize = 32;
 
+/// Boxes that are looked up to tell whether rays are hemmed in.
+const LOOK_UPS: usize = Sector::COUNT;
+
 /// A number for each ray of a group.
 pub type Group = [f64; GROUP];
 
@@ -20,7 +23,7 @@ pub trait Source: Copy {
     fn ray(&self, group: usize, place: usize) -> Ray;
 
     /// Whether rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
-    /// tell.
+    /// tell; a few rays need not be asked.
     fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool;
 }
 
@@ -55,7 +58,8 @@ impl Source for Fan<'_> {
     }
 
     fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool {
-        Sector::all().all(|sector| clearance.length(self.cell.0, self.cell.1, sector) <= length)
+        let (col, row) = self.cell;
+        self.count >= LOOK_UPS && Sector::all().all(|sector| clearance.length(col, row, sector) <= length)
     }
 }
 
@@ -148,8 +152,16 @@ impl Source for Rays<'_> {
     }
 
     fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool {
-        (0..8.min(self.count))
-            .map(|place| self.ray(0, place))
-            .all(|ray| clearance.length(ray.col, ray.row, Sector::of(ray.direction)) <= length)
+        if self.count < LOOK_UPS {
+            return false;
+        }
+        // Those that start in walls or pass the grid by tell nothing.
+        let rays = (0..LOOK_UPS).map(|nth| nth * self.count / LOOK_UPS).map(|ray| self.ray(ray / GROUP, ray % GROUP));
+        let found = rays.filter(|ray| ray.gap.is_finite());
+        let mut found = found
+            .map(|ray| clearance.length(ray.col, ray.row, Sector::of(ray.direction)))
+            .filter(|&found| found > 0)
+            .peekable();
+        found.peek().is_some() && found.all(|found| found <= length)
     }
 }
