@@ -186,8 +186,9 @@ impl BeamModel {
 
 /// A beam model at work on one scan.
 ///
-/// Each beam has 64 bits: the lowest 24 choose its part of the mixture, and the others with those of the beam half a group away
-/// make two normal numbers. For nearly all beams that decides; the few others go on with a stream of their own.
+/// Each beam has 64 bits: the lowest 24 choose its part of the mixture; the upper half and the two bits below it make two normal
+/// numbers with the upper half of the beam half a group away. For nearly all beams that decides; the few others go on with a stream
+/// of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler<'a> {
     model: &'a BeamModel,
@@ -265,6 +266,7 @@ impl<'a> Sampler<'a> {
         let (bits, mut stream) = (self.bits.of(beam), self.bits.stream(beam));
         let is_hit = range < f64::INFINITY;
         let share = (f64::from(share(bits as u32)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
+        let share = share.min(1.0 - f64::EPSILON);
         let [hit_end, short_end, max_end] = model.shares;
         if share < hit_end {
             if is_hit { model.sample_hit(range, max_range, &mut stream) } else { max_range }

@@ -73,7 +73,7 @@ fn polynomial(x: f64, coefficients: &[f64; 6]) -> f64 {
     rest.iter().rev().fold(*last, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Sine and cosine of a float32 in [-π/4, π/4], to within 2⁻²³ (fdlibm's polynomials for float32, `k_sinf.c` and `k_cosf.c`).
+/// Sine and cosine of a float32 in [-π/4, π/4], to within 2⁻²³ (the polynomials of Cephes, `sinf.c`).
 #[inline(always)]
 pub fn sin_cos32(x: f32) -> (f32, f32) {
     let z = x * x;

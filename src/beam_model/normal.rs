@@ -8,13 +8,13 @@ use rand::Rng;
 use crate::elementary::{ln32, sin_cos32};
 
 /// Two independent standard normal numbers from two words of random bits and the two upper bits of a third, to the precision of a
-/// float32; beyond 6.6, where one in 10¹⁰ should be, there are none.
+/// float32; beyond 6.6, where one in 10¹⁰ should be, there are none, and one pair in 2²⁵ is (0, 0).
 ///
 /// The point with these coordinates is at a random angle, and at a distance whose square is exponential (Box & Muller 1958).
 #[inline(always)]
 #[must_use]
 pub fn pair([first, second]: [u32; 2], quadrant: u32) -> (f32, f32) {
-    /// The middle of one of 2³² parts of (-1, 1).
+    /// The middle of one of 2³² parts of (-1, 1), rounded, which may reach an end.
     #[inline(always)]
     fn part(bits: u32) -> f32 {
         (bits as i32 as f32 + 0.5) * (1.0 / (1u32 << 31) as f32)
