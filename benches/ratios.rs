@@ -1,7 +1,7 @@
 //! `cargo bench --bench ratios [-- MAP...]`: how many times as fast as the plain traversal each kernel is, in one run.
 //!
-//! Kernels take turns on small pieces of the work, so that a busy machine slows all of them alike; of each piece the median time
-//! counts. Single thread.
+//! Kernels take turns, so that a busy machine slows all of them alike, and in its turn each has a whole batch, so that what it looks
+//! up is not in the cache because the one before it looked there. Of the turns the median counts. Single thread.
 
 mod workloads;
 
@@ -14,7 +14,9 @@ use workloads::{kernels, laser, maps, poses};
 
 const TURNS: usize = 9;
 
-const PIECE: usize = 50;
+const SCANS: usize = 1000;
+
+const RAYS: usize = 500_000;
 
 fn main() {
     let kernels: Vec<Kernel> = kernels().collect();
@@ -27,7 +29,7 @@ fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || wanted.iter().any(|name| name == map)) {
         let build = build(&grid);
-        let poses = poses(&grid, 20 * PIECE);
+        let poses = poses(&grid, SCANS);
         line(&format!("scan {map}"), build, &scans(&grid, &poses, &kernels, None));
         let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
         let noise = Noise { model, seed: 1, first_index: 0 };
@@ -60,52 +62,41 @@ fn line(name: &str, build: f64, times: &[f64]) {
 }
 
 fn scans(grid: &OccupancyGrid, poses: &[[f64; 3]], kernels: &[Kernel], noise: Option<Noise>) -> Vec<f64> {
-    let mut readings = vec![0.0; PIECE * 541];
-    let mut expected: Option<Vec<f32>> = None;
-    let mut scan = |piece: usize, kernel: Kernel| {
+    in_turns(kernels, poses.len() * 541, |kernel, ranges| {
         let laser = laser(grid, kernel);
         let start = Instant::now();
-        laser.scan_batch(grid, &poses[piece * PIECE..][..PIECE], noise, Some(1), &mut readings).expect("a scan");
-        let time = start.elapsed().as_secs_f64();
-        if kernel == Kernel::Traversal {
-            expected = Some(readings.clone());
-        }
-        assert!(expected.as_ref() == Some(&readings), "{} is wrong", kernel.name());
-        time
-    };
-    medians(poses.len() / PIECE, kernels, poses.len() * 541, &mut scan)
+        laser.scan_batch(grid, poses, noise, Some(1), ranges).expect("a scan");
+        start.elapsed().as_secs_f64()
+    })
 }
 
 fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> Vec<f64> {
-    let rays = poses(grid, 20 * PIECE * 200);
-    let mut ranges = vec![0.0; PIECE * 200];
-    let mut expected: Option<Vec<f32>> = None;
-    let mut cast = |piece: usize, kernel: Kernel| {
+    let rays = poses(grid, RAYS);
+    in_turns(kernels, rays.len(), |kernel, ranges| {
         let caster = Caster::new(grid, 600.0 * grid.resolution(), kernel);
         let start = Instant::now();
-        caster
-            .cast_rays(Obstacles::NONE, &rays[piece * ranges.len()..][..ranges.len()], Some(1), &mut ranges)
-            .expect("ranges");
-        let time = start.elapsed().as_secs_f64();
-        if kernel == Kernel::Traversal {
-            expected = Some(ranges.clone());
-        }
-        assert!(expected.as_ref() == Some(&ranges), "{} is wrong", kernel.name());
-        time
-    };
-    medians(20, kernels, rays.len(), &mut cast)
+        caster.cast_rays(Obstacles::NONE, &rays, Some(1), ranges).expect("ranges");
+        start.elapsed().as_secs_f64()
+    })
 }
 
-/// Nanoseconds per range of each kernel: the sum over the pieces of the median time of each.
-fn medians(pieces: usize, kernels: &[Kernel], count: usize, time: &mut impl FnMut(usize, Kernel) -> f64) -> Vec<f64> {
-    let mut sums = vec![0.0; kernels.len()];
-    for piece in 0..pieces {
-        let turns: Vec<Vec<f64>> = (0..TURNS).map(|_| kernels.iter().map(|&kernel| time(piece, kernel)).collect()).collect();
-        for (which, sum) in sums.iter_mut().enumerate() {
-            let mut times: Vec<f64> = turns.iter().map(|turn| turn[which]).collect();
-            times.sort_by(f64::total_cmp);
-            *sum += times[TURNS / 2];
+/// Nanoseconds per range of each kernel, whose turns `cast` takes and times: the median.
+fn in_turns(kernels: &[Kernel], count: usize, cast: impl Fn(Kernel, &mut [f32]) -> f64) -> Vec<f64> {
+    let mut ranges = vec![0.0; count];
+    let mut expected = vec![0.0; count];
+    let mut times = vec![Vec::new(); kernels.len()];
+    for _ in 0..TURNS {
+        for (&kernel, times) in kernels.iter().zip(&mut times) {
+            times.push(cast(kernel, &mut ranges));
+            if kernel == Kernel::Traversal {
+                expected.copy_from_slice(&ranges);
+            }
+            assert!(ranges == expected, "{} is wrong", kernel.name());
         }
     }
-    sums.iter().map(|sum| sum * 1e9 / count as f64).collect()
+    let median = |mut times: Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[TURNS / 2]
+    };
+    times.into_iter().map(|times| median(times) * 1e9 / count as f64).collect()
 }
