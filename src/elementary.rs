@@ -17,10 +17,12 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 /// it go to `libm`.
 #[inline(always)]
 pub fn directions(angles: &Group, cos: &mut Group, sin: &mut Group) -> bool {
+    let mut are_small = true;
     for place in 0..GROUP {
         (cos[place], sin[place]) = direction(angles[place]);
+        are_small &= angles[place].abs() <= LARGEST;
     }
-    if angles.iter().fold(true, |all, angle| all & (angle.abs() <= LARGEST)) {
+    if are_small {
         return true;
     }
     for place in 0..GROUP {
