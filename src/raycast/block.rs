@@ -6,16 +6,21 @@ use super::source::{GROUP, Group, Source};
 /// Rays in a block: a whole scan of most scanners.
 pub const BLOCK: usize = 1024;
 
-/// A number for each ray of a block, and for what a store of a whole vector at the end may reach beyond.
-pub type Each<T> = [T; BLOCK + GROUP];
+/// Numbers of an [`Each`]: vectors at the end may reach beyond the block.
+const ROOM: usize = BLOCK + 2 * GROUP;
+
+/// A number for each ray of a block, and some room.
+pub type Each<T> = [T; ROOM];
 
 /// One axis of the rays of a block, in float32. Cells are counted from the one after the first.
 #[repr(C, align(64))]
 pub struct RoughAxis {
     /// Number of the cell the ray is in.
     pub cell: Each<f32>,
-    /// Distance from the origin to the far line of the first cell.
-    pub first: Each<f32>,
+    /// Cells along the other axis for each one along this one.
+    pub slope: Each<f32>,
+    /// Where along the other axis the line after the first cell is crossed.
+    pub intercept: Each<f32>,
 }
 
 /// A block of rays that are on their way, and where they ended.
@@ -25,10 +30,6 @@ pub struct Block {
     pub major: RoughAxis,
     /// The other one.
     pub minor: RoughAxis,
-    /// Cells across for each one along.
-    pub slope: Each<f32>,
-    /// Cells along for each one across.
-    pub inverse_slope: Each<f32>,
     /// Where in the clearance's lengths the cell (0, 0) is: the one after the first along both axes.
     pub base: Each<i32>,
     /// From a row to the next in the sector's plane.
@@ -46,12 +47,13 @@ pub struct Block {
 }
 
 impl RoughAxis {
-    const EMPTY: Self = Self { cell: [0.0; BLOCK + GROUP], first: [0.0; BLOCK + GROUP] };
+    const EMPTY: Self = Self { cell: [0.0; ROOM], slope: [0.0; ROOM], intercept: [0.0; ROOM] };
 
     #[inline(always)]
-    fn aim(&mut self, at: usize, first: f64) {
+    fn aim(&mut self, at: usize, slope: f32, first: f32, first_of_other: f32) {
         self.cell[at] = -1.0;
-        self.first[at] = first as f32;
+        self.slope[at] = slope;
+        self.intercept[at] = first * slope - first_of_other;
     }
 }
 
@@ -59,12 +61,10 @@ impl Block {
     /// A block whose rays are yet to be aimed.
     #[must_use]
     pub fn new() -> Box<Self> {
-        let zero = [0; BLOCK + GROUP];
+        let zero = [0; ROOM];
         Box::new(Self {
             major: RoughAxis::EMPTY,
             minor: RoughAxis::EMPTY,
-            slope: [0.0; BLOCK + GROUP],
-            inverse_slope: [0.0; BLOCK + GROUP],
             base: zero,
             stride: zero,
             number: zero,
@@ -94,11 +94,11 @@ impl Block {
             let (along, across) = if steep { (row, col) } else { (col, row) };
             let sector = i32::from(left) | i32::from(down) << 1 | i32::from(steep) << 2;
             let at = at + place;
-            self.major.aim(at, if steep { first_y } else { first_x });
-            self.minor.aim(at, if steep { first_x } else { first_y });
+            let (first_x, first_y) = (first_x as f32, first_y as f32);
+            let (first_major, first_minor) = if steep { (first_y, first_x) } else { (first_x, first_y) };
             let (major, minor) = if steep { (ay as f32, ax as f32) } else { (ax as f32, ay as f32) };
-            self.slope[at] = minor / major;
-            self.inverse_slope[at] = major / minor;
+            self.major.aim(at, minor / major, first_major, first_minor);
+            self.minor.aim(at, major / minor, first_minor, first_major);
             self.base[at] =
                 sector.wrapping_mul(plane).wrapping_add((across + 2).wrapping_mul(stride)).wrapping_add(along + 2);
             self.stride[at] = stride;

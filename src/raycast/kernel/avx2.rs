@@ -4,23 +4,24 @@
 use std::arch::x86_64::{
     __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
     _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps, _mm256_cmpgt_epi32,
-    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fmsub_ps,
-    _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_mullo_epi32, _mm256_permutevar8x32_epi32, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps,
-    _mm256_setr_epi32, _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_loadu_ps,
+    _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32,
+    _mm256_permutevar8x32_epi32, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
+    _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
 use super::Work;
 use super::lanes::Lanes;
 
-/// Proof that the processor has AVX2 and FMA.
+/// Proof that the processor has AVX2, FMA and POPCNT.
 #[derive(Debug, Clone, Copy)]
 pub struct Avx2(());
 
 impl Avx2 {
     /// The instruction set, if the processor has it.
     pub fn new() -> Option<Self> {
-        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
+        let has = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("popcnt");
+        has.then_some(Self(()))
     }
 }
 
@@ -58,13 +59,13 @@ impl Lanes for Avx2 {
     type Float = __m256;
     type Int = __m256i;
     type Mask = __m256;
+    type Order = __m256i;
 
     lanewise! {
         float(number: f32) -> __m256 { _mm256_set1_ps(number) }
         int(number: i32) -> __m256i { _mm256_set1_epi32(number) }
         add(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
         multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
-        multiply_subtract(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmsub_ps(a, b, c) }
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
         half_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
@@ -94,7 +95,7 @@ impl Lanes for Avx2 {
 
     fn with_features(self, work: impl Work) {
         #[inline(never)]
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = "avx2,fma,popcnt")]
         fn with_features(work: impl Work) {
             work.run();
         }
@@ -139,19 +140,20 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: __m256) {
-        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        let kept = unsafe { _mm256_permutevar8x32_ps(a, order) };
-        self.store(numbers, at, kept);
+    fn order_of(self, bits: u32) -> __m256i {
+        self.load_int(&MOVED_DOWN[bits as usize], 0)
     }
 
     #[inline(always)]
-    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m256i) {
-        let order = self.load_int(&MOVED_DOWN[bits as usize], 0);
+    fn store_ordered(self, order: __m256i, numbers: &mut [f32], at: usize, a: __m256) {
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        let kept = unsafe { _mm256_permutevar8x32_epi32(a, order) };
-        self.store_int(numbers, at, kept);
+        self.store(numbers, at, unsafe { _mm256_permutevar8x32_ps(a, order) });
+    }
+
+    #[inline(always)]
+    fn store_int_ordered(self, order: __m256i, numbers: &mut [i32], at: usize, a: __m256i) {
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        self.store_int(numbers, at, unsafe { _mm256_permutevar8x32_epi32(a, order) });
     }
 
     #[inline(always)]

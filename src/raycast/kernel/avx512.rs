@@ -3,18 +3,18 @@
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
-    _MM_FROUND_TO_NEG_INF, _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm256_cvtepu8_epi32, _mm512_abs_ps, _mm512_add_epi32,
-    _mm512_add_ps, _mm512_castsi256_si512, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_inserti64x4,
-    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
-    _mm512_maskz_compress_epi32, _mm512_maskz_compress_ps, _mm512_maskz_cvtepi32_ps, _mm512_min_epu32, _mm512_mul_ps,
-    _mm512_mullo_epi32, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512,
-    _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
+    _MM_FROUND_TO_NEG_INF, _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm_unpacklo_epi32, _mm_unpacklo_epi64, _mm512_abs_ps,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
+    _mm512_maskz_compress_epi32, _mm512_maskz_cvtepi32_ps, _mm512_min_epu32, _mm512_mul_ps, _mm512_mullo_epi32,
+    _mm512_permutexvar_epi32, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_set1_epi32,
+    _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::Work;
 use super::lanes::Lanes;
 
-/// Proof that the processor has AVX-512 F, BW, DQ and VL.
+/// Proof that the processor has AVX-512 F, BW, DQ and VL, and POPCNT.
 #[derive(Debug, Clone, Copy)]
 pub struct Avx512(());
 
@@ -28,7 +28,8 @@ impl Avx512 {
         let has = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl");
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("popcnt");
         has.then_some(Self(()))
     }
 }
@@ -49,13 +50,13 @@ impl Lanes for Avx512 {
     type Float = __m512;
     type Int = __m512i;
     type Mask = __mmask16;
+    type Order = __m512i;
 
     lanewise! {
         float(number: f32) -> __m512 { _mm512_set1_ps(number) }
         int(number: i32) -> __m512i { _mm512_set1_epi32(number) }
         add(a: __m512, b: __m512) -> __m512 { _mm512_add_ps(a, b) }
         multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
-        multiply_subtract(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmsub_ps(a, b, c) }
         floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
         half_up(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(_mm512_mul_ps(a, _mm512_set1_ps(0.5))) }
         off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
@@ -73,7 +74,7 @@ impl Lanes for Avx512 {
 
     fn with_features(self, work: impl Work) {
         #[inline(never)]
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,popcnt")]
         fn with_features(work: impl Work) {
             work.run();
         }
@@ -106,13 +107,14 @@ impl Lanes for Avx512 {
             let places: [u32; 16] = std::mem::transmute(places);
             debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
             let byte = |lane: usize| *bytes.get_unchecked(places[lane] as usize) as i8;
-            // Two chains of insertions, half as long each as one.
-            #[rustfmt::skip]
-            let (low, high) = (
-                _mm_setr_epi8(byte(0), byte(1), byte(2), byte(3), byte(4), byte(5), byte(6), byte(7), 0, 0, 0, 0, 0, 0, 0, 0),
-                _mm_setr_epi8(byte(8), byte(9), byte(10), byte(11), byte(12), byte(13), byte(14), byte(15), 0, 0, 0, 0, 0, 0, 0, 0),
-            );
-            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm256_cvtepu8_epi32(low)), _mm256_cvtepu8_epi32(high))
+            // Four chains of insertions, a quarter as long each as one.
+            let quarter = |first: usize| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|nth| byte(first + nth));
+                _mm_setr_epi8(a, b, c, d, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+            };
+            let low = _mm_unpacklo_epi32(quarter(0), quarter(4));
+            let high = _mm_unpacklo_epi32(quarter(8), quarter(12));
+            _mm512_cvtepu8_epi32(_mm_unpacklo_epi64(low, high))
         }
     }
 
@@ -131,17 +133,24 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: __m512) {
+    fn order_of(self, bits: u32) -> __m512i {
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        let kept = unsafe { _mm512_maskz_compress_ps(bits as __mmask16, a) };
-        self.store(numbers, at, kept);
+        unsafe {
+            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            _mm512_maskz_compress_epi32(bits as __mmask16, lanes)
+        }
     }
 
     #[inline(always)]
-    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: __m512i) {
+    fn store_ordered(self, order: __m512i, numbers: &mut [f32], at: usize, a: __m512) {
         // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        let kept = unsafe { _mm512_maskz_compress_epi32(bits as __mmask16, a) };
-        self.store_int(numbers, at, kept);
+        self.store(numbers, at, unsafe { _mm512_permutexvar_ps(order, a) });
+    }
+
+    #[inline(always)]
+    fn store_int_ordered(self, order: __m512i, numbers: &mut [i32], at: usize, a: __m512i) {
+        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+        self.store_int(numbers, at, unsafe { _mm512_permutexvar_epi32(order, a) });
     }
 
     #[inline(always)]

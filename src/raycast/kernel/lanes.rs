@@ -10,12 +10,16 @@ pub trait Lanes: Copy {
     const COUNT: usize;
     /// Steps between two times that the rays still on their way move up.
     const STEPS: usize = 2;
+    /// Vectors in flight at the same time, none of which waits for another: 2 or 3.
+    const IN_FLIGHT: usize = 3;
     /// A vector of float32.
     type Float: Copy;
     /// A vector of int32.
     type Int: Copy;
     /// Yes or no for each lane.
     type Mask: Copy;
+    /// An order of some lanes.
+    type Order: Copy;
 
     /// Does some work with the instruction set, as a function of its own.
     fn with_features(self, work: impl Work);
@@ -27,8 +31,6 @@ pub trait Lanes: Copy {
     fn add(self, a: Self::Float, b: Self::Float) -> Self::Float;
     /// a · b + c.
     fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
-    /// a · b - c.
-    fn multiply_subtract(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     /// The largest whole numbers that are no greater.
     fn floor(self, a: Self::Float) -> Self::Float;
     /// Halves of whole numbers in [0, 255], rounded up.
@@ -67,10 +69,12 @@ pub trait Lanes: Copy {
     fn load(self, numbers: &[f32], at: usize) -> Self::Float;
     /// Numbers from a place on.
     fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
-    /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
-    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: Self::Float);
-    /// Puts the lanes with a bit set from a place on, next to each other, and behind them, up to a whole vector, anything.
-    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: Self::Int);
+    /// The order in which the lanes with a bit set come first, and then any.
+    fn order_of(self, bits: u32) -> Self::Order;
+    /// Puts the lanes that come first in an order from a place on, and behind them, up to a whole vector, anything.
+    fn store_ordered(self, order: Self::Order, numbers: &mut [f32], at: usize, a: Self::Float);
+    /// Puts the lanes that come first in an order from a place on, and behind them, up to a whole vector, anything.
+    fn store_int_ordered(self, order: Self::Order, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.
     fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Puts all lanes from a place on.

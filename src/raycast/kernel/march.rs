@@ -6,23 +6,25 @@
 //! Steps are computed in float32 and are right unless the ray passes near a corner of a cell, by a bound on the rounding. There
 //! the exact step of [`Track`] decides. So the cell a ray ends in is exact, and the distance to it is computed once, in float64.
 
+use std::array::from_fn;
+
 use super::lanes::Lanes;
 use super::{Sink, Work};
 use crate::raycast::Clearance;
-use crate::raycast::block::{BLOCK, Block};
+use crate::raycast::block::{BLOCK, Block, RoughAxis};
 use crate::raycast::source::{GROUP, Group, Source};
 use crate::raycast::track::{Track, distance};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
-/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of the other axis' start,
-/// and one each of a sum, a product and a difference. If the wrong one of two lines is taken for the first, the errors of both add
-/// up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is where a ray runs along
-/// a grid line but for less than float32 can tell, has to be decided exactly, too.
+/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of where the ray starts in its
+/// first cell, and one each of a product, a difference and a sum. If the wrong one of two lines is taken for the first, the errors of
+/// both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is where a ray
+/// runs along a grid line but for less than float32 can tell, has to be decided exactly, too.
 const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
 
-/// And by the rounding of where the ray starts in its first cell, 2⁻²⁵ along each axis, with much to spare.
-const TIE: f32 = 1.0 / 1_048_576.0;
+/// And by the rounding of where the ray starts in its first cell, 2⁻²⁴ along each axis, with much to spare: that cell, too, is way.
+const TIE: f32 = 1.0 / 262_144.0;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
@@ -121,32 +123,53 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Moves each of the first `count` rays to the blocking cell it hits, or off the grid, or beyond the limit.
     #[inline(always)]
     fn run(&self, block: &mut Block, count: usize) {
+        match L::IN_FLIGHT {
+            2 => self.passes::<2>(block, count),
+            _ => self.passes::<3>(block, count),
+        }
+        for (&number, &cell) in block.ended[..count].iter().zip(&block.ended_in) {
+            block.cells[number as usize] = cell;
+        }
+    }
+
+    /// Passes over the first rays of a block with so many vectors in flight, until all have ended.
+    #[inline(always)]
+    fn passes<const IN_FLIGHT: usize>(&self, block: &mut Block, count: usize) {
+        let lengths = self.clearance.lengths();
         let mut rest = count;
         let mut ended = 0;
         while rest > 0 {
             // The last ones are not worth moving up.
-            let steps = if rest > 2 * L::COUNT { L::STEPS } else { usize::MAX };
+            let steps = if rest > IN_FLIGHT * L::COUNT { L::STEPS } else { usize::MAX };
             let mut kept = 0;
-            for at in (0..rest).step_by(2 * L::COUNT) {
-                let begun = [self.lanes.first(rest - at), self.lanes.first((rest - at).saturating_sub(L::COUNT))];
-                let mut a = self.load(block, at, begun[0]);
-                let mut b = self.load(block, at + L::COUNT, begun[1]);
+            for at in (0..rest).step_by(IN_FLIGHT * L::COUNT) {
+                let place = |nth: usize| at + nth * L::COUNT;
+                let begun: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first(rest.saturating_sub(place(nth))));
+                let mut all: [Rays<L>; IN_FLIGHT] = from_fn(|nth| self.load(block, place(nth), begun[nth]));
                 for step in 0..steps {
-                    if step >= L::STEPS && self.lanes.bits(a.active) | self.lanes.bits(b.active) == 0 {
+                    if step >= L::STEPS && all.iter().all(|rays| self.lanes.bits(rays.active) == 0) {
                         break;
                     }
-                    a = self.step(block, &a);
-                    b = self.step(block, &b);
+                    // By name, as what loops count through is kept in memory.
+                    match all.as_mut_slice() {
+                        [a, b] => {
+                            *a = self.step(lengths, block, a);
+                            *b = self.step(lengths, block, b);
+                        }
+                        [a, b, c] => {
+                            *a = self.step(lengths, block, a);
+                            *b = self.step(lengths, block, b);
+                            *c = self.step(lengths, block, c);
+                        }
+                        more => more.iter_mut().for_each(|rays| *rays = self.step(lengths, block, rays)),
+                    }
                 }
-                for (rays, begun) in [(a, begun[0]), (b, begun[1])] {
-                    ended += self.end(block, ended, &rays, begun);
-                    kept += self.keep(block, kept, &rays);
+                for nth in 0..IN_FLIGHT {
+                    ended += self.end(block, ended, &all[nth], begun[nth]);
+                    kept += self.keep(block, kept, &all[nth]);
                 }
             }
             rest = kept;
-        }
-        for (&number, &cell) in block.ended[..count].iter().zip(&block.ended_in) {
-            block.cells[number as usize] = cell;
         }
     }
 
@@ -163,8 +186,9 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.int(1));
         let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
         let number = lanes.load_int(&block.number, rays.at);
-        lanes.compress_store_int(bits, &mut block.ended, to, number);
-        lanes.compress_store_int(bits, &mut block.ended_in, to, cell);
+        let order = lanes.order_of(bits);
+        lanes.store_int_ordered(order, &mut block.ended, to, number);
+        lanes.store_int_ordered(order, &mut block.ended_in, to, cell);
         bits.count_ones() as usize
     }
 
@@ -173,41 +197,41 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     fn keep(&self, block: &mut Block, to: usize, rays: &Rays<L>) -> usize {
         let lanes = self.lanes;
         let bits = lanes.bits(rays.active);
+        let order = lanes.order_of(bits);
         for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
-            lanes.compress_store(bits, &mut axis.cell, to, cell);
-            let first = lanes.load(&axis.first, rays.at);
-            lanes.compress_store(bits, &mut axis.first, to, first);
-        }
-        for numbers in [&mut block.slope, &mut block.inverse_slope] {
-            let kept = lanes.load(numbers, rays.at);
-            lanes.compress_store(bits, numbers, to, kept);
+            lanes.store_ordered(order, &mut axis.cell, to, cell);
+            for numbers in [&mut axis.slope, &mut axis.intercept] {
+                let kept = lanes.load(numbers, rays.at);
+                lanes.store_ordered(order, numbers, to, kept);
+            }
         }
         for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
             let kept = lanes.load_int(numbers, rays.at);
-            lanes.compress_store_int(bits, numbers, to, kept);
+            lanes.store_int_ordered(order, numbers, to, kept);
         }
         bits.count_ones() as usize
     }
 
     /// Moves the active rays out of the free boxes around their cells.
     #[inline(always)]
-    fn step(&self, block: &Block, rays: &Rays<L>) -> Rays<L> {
+    fn step(&self, lengths: &[u8], block: &Block, rays: &Rays<L>) -> Rays<L> {
         let lanes = self.lanes;
         let row = lanes.multiply_int(lanes.to_int(rays.minor), lanes.load_int(&block.stride, rays.at));
         let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
         let place = lanes.add_int(row, in_row);
         debug_assert!(self.are_on_grid(rays.active, place), "a ray has left the border");
-        let length = lanes.gather(self.clearance.lengths(), place);
+        let length = lanes.gather(lengths, place);
         let active = lanes.is_positive(rays.active, length);
 
-        let along = lanes.to_float(active, length);
+        // Of those that have ended the length is 0.
+        let along = lanes.to_float(rays.active, length);
         let far_major = lanes.add(rays.major, along);
         let far_minor = lanes.add(rays.minor, lanes.half_up(along));
-        let (first_major, first_minor) = (lanes.load(&block.major.first, rays.at), lanes.load(&block.minor.first, rays.at));
-        let (way_major, way_minor) = (lanes.add(far_major, first_major), lanes.add(far_minor, first_minor));
         // Where the lines of the far sides are crossed.
-        let at_far_major = lanes.multiply_subtract(way_major, lanes.load(&block.slope, rays.at), first_minor);
-        let at_far_minor = lanes.multiply_subtract(way_minor, lanes.load(&block.inverse_slope, rays.at), first_major);
+        let crossing = |axis: &RoughAxis, line| {
+            lanes.multiply_add(line, lanes.load(&axis.slope, rays.at), lanes.load(&axis.intercept, rays.at))
+        };
+        let (at_far_major, at_far_minor) = (crossing(&block.major, far_major), crossing(&block.minor, far_minor));
         let crosses_major = lanes.is_less(active, at_far_major, far_minor);
         let crosses_minor = lanes.without(active, crosses_major);
         let across = lanes.select(crosses_major, at_far_major, at_far_minor);
@@ -215,7 +239,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let mut major = lanes.select(crosses_minor, cell, far_major);
         let mut minor = lanes.select(crosses_major, cell, far_minor);
 
-        let near = lanes.multiply_add(way_major, lanes.float(TIE_BY_WAY), lanes.float(TIE));
+        let near = lanes.multiply_add(far_major, lanes.float(TIE_BY_WAY), lanes.float(TIE));
         let ties = lanes.bits(lanes.is_not_greater(active, lanes.off_whole(across), near));
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));

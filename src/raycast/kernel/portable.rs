@@ -46,9 +46,11 @@ fn compress_store<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT
 impl Lanes for Portable {
     const COUNT: usize = COUNT;
     const STEPS: usize = 4;
+    const IN_FLIGHT: usize = 2;
     type Float = [f32; COUNT];
     type Int = [i32; COUNT];
     type Mask = [u32; COUNT];
+    type Order = u32;
 
     #[inline(never)]
     fn with_features(self, work: impl Work) {
@@ -73,11 +75,6 @@ impl Lanes for Portable {
     #[inline(always)]
     fn multiply_add(self, a: [f32; COUNT], b: [f32; COUNT], c: [f32; COUNT]) -> [f32; COUNT] {
         each(|lane| a[lane] * b[lane] + c[lane])
-    }
-
-    #[inline(always)]
-    fn multiply_subtract(self, a: [f32; COUNT], b: [f32; COUNT], c: [f32; COUNT]) -> [f32; COUNT] {
-        each(|lane| a[lane] * b[lane] - c[lane])
     }
 
     #[inline(always)]
@@ -183,13 +180,18 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn compress_store(self, bits: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
-        compress_store(bits, numbers, at, a);
+    fn order_of(self, bits: u32) -> u32 {
+        bits
     }
 
     #[inline(always)]
-    fn compress_store_int(self, bits: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
-        compress_store(bits, numbers, at, a);
+    fn store_ordered(self, order: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
+        compress_store(order, numbers, at, a);
+    }
+
+    #[inline(always)]
+    fn store_int_ordered(self, order: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
+        compress_store(order, numbers, at, a);
     }
 
     #[inline(always)]
