@@ -76,7 +76,7 @@ impl<'grid> Caster<'grid> {
                 self.enter(rays, place, fan.origin, fan.ray(group, place).direction);
             }
         }
-        self.cast(Rays { groups: &groups, count: fan.count }, sink);
+        self.cast(Rays { groups: &groups, count: fan.count, upcoming: &[] }, sink);
     }
 
     /// Ranges in metres of unrelated rays, each `[x, y, direction]` in the map frame, to the nearest of grid and obstacles; the
@@ -100,15 +100,17 @@ impl<'grid> Caster<'grid> {
         }
         self.grid.prepare(threads);
         threads::for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
+            let (these, upcoming) = rays[chunk * CHUNK..].split_at(ranges.len());
             GROUPS.with_borrow_mut(|groups| {
-                groups.resize(ranges.len().div_ceil(GROUP), RayGroup::ASTRAY);
-                self.kernel.with_features(Enter { caster: self, rays: &rays[chunk * CHUNK..], groups });
-                self.cast(Rays { groups, count: ranges.len() }, UpTo { max_range: self.max_range, ranges });
+                groups.resize(these.len().div_ceil(GROUP), RayGroup::ASTRAY);
+                self.kernel.with_features(Enter { caster: self, rays: these, groups });
+                let upcoming = &upcoming[..upcoming.len().min(CHUNK)];
+                self.cast(Rays { groups, count: these.len(), upcoming }, UpTo { max_range: self.max_range, ranges });
             });
             if obstacles.is_empty() {
                 return;
             }
-            for (range, ray) in ranges.iter_mut().zip(&rays[chunk * CHUNK..]) {
+            for (range, ray) in ranges.iter_mut().zip(these) {
                 *range = range.min(obstacles.cast_pose(Pose::from(*ray), f64::from(*range)) as f32);
             }
         })

@@ -25,6 +25,11 @@ pub trait Source: Copy {
     /// Whether rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
     /// tell; a few rays need not be asked.
     fn is_hemmed_in(&self, clearance: &Clearance, length: i32) -> bool;
+
+    /// What is going to be read after these rays, which kernels may have fetched from memory in good time.
+    fn upcoming(&self) -> &[[f64; 3]] {
+        &[]
+    }
 }
 
 /// Rays that start at one place of the grid.
@@ -131,6 +136,8 @@ pub struct Rays<'a> {
     pub groups: &'a [RayGroup],
     /// Number of rays.
     pub count: usize,
+    /// Where the rays after these are to be found.
+    pub upcoming: &'a [[f64; 3]],
 }
 
 impl Source for Rays<'_> {
@@ -163,5 +170,10 @@ impl Source for Rays<'_> {
             .filter(|&found| found > 0)
             .peekable();
         found.peek().is_some() && found.all(|found| found <= length)
+    }
+
+    #[inline(always)]
+    fn upcoming(&self) -> &[[f64; 3]] {
+        self.upcoming
     }
 }

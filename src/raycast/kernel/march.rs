@@ -9,6 +9,7 @@
 use std::array::from_fn;
 
 use super::lanes::Lanes;
+use super::prefetch::prefetch;
 use super::{Sink, Work};
 use crate::raycast::Clearance;
 use crate::raycast::block::{BLOCK, Block, RoughAxis};
@@ -25,6 +26,10 @@ const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
 
 /// And by the rounding of where the ray starts in its first cell, 2⁻²⁴ along each axis, with much to spare: that cell, too, is way.
 const TIE: f32 = 1.0 / 262_144.0;
+
+/// Cache lines of upcoming rays that are fetched at a time: so many that all of them are there when a block has been passed over
+/// twice, and so few that nothing else has to wait for memory.
+const FETCHED: usize = 12;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
@@ -136,13 +141,16 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     #[inline(always)]
     fn passes<const IN_FLIGHT: usize>(&self, block: &mut Block, count: usize) {
         let lengths = self.clearance.lengths();
+        let upcoming = self.source.upcoming();
         let mut rest = count;
-        let mut ended = 0;
+        let (mut ended, mut fetched) = (0, 0);
         while rest > 0 {
             // The last ones are not worth moving up.
             let steps = if rest > IN_FLIGHT * L::COUNT { L::STEPS } else { usize::MAX };
             let mut kept = 0;
             for at in (0..rest).step_by(IN_FLIGHT * L::COUNT) {
+                (fetched..fetched + FETCHED).for_each(|nth| prefetch(upcoming, nth));
+                fetched += FETCHED;
                 let place = |nth: usize| at + nth * L::COUNT;
                 let begun: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first(rest.saturating_sub(place(nth))));
                 let mut all: [Rays<L>; IN_FLIGHT] = from_fn(|nth| self.load(block, place(nth), begun[nth]));

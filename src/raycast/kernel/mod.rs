@@ -7,6 +7,7 @@ mod avx512;
 mod lanes;
 mod march;
 mod portable;
+mod prefetch;
 mod scalar;
 
 use std::sync::LazyLock;
