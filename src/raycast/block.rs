@@ -105,6 +105,14 @@ impl Block {
             self.number[at] = at as i32;
         }
     }
+
+    /// Where in the clearance's lengths the first cell of a ray is.
+    #[inline(always)]
+    #[must_use]
+    pub fn start(&self, at: usize) -> usize {
+        // Which is the one before the cell (0, 0) along both axes.
+        self.base[at].wrapping_sub(self.stride[at]).wrapping_sub(1) as u32 as usize
+    }
 }
 
 /// Whether the numbers of a block can name every byte of the lengths.

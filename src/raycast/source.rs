@@ -16,6 +16,9 @@ pub type Group = [f64; GROUP];
 
 /// Rays over a grid, in cells.
 pub trait Source: Copy {
+    /// Whether all rays start in one cell.
+    const START_TOGETHER: bool;
+
     /// Number of rays.
     fn count(&self) -> usize;
 
@@ -50,6 +53,8 @@ pub struct Fan<'a> {
 }
 
 impl Source for Fan<'_> {
+    const START_TOGETHER: bool = true;
+
     #[inline(always)]
     fn count(&self) -> usize {
         self.count
@@ -141,6 +146,8 @@ pub struct Rays<'a> {
 }
 
 impl Source for Rays<'_> {
+    const START_TOGETHER: bool = false;
+
     #[inline(always)]
     fn count(&self) -> usize {
         self.count

@@ -9,7 +9,7 @@
 use std::array::from_fn;
 
 use super::lanes::Lanes;
-use super::prefetch::prefetch;
+use super::prefetch::{LINE, prefetch};
 use super::{Sink, Work};
 use crate::raycast::Clearance;
 use crate::raycast::block::{BLOCK, Block, RoughAxis};
@@ -30,6 +30,9 @@ const TIE: f32 = 1.0 / 262_144.0;
 /// Cache lines of upcoming rays that are fetched at a time: so many that all of them are there when a block has been passed over
 /// twice, and so few that nothing else has to wait for memory.
 const FETCHED: usize = 12;
+
+/// Bytes of boxes from which on they are taken not to be in a cache.
+const BEYOND_CACHES: usize = 1 << 24;
 
 /// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
 /// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
@@ -113,6 +116,9 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         for group in 0..groups {
             block.aim(clearance, source, first_group + group, group * GROUP);
         }
+        if !S::START_TOGETHER && clearance.lengths().len() > BEYOND_CACHES {
+            (0..count).for_each(|at| prefetch(clearance.lengths(), block.start(at)));
+        }
         self.run(block, count);
         for group in 0..groups {
             let cells: &[i32; GROUP] = block.cells[group * GROUP..].first_chunk().expect("whole groups fit into a block");
@@ -149,7 +155,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             let steps = if rest > IN_FLIGHT * L::COUNT { L::STEPS } else { usize::MAX };
             let mut kept = 0;
             for at in (0..rest).step_by(IN_FLIGHT * L::COUNT) {
-                (fetched..fetched + FETCHED).for_each(|nth| prefetch(upcoming, nth));
+                (fetched..fetched + FETCHED).for_each(|line| prefetch(upcoming, line * LINE));
                 fetched += FETCHED;
                 let place = |nth: usize| at + nth * L::COUNT;
                 let begun: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first(rest.saturating_sub(place(nth))));

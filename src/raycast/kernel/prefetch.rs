@@ -1,18 +1,18 @@
 //! Fetching memory before it is read.
 #![allow(unsafe_code, reason = "an intrinsic")]
 
-/// Bytes of a cache line.
-const LINE: usize = 64;
+/// Bytes that are fetched at once.
+pub const LINE: usize = 64;
 
-/// Has the processor fetch the nth cache line of some memory into its cache, if there is one and if it can be asked to.
+/// Has the processor fetch a byte and those around it into its cache, if there is such a byte and if it can be asked to.
 #[inline(always)]
-pub fn prefetch<T>(memory: &[T], nth: usize) {
+pub fn prefetch<T>(memory: &[T], byte: usize) {
     #[cfg(target_arch = "x86_64")]
-    if nth * LINE < size_of_val(memory) {
+    if byte < size_of_val(memory) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: every such processor has the instruction; it reads nothing that could be seen, and faults at no address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(memory.as_ptr().cast::<i8>().wrapping_add(nth * LINE)) }
+        // SAFETY: every such processor has the instruction; what it does cannot be seen, and the byte is there.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(memory.as_ptr().cast::<i8>().add(byte)) }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (memory, nth, LINE);
+    let _ = (memory, byte);
 }
