@@ -144,10 +144,10 @@ impl<F: FnMut(usize, &Group)> Sink for F {
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
     let clearance = grid.clearance();
     if kernel == Kernel::Traversal || source.is_hemmed_in(clearance, kernel.not_worth_jumping()) {
-        return each(source, sink, |ray| ray.gap + traverse(grid, ray, limit).max(0.0));
+        return kernel.with_features(Walk { grid, source, limit, sink });
     }
     if !fits(clearance) {
-        return each(source, sink, |ray| scalar::cast(clearance, ray, limit));
+        return each(source, &mut sink, |ray| scalar::cast(clearance, ray, limit));
     }
     #[cfg(target_arch = "x86_64")]
     {
@@ -161,8 +161,24 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     march::cast(portable::Portable, clearance, source, limit, block, &mut sink);
 }
 
+/// Traverses cell by cell.
+struct Walk<'a, S, K> {
+    grid: &'a OccupancyGrid,
+    source: S,
+    limit: f64,
+    sink: K,
+}
+
+impl<S: Source, K: Sink> Work for Walk<'_, S, K> {
+    #[inline(always)]
+    fn run(mut self) {
+        each(self.source, &mut self.sink, |ray| ray.gap + traverse(self.grid, ray, self.limit).max(0.0));
+    }
+}
+
 /// Casts one ray after the other.
-fn each<S: Source>(source: S, mut sink: impl Sink, cast: impl Fn(&Ray) -> f64) {
+#[inline(always)]
+fn each<S: Source>(source: S, sink: &mut impl Sink, cast: impl Fn(&Ray) -> f64) {
     let mut distances = [f64::INFINITY; GROUP];
     for group in 0..source.count().div_ceil(GROUP) {
         let count = (source.count() - group * GROUP).min(GROUP);
