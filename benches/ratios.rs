@@ -1,7 +1,7 @@
 //! `cargo bench --bench ratios [-- MAP...]`: how many times as fast as the plain traversal each kernel is, in one run.
 //!
-//! Kernels take turns, so that a busy machine slows all of them alike, and in its turn each has a whole batch, so that what it looks
-//! up is not in the cache because the one before it looked there. Of the turns the median counts. Single thread.
+//! Kernels take turns, so that a busy machine slows all of them alike, and in its turn each has a whole batch, so that what it
+//! looks up is not in the cache because the one before it looked there. Of the turns the median counts. Single thread.
 
 mod workloads;
 

@@ -11,24 +11,25 @@ use std::array::from_fn;
 use super::lanes::Lanes;
 use super::prefetch::{LINE, prefetch};
 use super::{Sink, Work};
-use crate::raycast::Clearance;
 use crate::raycast::block::{BLOCK, Block, RoughAxis};
 use crate::raycast::source::{GROUP, Group, Source};
 use crate::raycast::track::{Track, distance};
+use crate::raycast::{Clearance, Sector};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
-/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of where the ray starts in its
-/// first cell, and one each of a product, a difference and a sum. If the wrong one of two lines is taken for the first, the errors of
-/// both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is where a ray
-/// runs along a grid line but for less than float32 can tell, has to be decided exactly, too.
+/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of where the ray starts in
+/// its first cell, and one each of a product, a difference and a sum. If the wrong one of two lines is taken for the first, the
+/// errors of both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is
+/// where a ray runs along a grid line but for less than float32 can tell, has to be decided exactly, too.
 const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
 
-/// And by the rounding of where the ray starts in its first cell, 2⁻²⁴ along each axis, with much to spare: that cell, too, is way.
+/// And by the rounding of where the ray starts in its first cell, 2⁻²⁴ along each axis, with much to spare: the way through that
+/// cell counts, too.
 const TIE: f32 = 1.0 / 262_144.0;
 
-/// Cache lines of upcoming rays that are fetched at a time: so many that all of them are there when a block has been passed over
-/// twice, and so few that nothing else has to wait for memory.
+/// Cache lines of upcoming rays that are fetched at a time: so many that most of them are there after one pass over a block and all
+/// of them after a second, if that has half the rays; and so few that nothing else has to wait for memory.
 const FETCHED: usize = 12;
 
 /// Bytes of boxes from which on they are taken not to be in a cache.
@@ -116,6 +117,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         for group in 0..groups {
             block.aim(clearance, source, first_group + group, group * GROUP);
         }
+        debug_assert!((0..count).all(|at| block.start(at) == self.first_place(at)), "a ray does not start where it does");
         if !S::START_TOGETHER && clearance.lengths().len() > BEYOND_CACHES {
             (0..count).for_each(|at| prefetch(clearance.lengths(), block.start(at)));
         }
@@ -134,6 +136,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Moves each of the first `count` rays to the blocking cell it hits, or off the grid, or beyond the limit.
     #[inline(always)]
     fn run(&self, block: &mut Block, count: usize) {
+        const { assert!(L::IN_FLIGHT == 2 || L::IN_FLIGHT == 3) };
         match L::IN_FLIGHT {
             2 => self.passes::<2>(block, count),
             _ => self.passes::<3>(block, count),
@@ -237,7 +240,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let length = lanes.gather(lengths, place);
         let active = lanes.is_positive(rays.active, length);
 
-        // Of those that have ended the length is 0.
+        // Rays that end here have a length of 0; those that had ended are made to.
         let along = lanes.to_float(rays.active, length);
         let far_major = lanes.add(rays.major, along);
         let far_minor = lanes.add(rays.minor, lanes.half_up(along));
@@ -261,6 +264,12 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         debug_assert!(self.have_stayed(active, (rays.major, rays.minor), (major, minor)), "a ray has left where it ended");
         let active = lanes.is_at_most(active, major, lanes.float(self.limit));
         Rays { at: rays.at, active, major, minor }
+    }
+
+    /// Where in the lengths the first cell of a ray of the block is.
+    fn first_place(&self, at: usize) -> usize {
+        let ray = self.source.ray(self.first_group + at / GROUP, at % GROUP);
+        self.clearance.index(ray.col, ray.row, Sector::of(ray.direction))
     }
 
     /// Whether the rays that are not of a mask are in the cells they were in.
