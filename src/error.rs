@@ -1,5 +1,7 @@
 //! The one error type: what was wrong, what was given, what was needed.
 
+use crate::threads;
+
 /// A value that the simulator cannot work with.
 ///
 /// Constructors and batch entry points check their input, so that nothing behind them can fail.
@@ -128,13 +130,17 @@ pub(crate) fn check_number(
     if value.is_finite() && holds(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
 }
 
-/// Checks that every row is finite, and names the first that is not.
-pub(crate) fn check_rows(name: &'static str, rows: &[[f64; 3]]) -> Result<(), Error> {
+/// Checks on so many threads that every row is finite, and names the first that is not.
+pub(crate) fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>) -> Result<(), Error> {
     // All of them first, in a form that vectorises.
-    if rows.as_flattened().iter().fold(true, |all, number| all & number.is_finite()) {
+    let are_finite = |rows: &[[f64; 3]]| rows.as_flattened().iter().fold(true, |all, number| all & number.is_finite());
+    if threads::all_chunks(threads, rows, CHUNK, are_finite)? {
         return Ok(());
     }
     let is_finite = |row: &[f64; 3]| row.iter().all(|number| number.is_finite());
     let row = rows.iter().position(|row| !is_finite(row)).unwrap_or(0);
     Err(Error::Row { name, row, value: rows[row] })
 }
+
+/// Rows that one thread checks at a time.
+const CHUNK: usize = 4096;

@@ -65,12 +65,12 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     if poses.len() != twists.len() {
         return Err(Error::Length { name: "twists", value: twists.len(), needed: poses.len() });
     }
-    check_rows("poses", poses)?;
-    check_rows("twists", twists)?;
+    check_rows("poses", poses, Some(1))?;
+    check_rows("twists", twists, Some(1))?;
     check_number("dt", duration, "finite", |_| true)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
     let reached: Vec<_> = poses.iter().zip(twists).map(step).collect();
-    check_rows("the poses reached", &reached)?;
+    check_rows("the poses reached", &reached, Some(1))?;
     Ok(reached)
 }
 

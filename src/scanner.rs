@@ -165,7 +165,7 @@ impl LaserScanner {
     ) -> Result<(), Error> {
         let world = world.into();
         let beam_count = self.options.beam_count;
-        check_rows("poses", poses)?;
+        check_rows("poses", poses, threads)?;
         if readings.len() != poses.len() * beam_count {
             return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
         }

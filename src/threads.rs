@@ -30,11 +30,7 @@ pub fn for_each_chunk<T: Send>(
     length: usize,
     work: impl Fn(usize, &mut [T]) + Sync,
 ) -> Result<(), Error> {
-    let threads = match threads {
-        Some(count @ (0 | 1025..)) => return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" }),
-        Some(count) => count,
-        None => std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS),
-    };
+    let threads = count(threads)?;
     if threads == 1 || elements.len() < WORTH_SHARING {
         elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
     } else {
@@ -43,6 +39,31 @@ pub fn for_each_chunk<T: Send>(
         });
     }
     Ok(())
+}
+
+/// Whether something holds of each chunk of `length` elements, as seen by `threads` threads or, if `None`, as many as there are cores.
+///
+/// # Errors
+/// Those of [`for_each_chunk`].
+pub fn all_chunks<T: Sync>(
+    threads: Option<usize>,
+    elements: &[T],
+    length: usize,
+    holds: impl Fn(&[T]) -> bool + Sync + Send,
+) -> Result<bool, Error> {
+    let threads = count(threads)?;
+    if threads == 1 || elements.len() < WORTH_SHARING {
+        return Ok(holds(elements));
+    }
+    Ok(pool(threads)?.install(|| elements.par_chunks(length).all(holds)))
+}
+
+fn count(threads: Option<usize>) -> Result<usize, Error> {
+    match threads {
+        Some(count @ (0 | 1025..)) => Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" }),
+        Some(count) => Ok(count),
+        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS)),
+    }
 }
 
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {

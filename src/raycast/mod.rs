@@ -94,7 +94,7 @@ impl<'grid> Caster<'grid> {
         thread_local! {
             static GROUPS: RefCell<Vec<RayGroup>> = const { RefCell::new(Vec::new()) };
         }
-        check_rows("rays", rays)?;
+        check_rows("rays", rays, threads)?;
         if ranges.len() != rays.len() {
             return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
         }
