@@ -1,25 +1,46 @@
 //! NumPy arrays as the core takes them, and errors that say what an array should have been.
 
+use std::ops::Deref;
+
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods, dtype,
 };
-use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
 
 use crate::Error;
 
-/// A batch `(N, 3)` of `float64`, copied so that nobody changes it meanwhile.
-pub fn rows(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+/// A batch `(N, 3)` of `float64`: the caller's memory, or a copy where that cannot be read as it is.
+pub enum Rows<'py> {
+    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+    Copied(Vec<[f64; 3]>),
+}
+
+impl Deref for Rows<'_> {
+    type Target = [[f64; 3]];
+
+    fn deref(&self) -> &[[f64; 3]] {
+        match self {
+            Self::Borrowed(array) => array.as_slice().expect("in C order").as_chunks().0,
+            Self::Copied(rows) => rows,
+        }
+    }
+}
+
+/// A batch, from an array of `float64` with three columns.
+pub fn rows<'py>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<Rows<'py>> {
     let array = typed::<f64>(name, array)?;
     let view = array.as_array();
     let [_, 3] = *view.shape() else {
         return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(view.shape()))));
     };
-    if let Some(numbers) = view.as_slice() {
-        return Ok(numbers.as_chunks().0.to_vec());
+    if array.is_c_contiguous() {
+        return Ok(Rows::Borrowed(array));
     }
-    Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
+    Ok(Rows::Copied(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect()))
 }
 
 /// A matrix `(3, 3)` of `float64`, row by row.
@@ -56,16 +77,10 @@ pub fn fill<'py>(
     dimensions: &[usize],
     work: impl FnOnce(&mut [f32]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let Some(out) = out else {
-        let length = dimensions.iter().product();
-        let mut elements = Vec::new();
-        elements
-            .try_reserve_exact(length)
-            .map_err(|_| PyMemoryError::new_err(format!("no memory for ranges of shape {}", shape(dimensions))))?;
-        elements.resize(length, 0.0);
-        py.detach(|| work(&mut elements))?;
-        return Ok(elements.into_pyarray(py).reshape(dimensions.to_vec())?.into_any());
-    };
+    // NumPy's own memory comes with an error where there is none, and as huge pages where it is large.
+    static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<f32>(py)));
+    let out = out.map_or_else(new, Ok)?;
     let array = check_dtype::<f32>("out", &out)?;
     if array.shape() != dimensions {
         let (needed, got) = (shape(dimensions), shape(array.shape()));
@@ -77,10 +92,9 @@ pub fn fill<'py>(
     if !is_aligned(array)? {
         return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
     }
-    let mut array = out
-        .cast::<numpy::PyArrayDyn<f32>>()?
-        .try_readwrite()
-        .map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one in use elsewhere"))?;
+    let mut array = out.cast::<numpy::PyArrayDyn<f32>>()?.try_readwrite().map_err(|_| {
+        PyValueError::new_err("out must be writeable, got a read-only array or one that is read or written already")
+    })?;
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)

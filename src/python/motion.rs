@@ -20,6 +20,7 @@ pub fn integrate_twist<'py>(
     dt: f64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (poses, twists) = (rows("poses", poses)?, rows("twists", twists)?);
-    let moved = py.detach(|| integrate_batch(&poses, &twists, dt))?;
+    let (poses, twists): (&[[f64; 3]], &[[f64; 3]]) = (&poses, &twists);
+    let moved = py.detach(|| integrate_batch(poses, twists, dt))?;
     Ok(Array2::from(moved).into_pyarray(py))
 }

@@ -12,7 +12,8 @@ use crate::raycast;
 ///
 /// rays: (N, 3) float64, x y [m] and direction [rad] in the map frame. max_range: metres.
 /// obstacles: sequence of (Shape, pose), poses in the map frame, that stop rays as well.
-/// threads: number of threads, all cores if None. out: (N,) float32 to write into.
+/// threads: number of threads, all cores if None. out: (N,) float32 to write into. Arrays are read and written where they are:
+/// no other thread may change them meanwhile.
 /// returns: (N,) float32 [m], the distance to the boundary at which the ray enters the first blocking cell or obstacle, 0 for
 /// one that starts inside; max_range means no return. Rays may start off the map.
 /// raises: ValueError for shapes and for numbers that are not finite; TypeError for dtypes.
@@ -29,5 +30,6 @@ pub fn cast_rays<'py>(
     out: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (grid, rays, threads) = (grid.get().core(), rows("rays", rays)?, thread_count(threads)?);
-    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), &rays, max_range, threads, ranges))
+    let rays: &[[f64; 3]] = &rays;
+    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), rays, max_range, threads, ranges))
 }

@@ -130,7 +130,8 @@ impl LaserScanner {
     /// obstacles: sequence of (Shape, pose), poses in the map frame, that all scans see.
     /// noise: BeamModel to sample from, none if None. seed: names the random streams. first_index: index of the first scan in
     /// its stream, so that chunks of a long batch equal the whole. threads: number of threads, all cores if None; the result
-    /// does not depend on it. out: (N, beam_count) float32 in C order, to write into.
+    /// does not depend on it. out: (N, beam_count) float32 in C order, to write into. Arrays are read and written where they are:
+    /// no other thread may change them meanwhile.
     /// returns: (N, beam_count) float32 [m]; column i points at angle_min + i * angle_increment; max_range means no return.
     /// raises: ValueError for shapes and for poses that are not finite; TypeError for dtypes. Poses off the map are allowed.
     /// method: Amanatides & Woo 1987, sec. 2; noise: Probabilistic Robotics, table 6.1.
@@ -151,8 +152,9 @@ impl LaserScanner {
         let (grid, poses, threads) = (grid.get().core(), rows("poses", poses)?, thread_count(threads)?);
         let (seed, first_index) = (stream_number("seed", seed)?, stream_number("first_index", first_index)?);
         let noise = noise.map(|model| Noise { model: model.0, seed, first_index });
+        let poses: &[[f64; 3]] = &poses;
         fill(py, out, &[poses.len(), self.beam_count()], |readings| {
-            self.0.scan_batch((&*grid, &obstacles.0), &poses, noise, threads, readings)
+            self.0.scan_batch((&*grid, &obstacles.0), poses, noise, threads, readings)
         })
     }
 
