@@ -29,74 +29,79 @@ fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || wanted.iter().any(|name| name == map)) {
         let build = build(&grid);
-        let poses = poses(&grid, SCANS);
-        line(&format!("scan {map}"), build, &scans(&grid, &poses, &kernels, None));
-        let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
-        let noise = Noise { model, seed: 1, first_index: 0 };
-        line(&format!("with noise {map}"), build, &scans(&grid, &poses, &kernels, Some(noise)));
-        line(&format!("rays {map}"), build, &rays(&grid, &kernels));
+        let [scans, noisy] = scans(&grid, &kernels);
+        line(&format!("scan {map}"), build, &scans, |nth| scans[0] / scans[nth]);
+        // Over the same without.
+        line(&format!("with noise {map}"), build, &noisy, |nth| noisy[nth] / scans[nth]);
+        let [rays] = rays(&grid, &kernels);
+        line(&format!("rays {map}"), build, &rays, |nth| rays[0] / rays[nth]);
     }
 }
 
 /// Nanoseconds per cell for building what casting needs, the median.
 fn build(grid: &OccupancyGrid) -> f64 {
-    let mut times: Vec<f64> = (0..TURNS)
-        .map(|_| {
-            let grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), grid.options()).expect("a grid");
-            let start = Instant::now();
-            grid.prepare(Some(1));
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    times[TURNS / 2] * 1e9 / grid.cells().len() as f64
+    let times = (0..TURNS).map(|_| {
+        let grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), grid.options()).expect("a grid");
+        let start = Instant::now();
+        grid.prepare(Some(1));
+        start.elapsed().as_secs_f64()
+    });
+    median(times.collect()) * 1e9 / grid.cells().len() as f64
 }
 
-/// Nanoseconds per range of each kernel, and how many times as fast it is as the first.
-fn line(name: &str, build: f64, times: &[f64]) {
+/// Nanoseconds per range of each kernel, and how many times those of another.
+fn line(name: &str, build: f64, times: &[f64], ratio: impl Fn(usize) -> f64) {
     print!("{name:22}{build:>10.1}");
-    for time in times {
-        print!("{:>20}", format!("{time:.2} {:.2}x", times[0] / time));
+    for (nth, time) in times.iter().enumerate() {
+        print!("{:>20}", format!("{time:.2} {:.2}x", ratio(nth)));
     }
     println!();
 }
 
-fn scans(grid: &OccupancyGrid, poses: &[[f64; 3]], kernels: &[Kernel], noise: Option<Noise>) -> Vec<f64> {
-    in_turns(kernels, poses.len() * 541, |kernel, ranges| {
-        let laser = laser(grid, kernel);
-        let start = Instant::now();
-        laser.scan_batch(grid, poses, noise, Some(1), ranges).expect("a scan");
-        start.elapsed().as_secs_f64()
+/// Scans without noise, and with it.
+fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
+    let poses = poses(grid, SCANS);
+    let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
+    let noise = [None, Some(Noise { model, seed: 1, first_index: 0 })];
+    in_turns(kernels, poses.len() * 541, |kernel, way, ranges| {
+        laser(grid, kernel).scan_batch(grid, &poses, noise[way], Some(1), ranges).expect("a scan");
     })
 }
 
-fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> Vec<f64> {
+fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 1] {
     let rays = poses(grid, RAYS);
-    in_turns(kernels, rays.len(), |kernel, ranges| {
+    in_turns(kernels, rays.len(), |kernel, _, ranges| {
         let caster = Caster::new(grid, 600.0 * grid.resolution(), kernel);
-        let start = Instant::now();
         caster.cast_rays(Obstacles::NONE, &rays, Some(1), ranges).expect("ranges");
-        start.elapsed().as_secs_f64()
     })
 }
 
-/// Nanoseconds per range of each kernel, whose turns `cast` takes and times: the median.
-fn in_turns(kernels: &[Kernel], count: usize, cast: impl Fn(Kernel, &mut [f32]) -> f64) -> Vec<f64> {
+/// Nanoseconds per range of each kernel, for some ways to `cast` each: the median of its turns.
+fn in_turns<const WAYS: usize>(
+    kernels: &[Kernel],
+    count: usize,
+    cast: impl Fn(Kernel, usize, &mut [f32]),
+) -> [Vec<f64>; WAYS] {
     let mut ranges = vec![0.0; count];
-    let mut expected = vec![0.0; count];
-    let mut times = vec![Vec::new(); kernels.len()];
+    let mut expected = vec![vec![0.0; count]; WAYS];
+    let mut times = vec![vec![Vec::new(); kernels.len()]; WAYS];
     for _ in 0..TURNS {
-        for (&kernel, times) in kernels.iter().zip(&mut times) {
-            times.push(cast(kernel, &mut ranges));
-            if kernel == Kernel::Traversal {
-                expected.copy_from_slice(&ranges);
+        for (nth, &kernel) in kernels.iter().enumerate() {
+            for way in 0..WAYS {
+                let start = Instant::now();
+                cast(kernel, way, &mut ranges);
+                times[way][nth].push(start.elapsed().as_secs_f64());
+                if kernel == Kernel::Traversal {
+                    expected[way].copy_from_slice(&ranges);
+                }
+                assert!(ranges == expected[way], "{} is wrong", kernel.name());
             }
-            assert!(ranges == expected, "{} is wrong", kernel.name());
         }
     }
-    let median = |mut times: Vec<f64>| {
-        times.sort_by(f64::total_cmp);
-        times[TURNS / 2]
-    };
-    times.into_iter().map(|times| median(times) * 1e9 / count as f64).collect()
+    std::array::from_fn(|way| times[way].iter().map(|times| median(times.clone()) * 1e9 / count as f64).collect())
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
 }
