@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZero;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -30,13 +30,11 @@ pub fn for_each_chunk<T: Send>(
     length: usize,
     work: impl Fn(usize, &mut [T]) + Sync,
 ) -> Result<(), Error> {
-    let threads = count(threads)?;
-    if threads == 1 || elements.len() < WORTH_SHARING {
-        elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
-    } else {
-        pool(threads)?.install(|| {
+    match workers(threads, elements.len())? {
+        None => elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk)),
+        Some(pool) => pool.install(|| {
             elements.par_chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
-        });
+        }),
     }
     Ok(())
 }
@@ -51,18 +49,26 @@ pub fn all_chunks<T: Sync>(
     length: usize,
     holds: impl Fn(&[T]) -> bool + Sync + Send,
 ) -> Result<bool, Error> {
-    let threads = count(threads)?;
-    if threads == 1 || elements.len() < WORTH_SHARING {
-        return Ok(holds(elements));
-    }
-    Ok(pool(threads)?.install(|| elements.par_chunks(length).all(holds)))
+    Ok(match workers(threads, elements.len())? {
+        None => holds(elements),
+        Some(pool) => pool.install(|| elements.par_chunks(length).all(holds)),
+    })
 }
 
-fn count(threads: Option<usize>) -> Result<usize, Error> {
-    match threads {
-        Some(count @ (0 | 1025..)) => Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" }),
-        Some(count) => Ok(count),
-        None => Ok(std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS)),
+/// The threads that share so many elements, or none if the caller's is to do it alone.
+fn workers(threads: Option<usize>, elements: usize) -> Result<Option<Arc<ThreadPool>>, Error> {
+    /// Asked once: the system reads several files to tell.
+    static CORES: LazyLock<usize> =
+        LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
+    if let Some(count @ (0 | 1025..)) = threads {
+        return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" });
+    }
+    if elements < WORTH_SHARING {
+        return Ok(None);
+    }
+    match threads.unwrap_or_else(|| *CORES) {
+        1 => Ok(None),
+        threads => pool(threads).map(Some),
     }
 }
 
