@@ -339,6 +339,16 @@ def test_out_may_not_lie_over_the_poses(room: mrs.OccupancyGrid) -> None:
     assert np.array_equal(poses, kept)
 
 
+@pytest.mark.parametrize("threads", [1, 2, None])
+def test_the_last_of_many_rays_is_checked_before_any_is_cast(room: mrs.OccupancyGrid, threads: int | None) -> None:
+    rays = np.tile(poses_in(room, 100), (100, 1))
+    rays[-1, 1] = np.inf
+    out = np.full(10_000, -7.0, np.float32)
+    with pytest.raises(ValueError, match=r"rays must be finite, got \[.*inf.*\] in row 9999"):
+        mrs.cast_rays(room, rays, 9.0, threads=threads, out=out)
+    assert (out == -7.0).all()
+
+
 def test_rays_are_read_where_they_are(room: mrs.OccupancyGrid) -> None:
     resource = pytest.importorskip("resource")
     rays = np.tile(poses_in(room, 1000), (1000, 1))
