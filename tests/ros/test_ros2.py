@@ -26,6 +26,7 @@ def test_commands_are_stamped_unless_told_otherwise(world: Any) -> None:
     world.start("robot", publish_rate=50.0)
     odom = world.subscribe("/odom", ODOM)
     publish = world.publisher("/cmd_vel", "geometry_msgs/msg/TwistStamped")
+    odom.wait_for(1)
     publish(find("geometry_msgs/msg/TwistStamped")(twist=twist(0.25, 0.0)))
     odom.next(lambda it: it.twist.twist.linear.x == 0.25)
 
