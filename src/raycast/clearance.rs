@@ -205,13 +205,13 @@ impl Free {
     }
 }
 
-/// Room for what is known of each cell of a row before its length.
+/// Fills the rows of a plane, with room for what is known of a row's cells before their lengths.
 #[derive(Default)]
 struct RowFiller {
-    /// How long a box could be, but for the one two along, less 2.
-    reach: Vec<u8>,
-    /// All bits set where this cell and the next are free.
-    free: Vec<u8>,
+    /// The lengths so far, but for those of 1; then the two behind the row.
+    covered: Vec<u8>,
+    /// As many, of the next step.
+    shortened: Vec<u8>,
 }
 
 impl RowFiller {
@@ -219,28 +219,30 @@ impl RowFiller {
     /// block and something else where they do not.
     ///
     /// A dynamic programme: a box two longer and one broader is covered by its first two cells and the boxes two along, one
-    /// across, and both. Only the box two along has to be waited for.
+    /// across, and both. Only the box two along is of the same row.
     fn fill(&mut self, line: &mut [u8], done: &[u8], count: usize) {
         // Boxes of length 1 two apart leave the cell between them.
         let covering = |length: u8| if length == 1 { 0 } else { length };
-        self.reach.clear();
-        self.reach.resize(count, 0);
-        for ((reach, &near), &far) in self.reach.iter_mut().zip(done).zip(&done[2..]) {
-            *reach = covering(near).min(covering(far)).min(LONGEST - 2);
+        let across = done.iter().zip(&done[2..]).map(|(&near, &far)| covering(near).min(covering(far)).min(LONGEST - 2) + 2);
+        let is_free = line[..count].iter().zip(&line[1..]).map(|(&here, &next)| here != 0 && next != 0);
+        self.covered.clear();
+        self.covered.extend(across.zip(is_free).map(|(length, is_free)| if is_free { length } else { 0 }));
+        self.covered.extend(line[count..].iter().take(2).map(|&length| covering(length)));
+        // A box is at most two longer than the one two along, which holds for all in a row as soon as it does for those two, four,
+        // eight and so on along; each such step is done for many cells at once, whereas one after the other would wait.
+        self.shortened.resize(self.covered.len(), 0);
+        for step in 1..8 {
+            let along = 1 << step;
+            let (near, end) = self.shortened.split_at_mut(self.covered.len().saturating_sub(along));
+            for ((to, &here), &there) in near.iter_mut().zip(&self.covered).zip(self.covered.iter().skip(along)) {
+                *to = here.min(there.saturating_add(along as u8));
+            }
+            end.copy_from_slice(&self.covered[near.len()..]);
+            std::mem::swap(&mut self.covered, &mut self.shortened);
         }
-        self.free.clear();
-        self.free
-            .extend(line[..count].iter().zip(&line[1..]).map(|(&here, &next)| if here != 0 && next != 0 { 255 } else { 0 }));
-        for (length, &free) in line.iter_mut().zip(&self.free) {
+        for (length, &covered) in line[..count].iter_mut().zip(&self.covered) {
             // What blocks has length 0, and what is free before what blocks has 1.
-            *length = (*length).min(1) & !free;
-        }
-        let mut next = covering(line[count]);
-        let mut after_next = line.get(count + 1).map_or(0, |&length| covering(length));
-        for ((length, &reach), &free) in line.iter_mut().zip(&self.reach).zip(&self.free).rev() {
-            let covered = (reach.min(after_next) + 2) & free;
-            *length |= covered;
-            (after_next, next) = (next, covered);
+            *length = covered.max((*length).min(1));
         }
     }
 }
