@@ -142,10 +142,10 @@ impl<F: FnMut(usize, &Group)> Sink for F {
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
-    let clearance = grid.clearance();
-    if kernel == Kernel::Traversal || source.is_hemmed_in(clearance, kernel.not_worth_jumping()) {
+    if kernel == Kernel::Traversal || source.is_hemmed_in(grid, kernel.not_worth_jumping()) {
         return kernel.with_features(Walk { grid, source, limit, sink });
     }
+    let clearance = grid.clearance();
     if !fits(clearance) {
         return each(source, &mut sink, |ray| scalar::cast(clearance, ray, limit));
     }
