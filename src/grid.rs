@@ -283,7 +283,8 @@ impl GridOptions {
     /// Whether a cell of this value stops beams.
     #[must_use]
     pub fn blocks(&self, value: i8) -> bool {
-        value >= self.occupied_threshold || (value < 0 && self.unknown == Unknown::Occupied)
+        // Without branches, for loops over cells.
+        (value >= self.occupied_threshold) | ((value < 0) & (self.unknown == Unknown::Occupied))
     }
 }
 

@@ -39,12 +39,12 @@ pub fn breadth(length: i32) -> i32 {
 
 impl Clearance {
     /// The boxes of a grid whose cells, row by row, block where `blocks` says so; built by so many threads, or as many as there
-    /// are cores; but for finding out which cells are free, which takes 2 bytes a cell meanwhile.
+    /// are cores; but for finding out which cells of each column are free, which takes a byte a cell meanwhile.
     ///
     /// # Panics
     /// If there is no cell, or not as many in each row.
     #[must_use]
-    pub fn new<T>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool) -> Self {
+    pub fn new<T: Sync>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> Self {
         assert!(!cells.is_empty() && cells.len().is_multiple_of(width), "{} cells in rows of {width}", cells.len());
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
@@ -72,7 +72,7 @@ impl Clearance {
     }
 
     /// Builds the plane of a sector as far as it depends on the cells of a region.
-    fn fill(&self, sector: Sector, lengths: &mut [u8], free: &Free) {
+    fn fill<T>(&self, sector: Sector, lengths: &mut [u8], free: &Free<'_, T, impl Fn(&T) -> bool>) {
         let (back_along, back_across) = sector.order(sector.is_left(), sector.is_down());
         let mirrored = |back: bool, range: &Range<usize>, size: usize| {
             if back { size - range.end..size - range.start } else { range.clone() }
@@ -88,12 +88,9 @@ impl Clearance {
             let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
             if across.contains(&row) {
                 let row = if back_across { across.end - 1 - row } else { row - across.start };
-                let known = free.row(sector.is_steep(), row);
-                let line = &mut line[1 + along.start..=along.end];
+                free.tell(sector.is_steep(), row, &mut line[1 + along.start..=along.end]);
                 if back_along {
-                    line.iter_mut().zip(known.iter().rev()).for_each(|(to, from)| *to = *from);
-                } else {
-                    line.copy_from_slice(known);
+                    line[1 + along.start..=along.end].reverse();
                 }
             }
             filler.fill(&mut line[1 + reached.start..], &done[1 + reached.start..], reached.len());
@@ -169,39 +166,41 @@ impl Clearance {
 }
 
 /// Which cells of a region do not block: 1, else 0.
-struct Free {
+struct Free<'a, T, F> {
+    cells: &'a [T],
+    width: usize,
     region: Region,
-    by_row: Vec<u8>,
+    blocks: F,
     by_col: Vec<u8>,
 }
 
-impl Free {
-    fn new<T>(cells: &[T], width: usize, region: Region, blocks: impl Fn(&T) -> bool) -> Self {
+impl<'a, T, F: Fn(&T) -> bool> Free<'a, T, F> {
+    fn new(cells: &'a [T], width: usize, region: Region, blocks: F) -> Self {
         // What fits into a cache both along rows and along columns.
         const TILE: usize = 64;
-        let (cols, rows) = (region.0.len(), region.1.len());
-        let mut by_row = Vec::with_capacity(cols * rows);
-        for row in region.1.clone() {
-            by_row.extend(cells[row * width..][region.0.clone()].iter().map(|cell| u8::from(!blocks(cell))));
-        }
-        let mut by_col = vec![0; by_row.len()];
-        for first_row in (0..rows).step_by(TILE) {
-            for first_col in (0..cols).step_by(TILE) {
-                for col in first_col..(first_col + TILE).min(cols) {
-                    let end = (first_row + TILE).min(rows);
-                    let column = by_row[first_row * cols + col..].iter().step_by(cols);
-                    by_col[col * rows..][first_row..end].iter_mut().zip(column).for_each(|(to, from)| *to = *from);
+        let height = region.1.len();
+        let mut by_col = vec![0; region.0.len() * height];
+        for first_row in (0..height).step_by(TILE) {
+            for first_col in region.0.clone().step_by(TILE) {
+                for col in first_col..(first_col + TILE).min(region.0.end) {
+                    let end = (first_row + TILE).min(height);
+                    let column = cells[(region.1.start + first_row) * width + col..].iter().step_by(width);
+                    let tile = &mut by_col[(col - region.0.start) * height..][first_row..end];
+                    tile.iter_mut().zip(column).for_each(|(to, cell)| *to = u8::from(!blocks(cell)));
                 }
             }
         }
-        Self { region, by_row, by_col }
+        Self { cells, width, region, blocks, by_col }
     }
 
-    /// A row of the region, or a column.
-    fn row(&self, is_column: bool, index: usize) -> &[u8] {
-        let (cells, length) =
-            if is_column { (&self.by_col, self.region.1.len()) } else { (&self.by_row, self.region.0.len()) };
-        &cells[index * length..][..length]
+    /// Tells of a row of the region, or of a column.
+    fn tell(&self, is_column: bool, index: usize, line: &mut [u8]) {
+        if is_column {
+            line.copy_from_slice(&self.by_col[index * line.len()..][..line.len()]);
+        } else {
+            let row = &self.cells[(self.region.1.start + index) * self.width..][self.region.0.clone()];
+            line.iter_mut().zip(row).for_each(|(to, cell)| *to = u8::from(!(self.blocks)(cell)));
+        }
     }
 }
 
