@@ -1,6 +1,7 @@
 //! Laser scanners: the only owner of beam angles; one scan, a batch of scans.
 
 use std::f64::consts::TAU;
+use std::iter;
 
 use glam::DVec2;
 
@@ -9,7 +10,7 @@ use crate::error::{Error, check_number, check_rows};
 use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Caster, Fan, GROUP, Group, Kernel, Sink, UpTo, store};
+use crate::raycast::{Caster, Fans, GROUP, Group, Kernel, Sink, Start, UpTo, store};
 use crate::threads;
 use crate::world::World;
 
@@ -144,9 +145,9 @@ impl LaserScanner {
     /// # Errors
     /// A kernel asked for by the environment that this machine does not have.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
-        let max_range = self.options.max_range;
+        let (world, max_range) = (world.into(), self.options.max_range);
         assert_eq!(ranges.len(), self.options.beam_count, "one range per beam");
-        self.cast(self.kernel()?, world.into(), map_from_base, UpTo { max_range, ranges });
+        self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(UpTo { max_range, ranges }));
         Ok(())
     }
 
@@ -170,16 +171,21 @@ impl LaserScanner {
             return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
         }
         let max_range = self.options.max_range;
-        let kernel = self.kernel()?;
+        let caster = self.caster(world)?;
         world.grid.prepare(threads);
-        threads::for_each_chunk(threads, readings, beam_count, |scan, readings| {
-            let pose = poses[scan].into();
-            if let Some(noise) = &noise {
-                let bits = BeamBits::new(noise.seed, noise.first_index.wrapping_add(scan as u64));
-                let sampler = Sampler::new(&noise.model, max_range, bits);
-                self.cast(kernel, world, pose, Noisy { sampler, readings });
+        let at_a_time = caster.at_a_time(poses.len(), self.cos.len());
+        threads::for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
+            let first = chunk * at_a_time;
+            let poses = poses[first..].iter().map(|&pose| Pose::from(pose)).take(readings.len() / beam_count);
+            let readings = readings.chunks_exact_mut(beam_count);
+            if let Some(Noise { model, seed, first_index }) = &noise {
+                let sinks = (first..).zip(readings).map(|(scan, readings)| {
+                    let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
+                    Noisy { sampler: Sampler::new(model, max_range, bits), readings }
+                });
+                self.cast(caster, world, poses, sinks);
             } else {
-                self.cast(kernel, world, pose, UpTo { max_range, ranges: readings });
+                self.cast(caster, world, poses, readings.map(|ranges| UpTo { max_range, ranges }));
             }
         })
     }
@@ -223,31 +229,69 @@ impl LaserScanner {
         Self { kernel: Some(kernel), ..self }
     }
 
-    fn kernel(&self) -> Result<Kernel, Error> {
-        self.kernel.map_or_else(Kernel::chosen, Ok)
+    fn caster<'a>(&self, world: World<'a>) -> Result<Caster<'a>, Error> {
+        Ok(Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?))
     }
 
-    /// Casts all beams from a pose.
-    fn cast(&self, kernel: Kernel, World { grid, obstacles }: World<'_>, map_from_base: Pose, sink: impl Sink) {
-        let map_from_laser = map_from_base * self.options.mount;
-        let grid_from_laser = grid.pose_in_grid(map_from_laser);
-        let (sin, cos) = libm::sincos(grid_from_laser.yaw);
-        let fan = Fan {
-            origin: grid_from_laser.position / grid.resolution(),
-            cell: (0, 0),
-            heading: DVec2::new(cos, sin),
-            cos: &self.cos,
-            sin: &self.sin,
-            count: self.options.beam_count,
-        };
-        let view = View::new(obstacles, map_from_laser, self.spread(), self.options.max_range);
-        let sink = Shortened { view, cos: &self.cos, sin: &self.sin, sink };
-        Caster::new(grid, self.options.max_range, kernel).cast_fan(fan, sink);
+    /// Casts all beams from each pose, with a sink for each.
+    fn cast(
+        &self,
+        caster: Caster<'_>,
+        World { grid, obstacles }: World<'_>,
+        poses: impl Iterator<Item = Pose> + Clone,
+        sinks: impl Iterator<Item = impl Sink>,
+    ) {
+        let Self { cos, sin, options: ScannerOptions { beam_count, max_range, mount, .. }, .. } = self;
+        let mut starts = [Start::default(); Fans::MOST];
+        let mut count = 0;
+        for (start, map_from_base) in starts.iter_mut().zip(poses.clone()) {
+            *start = Start::new(grid, grid.pose_in_grid(map_from_base * *mount));
+            count += 1;
+        }
+        let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
+            let view = View::new(obstacles, || map_from_base * *mount, self.spread(), *max_range);
+            Shortened { view, cos, sin, sink }
+        });
+        let Some(sink) = sinks.next() else { return };
+        let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
+        caster.cast_fans(fans, InTurn { sink, upcoming: sinks, groups: cos.len(), first: 0 });
     }
 
     fn spread(&self) -> Spread {
         let Self { options: ScannerOptions { beam_count, .. }, angle_min, angle_increment, .. } = *self;
         Spread { angle_min, angle_increment, beam_count }
+    }
+}
+
+/// Hands the groups of scans to a sink for each.
+struct InTurn<S, N> {
+    sink: S,
+    /// Those of the scans to come.
+    upcoming: N,
+    /// Number of groups of a scan.
+    groups: usize,
+    /// The first group of the scan that is under way.
+    first: usize,
+}
+
+impl<S: Sink, N: Iterator<Item = S>> InTurn<S, N> {
+    // Not to become part of the loop over groups.
+    #[inline(never)]
+    fn turn_to_next(&mut self) {
+        self.first += self.groups;
+        if let Some(sink) = self.upcoming.next() {
+            self.sink = sink;
+        }
+    }
+}
+
+impl<S: Sink, N: Iterator<Item = S>> Sink for InTurn<S, N> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        if group == self.first + self.groups {
+            self.turn_to_next();
+        }
+        self.sink.take(group - self.first, ranges);
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{
     BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
-    Pose, ScannerOptions, Unknown,
+    Pose, ScannerOptions, Shape, Unknown,
 };
 use rayon::prelude::*;
 
@@ -114,6 +114,47 @@ fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
                 laser.scan(&grid, (*pose).into(), &mut alone).expect("a kernel");
                 assert_eq!(alone, ranges);
             }
+        }
+    }
+}
+
+#[test]
+fn scans_that_share_a_block_are_as_if_alone() {
+    let (room, disc) = (room(), Shape::disc(0.4).expect("a good disc"));
+    // Where all scans are hemmed in.
+    let cells =
+        (0..room.cells().len()).map(|index| if (index % room.width() + index / room.width()) % 2 == 0 { 100 } else { 0 });
+    let checkerboard = OccupancyGrid::new(cells.collect(), room.width(), room.options()).expect("a checkerboard");
+    let obstacles = Obstacles::new([(&disc, Pose::new(3.0, 4.0, 0.0))]).expect("an obstacle");
+    // Enough for as many at a time as fit; some start off the grid, some in a wall, and the last chunk is not full.
+    let mut poses = poses(1037);
+    poses[300] = [-40.0, 2.5, 0.0];
+    poses[301] = [1e300, 0.0, 1.0];
+    poses[700] = [-1.0, 2.0, 0.5];
+    let noise =
+        Noise { model: BeamModel::new(BeamModelOptions::default()).expect("a good model"), seed: SEED, first_index: 0 };
+    for (grid, beam_count) in
+        [1, 5, 31, 32, 33, 95, 129, 360, 541, 1089].map(|count| (&room, count)).into_iter().chain([(&checkerboard, 33)])
+    {
+        let laser = scanner(ScannerOptions { beam_count, max_range: 9.0, ..ScannerOptions::default() });
+        let mut alone = vec![0.0; poses.len() * beam_count];
+        let mut noisy_alone = alone.clone();
+        let plain = laser.clone().with_kernel(Kernel::Traversal);
+        for (index, pose) in poses.iter().enumerate() {
+            let beams = index * beam_count..(index + 1) * beam_count;
+            plain.scan((grid, &obstacles), (*pose).into(), &mut alone[beams.clone()]).expect("a kernel");
+            let noise = Noise { first_index: index as u64, ..noise };
+            plain
+                .scan_batch((grid, &obstacles), &[*pose], Some(noise), Some(1), &mut noisy_alone[beams])
+                .expect("a good batch");
+        }
+        for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.is_available()) {
+            let laser = laser.clone().with_kernel(kernel);
+            let mut together = vec![0.0; alone.len()];
+            laser.scan_batch((grid, &obstacles), &poses, None, Some(2), &mut together).expect("a good batch");
+            assert!(together == alone, "{beam_count} beams by {kernel:?}");
+            laser.scan_batch((grid, &obstacles), &poses, Some(noise), Some(2), &mut together).expect("a good batch");
+            assert!(together == noisy_alone, "{beam_count} noisy beams by {kernel:?}");
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Rays side by side, as the vector kernels take them.
 
 use super::Clearance;
-use super::source::{GROUP, Group, Source};
+use super::source::{GROUP, Group, Places};
 
-/// Rays in a block: a whole scan of most scanners.
-pub const BLOCK: usize = 1024;
+/// Rays in a block: one scan of 1081 beams, or two of 541.
+pub const BLOCK: usize = 1088;
 
 /// Numbers of an [`Each`]: vectors at the end may reach beyond the block.
 const ROOM: usize = BLOCK + 2 * GROUP;
@@ -77,11 +77,11 @@ impl Block {
 
     /// Puts a group of rays into the block, from place `at` on.
     #[inline(always)]
-    pub fn aim(&mut self, clearance: &Clearance, source: impl Source, group: usize, at: usize) {
+    pub fn aim(&mut self, clearance: &Clearance, rays: &impl Places, at: usize) {
         let (width, height) = (clearance.width() as i32, clearance.height() as i32);
         let plane = clearance.plane() as i32;
         for place in 0..GROUP {
-            let ray = source.ray(group, place);
+            let ray = rays.ray(place);
             let (left, down) = (ray.direction.x < 0.0, ray.direction.y < 0.0);
             let (ax, ay) = (ray.direction.x.abs(), ray.direction.y.abs());
             let steep = ay > ax;

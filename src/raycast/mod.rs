@@ -18,7 +18,7 @@ pub use clearance::Clearance;
 pub use kernel::{KERNEL_VARIABLE, Kernel, Sink};
 pub use ray::Ray;
 pub use sector::Sector;
-pub use source::{Fan, GROUP, Group, RayGroup, Rays, Source};
+pub use source::{Fans, GROUP, Group, Places, RayGroup, Rays, Source, Start};
 pub use traversal::traverse;
 
 use crate::elementary::directions;
@@ -63,20 +63,39 @@ impl<'grid> Caster<'grid> {
         BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
 
-    /// [`cast`](Self::cast) of a fan that may start off the grid.
-    pub fn cast_fan(&self, fan: Fan<'_>, sink: impl Sink) {
-        if let Some(cell) = self.grid.clearance().cell_at(fan.origin)
-            && fan.heading.is_finite()
-        {
-            return self.cast(Fan { cell, ..fan }, sink);
+    /// How many of a number of fans, each of so many groups of rays, had best be cast at a time.
+    #[must_use]
+    pub fn at_a_time(&self, fans: usize, groups: usize) -> usize {
+        // Threads need some shares each to even out what takes longer.
+        const SHARES: usize = 64;
+        if self.kernel == Kernel::Traversal {
+            return 1;
         }
-        let mut groups = vec![RayGroup::ASTRAY; fan.cos.len()];
-        for (group, rays) in groups.iter_mut().enumerate() {
-            for place in 0..GROUP {
-                self.enter(rays, place, fan.origin, fan.ray(group, place).direction);
+        (block::BLOCK / GROUP / groups).min(fans / SHARES).clamp(1, Fans::MOST)
+    }
+
+    /// [`cast`](Self::cast) of fans that may start off the grid, group by group and fan by fan.
+    ///
+    /// # Panics
+    /// If the sink casts, or there are more than one and than go [`at_a_time`](Self::at_a_time).
+    pub fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) {
+        if fans.are_on_grid() {
+            return self.cast(fans, sink);
+        }
+        let mut groups = vec![RayGroup::ASTRAY; fans.cos.len()];
+        for number in 0..fans.starts.len() {
+            for (group, rays) in groups.iter_mut().enumerate() {
+                let fan = fans.group(number, group);
+                *rays = RayGroup::ASTRAY;
+                for place in 0..GROUP {
+                    let Ray { origin, direction, .. } = fan.ray(place);
+                    self.enter(rays, place, origin, direction);
+                }
             }
+            let first = number * groups.len();
+            let sink = |group: usize, ranges: &Group| sink.take(first + group, ranges);
+            self.cast(Rays { groups: &groups, count: fans.count, upcoming: &[] }, sink);
         }
-        self.cast(Rays { groups: &groups, count: fan.count, upcoming: &[] }, sink);
     }
 
     /// Ranges in metres of unrelated rays, each `[x, y, direction]` in the map frame, to the nearest of grid and obstacles; the

@@ -1,10 +1,11 @@
-//! Where rays come from: the beams of a scan, or rays that have nothing to do with each other.
+//! Where rays come from: the beams of scans, or rays that have nothing to do with each other.
 
 use glam::DVec2;
 
 use super::ray::still;
 use super::{Ray, Sector};
 use crate::grid::{Cell, OccupancyGrid};
+use crate::pose::Pose;
 
 /// Rays come in groups of this many, so that loops over them have a fixed length.
 pub const GROUP: usize = 32;
@@ -17,14 +18,19 @@ pub type Group = [f64; GROUP];
 
 /// Rays over a grid, in cells.
 pub trait Source: Copy {
-    /// Whether all rays start in one cell.
+    /// Whether many rays start in one cell.
     const START_TOGETHER: bool;
 
-    /// Number of rays.
+    /// Number of fans, which are one after the other.
+    fn fans(&self) -> usize {
+        1
+    }
+
+    /// Number of rays of a fan.
     fn count(&self) -> usize;
 
-    /// The ray at a place of a group. Behind the last ray there are others of no meaning, up to the group's end.
-    fn ray(&self, group: usize, place: usize) -> Ray;
+    /// The rays of a group of a fan. Behind the last ray there are others of no meaning, up to the group's end.
+    fn group(&self, fan: usize, group: usize) -> impl Places;
 
     /// Whether rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
     /// tell; a few rays need not be asked.
@@ -36,25 +42,91 @@ pub trait Source: Copy {
     }
 }
 
-/// Rays that start at one place of the grid.
-#[derive(Debug, Clone, Copy)]
-pub struct Fan<'a> {
-    /// Where the rays start.
-    pub origin: DVec2,
-    /// The cell of the origin, which is on the grid.
-    pub cell: (i32, i32),
+/// The rays of a group, by their places in it.
+pub trait Places {
+    /// The ray at a place.
+    fn ray(&self, place: usize) -> Ray;
+}
+
+/// Where the rays of a fan start.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Start {
+    origin: DVec2,
+    /// The cell of the origin, if that is on the grid.
+    cell: Option<(i32, i32)>,
     /// Cosine and sine of the angle that the directions are turned by.
-    pub heading: DVec2,
-    /// Cosines of the directions' angles before that turn.
+    heading: DVec2,
+}
+
+impl Start {
+    /// The start at a pose in the frame of the grid \[m\].
+    #[must_use]
+    pub fn new(grid: &OccupancyGrid, pose: Pose) -> Self {
+        let origin = pose.position / grid.resolution();
+        let (sin, cos) = libm::sincos(pose.yaw);
+        Self { origin, cell: grid.clearance().cell_at(origin), heading: DVec2::new(cos, sin) }
+    }
+
+    fn is_hemmed_in(&self, grid: &OccupancyGrid, length: i32) -> bool {
+        let (col, row) = self.cell.unwrap_or_default();
+        let is_short = |length| Sector::all().all(|sector| grid.clearance().length(col, row, sector) <= length);
+        // The cells beside are what a traversal reads next; the boxes lie far from each other in memory, and waiting for all of
+        // them takes 3 % of a scan that gets nowhere.
+        let is_boxed_in = length > 0 && is_boxed_in(grid, (col, row));
+        debug_assert!(!is_boxed_in || is_short(1), "{:?} is boxed in, and has room", self.cell);
+        is_boxed_in || is_short(length)
+    }
+}
+
+/// Fans of rays in the same directions, but for what each is turned by: the beams of scans.
+#[derive(Debug, Clone, Copy)]
+pub struct Fans<'a> {
+    /// Where each fan starts; at least one.
+    pub starts: &'a [Start],
+    /// Cosines of the directions' angles before they are turned.
     pub cos: &'a [Group],
     /// Sines of those angles, as many.
     pub sin: &'a [Group],
-    /// Number of rays.
+    /// Number of rays of a fan.
     pub count: usize,
 }
 
-impl Source for Fan<'_> {
+impl Fans<'_> {
+    /// The most fans that are worth casting at a time.
+    pub const MOST: usize = 8;
+
+    /// Whether all rays start on the grid, and have a direction.
+    #[must_use]
+    pub fn are_on_grid(&self) -> bool {
+        self.starts.iter().all(|start| start.cell.is_some() && start.heading.is_finite())
+    }
+}
+
+/// A group of the rays of a fan.
+struct FanGroup<'a> {
+    origin: DVec2,
+    cell: (i32, i32),
+    heading: DVec2,
+    cos: &'a Group,
+    sin: &'a Group,
+}
+
+impl Places for FanGroup<'_> {
+    #[inline(always)]
+    fn ray(&self, place: usize) -> Ray {
+        let turned = self.heading.rotate(DVec2::new(self.cos[place], self.sin[place]));
+        let direction = DVec2::new(still(turned.x), still(turned.y));
+        Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
+    }
+}
+
+impl Source for Fans<'_> {
     const START_TOGETHER: bool = true;
+
+    #[inline(always)]
+    fn fans(&self) -> usize {
+        self.starts.len()
+    }
 
     #[inline(always)]
     fn count(&self) -> usize {
@@ -62,20 +134,13 @@ impl Source for Fan<'_> {
     }
 
     #[inline(always)]
-    fn ray(&self, group: usize, place: usize) -> Ray {
-        let turned = self.heading.rotate(DVec2::new(self.cos[group][place], self.sin[group][place]));
-        let direction = DVec2::new(still(turned.x), still(turned.y));
-        Ray { origin: self.origin, direction, col: self.cell.0, row: self.cell.1, gap: 0.0 }
+    fn group(&self, fan: usize, group: usize) -> impl Places {
+        let Start { origin, cell, heading } = self.starts[fan];
+        FanGroup { origin, cell: cell.unwrap_or_default(), heading, cos: &self.cos[group], sin: &self.sin[group] }
     }
 
     fn is_hemmed_in(&self, grid: &OccupancyGrid, length: i32) -> bool {
-        let (col, row) = self.cell;
-        let is_short = |length| Sector::all().all(|sector| grid.clearance().length(col, row, sector) <= length);
-        // The cells beside are what a traversal reads next; the boxes lie far from each other in memory, and waiting for all of
-        // them takes 3 % of a scan that gets nowhere.
-        let is_boxed_in = length > 0 && is_boxed_in(grid, self.cell);
-        debug_assert!(!is_boxed_in || is_short(1), "{:?} is boxed in, and has room", self.cell);
-        self.count >= LOOK_UPS && (is_boxed_in || is_short(length))
+        self.count >= LOOK_UPS && self.starts.iter().all(|start| start.is_hemmed_in(grid, length))
     }
 }
 
@@ -139,6 +204,19 @@ impl RayGroup {
     }
 }
 
+impl Places for &RayGroup {
+    #[inline(always)]
+    fn ray(&self, place: usize) -> Ray {
+        Ray {
+            origin: DVec2::new(self.x[place], self.y[place]),
+            direction: DVec2::new(self.dx[place], self.dy[place]),
+            col: self.col[place],
+            row: self.row[place],
+            gap: self.gap[place],
+        }
+    }
+}
+
 /// The floor of a number in [0, 2³¹), in a form that vectorises.
 #[inline(always)]
 fn floor(number: f64) -> i32 {
@@ -169,15 +247,8 @@ impl Source for Rays<'_> {
     }
 
     #[inline(always)]
-    fn ray(&self, group: usize, place: usize) -> Ray {
-        let rays = &self.groups[group];
-        Ray {
-            origin: DVec2::new(rays.x[place], rays.y[place]),
-            direction: DVec2::new(rays.dx[place], rays.dy[place]),
-            col: rays.col[place],
-            row: rays.row[place],
-            gap: rays.gap[place],
-        }
+    fn group(&self, _: usize, group: usize) -> impl Places {
+        &self.groups[group]
     }
 
     fn is_hemmed_in(&self, grid: &OccupancyGrid, length: i32) -> bool {
@@ -185,7 +256,8 @@ impl Source for Rays<'_> {
             return false;
         }
         // Those that start in walls or pass the grid by tell nothing.
-        let rays = (0..LOOK_UPS).map(|nth| nth * self.count / LOOK_UPS).map(|ray| self.ray(ray / GROUP, ray % GROUP));
+        let rays =
+            (0..LOOK_UPS).map(|nth| nth * self.count / LOOK_UPS).map(|ray| self.group(0, ray / GROUP).ray(ray % GROUP));
         let found = rays.filter(|ray| ray.gap.is_finite());
         let mut found = found
             .map(|ray| grid.clearance().length(ray.col, ray.row, Sector::of(ray.direction)))

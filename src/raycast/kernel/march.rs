@@ -12,9 +12,9 @@ use super::lanes::Lanes;
 use super::prefetch::{LINE, prefetch};
 use super::{Sink, Work};
 use crate::raycast::block::{BLOCK, Block, RoughAxis};
-use crate::raycast::source::{GROUP, Group, Source};
+use crate::raycast::source::{GROUP, Group, Places, Source};
 use crate::raycast::track::{Track, distance};
-use crate::raycast::{Clearance, Sector};
+use crate::raycast::{Clearance, Ray, Sector};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
@@ -47,12 +47,14 @@ pub fn cast<L: Lanes, S: Source>(
 ) {
     // No ray goes farther than this on the grid, and float32 tells it apart from a cell less.
     let limit = limit.min((clearance.width() + clearance.height()) as f64) as f32;
-    let groups = source.count().div_ceil(GROUP);
+    let (fans, groups) = (source.fans(), source.count().div_ceil(GROUP));
+    assert!(fans <= 1 || fans * groups <= BLOCK / GROUP, "{fans} fans of {groups} groups do not fit into a block");
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
-        let count = (source.count() - first_group * GROUP).min(BLOCK);
+        let each = (source.count() - first_group * GROUP).min(BLOCK);
         // One after the other, each function has the registers to itself.
-        lanes.with_features(Trace { march: March { lanes, clearance, source, first_group, limit }, block, count });
-        lanes.with_features(HandOver { first_group, distances: &block.distances[..count.div_ceil(GROUP)], sink });
+        lanes.with_features(Trace { march: March { lanes, clearance, source, first_group, each, limit }, block });
+        let distances = &block.distances[..fans * each.div_ceil(GROUP)];
+        lanes.with_features(HandOver { first_group, distances, sink });
     }
 }
 
@@ -72,17 +74,16 @@ impl<S: Sink> Work for HandOver<'_, S> {
     }
 }
 
-/// Finds out how far the first rays of a block come.
+/// Finds out how far the rays of a block come.
 struct Trace<'a, L, S> {
     march: March<'a, L, S>,
     block: &'a mut Block,
-    count: usize,
 }
 
 impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
     #[inline(always)]
     fn run(self) {
-        self.march.trace(self.block, self.count);
+        self.march.trace(self.block);
     }
 }
 
@@ -91,7 +92,10 @@ struct March<'a, L, S> {
     lanes: L,
     clearance: &'a Clearance,
     source: S,
+    /// The first group of each fan that is in the block.
     first_group: usize,
+    /// Rays of each fan that are.
+    each: usize,
     limit: f32,
 }
 
@@ -107,29 +111,37 @@ struct Rays<L: Lanes> {
 }
 
 impl<L: Lanes, S: Source> March<'_, L, S> {
-    /// Aims the first `count` rays of a block, moves them, and writes down how far they came.
+    /// Aims the rays of a block, moves them, and writes down how far they came.
     #[inline(always)]
-    fn trace(&self, block: &mut Block, count: usize) {
-        let Self { clearance, source, first_group, .. } = *self;
-        // Which the compiler has to see to do without checks.
-        let count = count.min(BLOCK);
-        let groups = count.div_ceil(GROUP);
-        for group in 0..groups {
-            block.aim(clearance, source, first_group + group, group * GROUP);
+    fn trace(&self, block: &mut Block) {
+        let Self { clearance, source, first_group, each, .. } = *self;
+        let (fans, groups) = (source.fans(), each.div_ceil(GROUP));
+        // What is no more than a block, which the compiler has to see to do without checks.
+        let place = |fan: usize, group: usize| (fan * each + group * GROUP).min(BLOCK);
+        let count = (fans * each).min(BLOCK);
+        for fan in 0..fans {
+            for group in 0..groups {
+                // Behind the last ray of a fan comes the first one of the next.
+                block.aim(clearance, &source.group(fan, first_group + group), place(fan, group));
+            }
         }
         debug_assert!((0..count).all(|at| block.start(at) == self.first_place(at)), "a ray does not start where it does");
         if !S::START_TOGETHER && clearance.lengths().len() > BEYOND_CACHES {
             (0..count).for_each(|at| prefetch(clearance.lengths(), block.start(at)));
         }
         self.run(block, count);
-        for group in 0..groups {
-            let cells: &[i32; GROUP] = block.cells[group * GROUP..].first_chunk().expect("whole groups fit into a block");
-            let mut distances = [0.0; GROUP];
-            for (place, found) in distances.iter_mut().enumerate() {
-                let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
-                *found = distance(clearance, &source.ray(first_group + group, place), cell);
+        for fan in 0..fans {
+            for group in 0..groups {
+                let cells: &[i32; GROUP] =
+                    block.cells[place(fan, group)..].first_chunk().expect("a block has room behind it");
+                let rays = source.group(fan, first_group + group);
+                let mut distances = [0.0; GROUP];
+                for (place, found) in distances.iter_mut().enumerate() {
+                    let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
+                    *found = distance(clearance, &rays.ray(place), cell);
+                }
+                block.distances[fan * groups + group] = distances;
             }
-            block.distances[group] = distances;
         }
     }
 
@@ -266,9 +278,16 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         Rays { at: rays.at, active, major, minor }
     }
 
+    /// A ray of the block by its number.
+    #[inline(always)]
+    fn ray(&self, number: usize) -> Ray {
+        let (fan, number) = (number / self.each, number % self.each);
+        self.source.group(fan, self.first_group + number / GROUP).ray(number % GROUP)
+    }
+
     /// Where in the lengths the first cell of a ray of the block is.
     fn first_place(&self, at: usize) -> usize {
-        let ray = self.source.ray(self.first_group + at / GROUP, at % GROUP);
+        let ray = self.ray(at);
         self.clearance.index(ray.col, ray.row, Sector::of(ray.direction))
     }
 
@@ -315,8 +334,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         while ties != 0 {
             let lane = ties.trailing_zeros() as usize;
             ties &= ties - 1;
-            let number = block.number[rays.at + lane] as usize;
-            let ray = self.source.ray(self.first_group + number / GROUP, number % GROUP);
+            let ray = self.ray(block.number[rays.at + lane] as usize);
             // The block counts cells from the one after the first.
             let now = (now_major[lane] as i32 + 1, now_minor[lane] as i32 + 1);
             let next = Track::new(self.clearance, &ray).step(now, length[lane] as i32);

@@ -13,7 +13,7 @@ mod scalar;
 use std::sync::LazyLock;
 
 use super::block::{Block, fits};
-use super::source::{GROUP, Group, Source};
+use super::source::{GROUP, Group, Places, Source};
 use super::{Ray, traverse};
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
@@ -136,8 +136,8 @@ impl<F: FnMut(usize, &Group)> Sink for F {
     }
 }
 
-/// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
-/// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
+/// Hands over, group by group and fan by fan, the distances from the origins of rays to the boundaries by which they enter blocking
+/// cells, infinite if there is none; those beyond `limit` are anything beyond it. In cells.
 ///
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.
@@ -180,11 +180,15 @@ impl<S: Source, K: Sink> Work for Walk<'_, S, K> {
 #[inline(always)]
 fn each<S: Source>(source: S, sink: &mut impl Sink, cast: impl Fn(&Ray) -> f64) {
     let mut distances = [f64::INFINITY; GROUP];
-    for group in 0..source.count().div_ceil(GROUP) {
-        let count = (source.count() - group * GROUP).min(GROUP);
-        for (place, distance) in distances[..count].iter_mut().enumerate() {
-            *distance = cast(&source.ray(group, place));
+    let groups = source.count().div_ceil(GROUP);
+    for fan in 0..source.fans() {
+        for group in 0..groups {
+            let count = (source.count() - group * GROUP).min(GROUP);
+            let rays = source.group(fan, group);
+            for (place, distance) in distances[..count].iter_mut().enumerate() {
+                *distance = cast(&rays.ray(place));
+            }
+            sink.take(fan * groups + group, &distances);
         }
-        sink.take(group, &distances);
     }
 }
