@@ -173,7 +173,7 @@ impl LaserScanner {
         let max_range = self.options.max_range;
         let caster = self.caster(world)?;
         world.grid.prepare(threads);
-        let at_a_time = caster.at_a_time(poses.len(), self.cos.len());
+        let at_a_time = caster.at_a_time(poses.len(), self.cos.len(), threads::sharing(threads, readings.len())?);
         threads::for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
             let poses = poses[first..].iter().map(|&pose| Pose::from(pose)).take(readings.len() / beam_count);
@@ -248,8 +248,10 @@ impl LaserScanner {
             *start = Start::new(grid, grid.pose_in_grid(map_from_base * *mount));
             count += 1;
         }
+        debug_assert!(poses.clone().nth(Fans::MOST).is_none(), "more scans than are cast at a time");
         let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
-            let view = View::new(obstacles, || map_from_base * *mount, self.spread(), *max_range);
+            let view =
+                (!obstacles.is_empty()).then(|| View::new(obstacles, map_from_base * *mount, self.spread(), *max_range));
             Shortened { view, cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return };
@@ -279,9 +281,7 @@ impl<S: Sink, N: Iterator<Item = S>> InTurn<S, N> {
     #[inline(never)]
     fn turn_to_next(&mut self) {
         self.first += self.groups;
-        if let Some(sink) = self.upcoming.next() {
-            self.sink = sink;
-        }
+        self.sink = self.upcoming.next().expect("a sink for each scan");
     }
 }
 
@@ -297,7 +297,8 @@ impl<S: Sink, N: Iterator<Item = S>> Sink for InTurn<S, N> {
 
 /// Shortens ranges to what obstacles leave of them.
 struct Shortened<'a, S> {
-    view: View<'a>,
+    /// What there is to be seen of them, if there are any.
+    view: Option<View<'a>>,
     cos: &'a [Group],
     sin: &'a [Group],
     sink: S,
@@ -306,12 +307,10 @@ struct Shortened<'a, S> {
 impl<S: Sink> Sink for Shortened<'_, S> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
-        if self.view.is_empty() {
-            return self.sink.take(group, ranges);
-        }
+        let Some(view) = self.view.as_ref().filter(|view| !view.is_empty()) else { return self.sink.take(group, ranges) };
         let mut ranges = *ranges;
         let (cos, sin) = (&self.cos[group], &self.sin[group]);
-        self.view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges);
+        view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges);
         self.sink.take(group, &ranges);
     }
 }

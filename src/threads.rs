@@ -57,19 +57,24 @@ pub fn all_chunks<T: Sync>(
 
 /// The threads that share so many elements, or none if the caller's is to do it alone.
 fn workers(threads: Option<usize>, elements: usize) -> Result<Option<Arc<ThreadPool>>, Error> {
+    match sharing(threads, elements)? {
+        1 => Ok(None),
+        threads => pool(threads).map(Some),
+    }
+}
+
+/// How many threads share so many elements.
+///
+/// # Errors
+/// Zero threads, or more than 1024.
+pub fn sharing(threads: Option<usize>, elements: usize) -> Result<usize, Error> {
     /// Asked once: the system reads several files to tell.
     static CORES: LazyLock<usize> =
         LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
     if let Some(count @ (0 | 1025..)) = threads {
         return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" });
     }
-    if elements < WORTH_SHARING {
-        return Ok(None);
-    }
-    match threads.unwrap_or_else(|| *CORES) {
-        1 => Ok(None),
-        threads => pool(threads).map(Some),
-    }
+    Ok(if elements < WORTH_SHARING { 1 } else { threads.unwrap_or_else(|| *CORES) })
 }
 
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {

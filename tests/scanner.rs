@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use mobile_robot_simulator::raycast::{Caster, Kernel};
+use mobile_robot_simulator::raycast::{Caster, GROUP, Kernel};
 use mobile_robot_simulator::{
     BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
     Pose, ScannerOptions, Shape, Unknown,
@@ -121,24 +121,31 @@ fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
 #[test]
 fn scans_that_share_a_block_are_as_if_alone() {
     let (room, disc) = (room(), Shape::disc(0.4).expect("a good disc"));
-    // Where all scans are hemmed in.
+    // Where the portable kernel and AVX2 find all scans hemmed in.
     let cells =
         (0..room.cells().len()).map(|index| if (index % room.width() + index / room.width()) % 2 == 0 { 100 } else { 0 });
     let checkerboard = OccupancyGrid::new(cells.collect(), room.width(), room.options()).expect("a checkerboard");
+    let cells = (0..room.cells().len()).map(|index| (if index % 100 < 50 { &room } else { &checkerboard }).cells()[index]);
+    let both = OccupancyGrid::new(cells.collect(), room.width(), room.options()).expect("half a checkerboard");
     let obstacles = Obstacles::new([(&disc, Pose::new(3.0, 4.0, 0.0))]).expect("an obstacle");
-    // Enough for as many at a time as fit; some start off the grid, some in a wall, and the last chunk is not full.
+    // Enough for as many at a time as fit; some start off the grid, one in a wall, and the last chunk is not full.
     let mut poses = poses(1037);
-    poses[300] = [-40.0, 2.5, 0.0];
+    poses[300] = [-2.0, 3.5, 0.3];
     poses[301] = [1e300, 0.0, 1.0];
+    poses[500] = [3.0, 4.5, 1e300];
     poses[700] = [-1.0, 2.0, 0.5];
     let noise =
         Noise { model: BeamModel::new(BeamModelOptions::default()).expect("a good model"), seed: SEED, first_index: 0 };
-    for (grid, beam_count) in
-        [1, 5, 31, 32, 33, 95, 129, 360, 541, 1089].map(|count| (&room, count)).into_iter().chain([(&checkerboard, 33)])
+    for (grid, beam_count) in [1, 5, 31, 32, 33, 95, 129, 360, 541, 544, 1088, 1089]
+        .map(|count| (&room, count))
+        .into_iter()
+        .chain([(&checkerboard, 33), (&both, 33)])
     {
         let laser = scanner(ScannerOptions { beam_count, max_range: 9.0, ..ScannerOptions::default() });
         let mut alone = vec![0.0; poses.len() * beam_count];
         let mut noisy_alone = alone.clone();
+        let at_a_time = Caster::new(grid, 9.0, Kernel::Portable).at_a_time(poses.len(), beam_count.div_ceil(GROUP), 2);
+        assert_eq!(at_a_time > 1, beam_count <= 544, "{at_a_time} scans of {beam_count} beams");
         let plain = laser.clone().with_kernel(Kernel::Traversal);
         for (index, pose) in poses.iter().enumerate() {
             let beams = index * beam_count..(index + 1) * beam_count;

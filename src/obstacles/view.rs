@@ -36,11 +36,7 @@ struct Seen<'a> {
 
 impl<'a> View<'a> {
     /// What a scanner at `map_from_laser` can see of the obstacles; allocates only if there are any.
-    pub fn new(obstacles: &'a Obstacles, map_from_laser: impl FnOnce() -> Pose, spread: Spread, max_range: f64) -> Self {
-        if obstacles.is_empty() {
-            return Self { origin: DVec2::ZERO, heading: DVec2::X, max_range, seen: Vec::new() };
-        }
-        let map_from_laser = map_from_laser();
+    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, spread: Spread, max_range: f64) -> Self {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
         let mut seen = Vec::new();

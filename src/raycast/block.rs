@@ -42,7 +42,7 @@ pub struct Block {
     pub ended_in: Each<i32>,
     /// The same in the order of the rays.
     pub cells: Each<i32>,
-    /// How far the rays came.
+    /// How far the rays came, each fan in groups of its own.
     pub distances: [Group; BLOCK / GROUP],
 }
 

@@ -207,7 +207,7 @@ impl<'a, T, F: Fn(&T) -> bool> Free<'a, T, F> {
 /// Fills the rows of a plane, with room for what is known of a row's cells before their lengths.
 #[derive(Default)]
 struct RowFiller {
-    /// The lengths so far, but for those of 1; then the two behind the row.
+    /// The lengths so far, but for those of 1; then the two behind the row, of which the grid's border has but one.
     covered: Vec<u8>,
     /// As many, of the next step.
     shortened: Vec<u8>,
@@ -225,14 +225,16 @@ impl RowFiller {
         let across = done.iter().zip(&done[2..]).map(|(&near, &far)| covering(near).min(covering(far)).min(LONGEST - 2) + 2);
         let is_free = line[..count].iter().zip(&line[1..]).map(|(&here, &next)| here != 0 && next != 0);
         self.covered.clear();
+        // At the grid's edge the row across is a cell short, and the 0 of the border stands in for that of the last cell.
         self.covered.extend(across.zip(is_free).map(|(length, is_free)| if is_free { length } else { 0 }));
         self.covered.extend(line[count..].iter().take(2).map(|&length| covering(length)));
         // A box is at most two longer than the one two along, which holds for all in a row as soon as it does for those two, four,
         // eight and so on along; each such step is done for many cells at once, whereas one after the other would wait.
+        debug_assert!(self.covered.len() >= count, "a row lacks cells behind it or across");
         self.shortened.resize(self.covered.len(), 0);
-        for step in 1..8 {
-            let along = 1 << step;
-            let (near, end) = self.shortened.split_at_mut(self.covered.len().saturating_sub(along));
+        let cells = self.covered.len();
+        for along in [2, 4, 8, 16, 32, 64, 128].into_iter().take_while(|&along| along < cells) {
+            let (near, end) = self.shortened.split_at_mut(cells - along);
             for ((to, &here), &there) in near.iter_mut().zip(&self.covered).zip(self.covered.iter().skip(along)) {
                 *to = here.min(there.saturating_add(along as u8));
             }
@@ -283,6 +285,31 @@ mod tests {
                 assert!(!blocked(length), "{width}x{height} {cell:?} {sector:?}: {length} is too long");
                 assert!(blocked(length + 2), "{width}x{height} {cell:?} {sector:?}: {length} is too short");
                 assert_eq!(length == 0, blocked(1), "{width}x{height} {cell:?} {sector:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_along_come_to_what_one_cell_after_the_other_does() {
+        let mut stream = random::stream(3, 0);
+        let mut below = |bound: u64| (stream.next_u64() % bound) as u8;
+        let covering = |length: &u8| if *length == 1 { 0 } else { *length };
+        for count in (1..70).chain(500..570) {
+            for behind in 1..4 {
+                let mut done: Vec<u8> = (0..count + behind).map(|_| 255 - below(40)).collect();
+                let mut line: Vec<u8> = (0..count + behind).map(|_| below(255).min(1)).collect();
+                line[count..].fill_with(|| below(255));
+                if behind == 1 {
+                    (done[count], line[count]) = (0, 0);
+                }
+                let mut expected = line.clone();
+                for cell in (0..count).rev() {
+                    let ahead = [done.get(cell), done.get(cell + 2), expected.get(cell + 2)];
+                    let least = ahead.map(|length| length.map_or(0, covering)).into_iter().fold(LONGEST - 2, u8::min);
+                    expected[cell] = if line[cell] != 0 && line[cell + 1] != 0 { least + 2 } else { line[cell] };
+                }
+                RowFiller::default().fill(&mut line, &done, count);
+                assert_eq!(line, expected, "{count} cells, {behind} behind");
             }
         }
     }

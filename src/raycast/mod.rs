@@ -11,6 +11,7 @@ mod track;
 mod traversal;
 
 use std::cell::RefCell;
+use std::slice;
 
 use glam::DVec2;
 
@@ -18,7 +19,8 @@ pub use clearance::Clearance;
 pub use kernel::{KERNEL_VARIABLE, Kernel, Sink};
 pub use ray::Ray;
 pub use sector::Sector;
-pub use source::{Fans, GROUP, Group, Places, RayGroup, Rays, Source, Start};
+pub(crate) use source::{Fans, Start};
+pub use source::{GROUP, Group, Places, RayGroup, Rays, Source};
 pub use traversal::traverse;
 
 use crate::elementary::directions;
@@ -63,38 +65,44 @@ impl<'grid> Caster<'grid> {
         BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
 
-    /// How many of a number of fans, each of so many groups of rays, had best be cast at a time.
+    /// How many of a number of fans, each of so many groups of rays, had best be cast at a time where so many threads share them.
     #[must_use]
-    pub fn at_a_time(&self, fans: usize, groups: usize) -> usize {
-        // Threads need some shares each to even out what takes longer.
-        const SHARES: usize = 64;
+    pub fn at_a_time(&self, fans: usize, groups: usize, threads: usize) -> usize {
+        // What a thread needs to even out what takes longer.
+        const SHARES: usize = 8;
         if self.kernel == Kernel::Traversal {
             return 1;
         }
-        (block::BLOCK / GROUP / groups).min(fans / SHARES).clamp(1, Fans::MOST)
+        (block::BLOCK / GROUP / groups.max(1)).min(fans / (SHARES * threads.max(1))).clamp(1, Fans::MOST)
     }
 
-    /// [`cast`](Self::cast) of fans that may start off the grid, group by group and fan by fan.
+    /// [`cast`](Self::cast) of fans, group by group and fan by fan. They may start off the grid.
     ///
     /// # Panics
-    /// If the sink casts, or there are more than one and than go [`at_a_time`](Self::at_a_time).
-    pub fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) {
-        if fans.are_on_grid() {
+    /// If the sink casts, or several fans have more groups than fit into a block.
+    pub(crate) fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) {
+        if fans.are_on_grid() && fans.are_alike(self.grid, self.kernel.not_worth_jumping()) {
             return self.cast(fans, sink);
         }
-        let mut groups = vec![RayGroup::ASTRAY; fans.cos.len()];
-        for number in 0..fans.starts.len() {
+        let mut groups = Vec::new();
+        for (number, start) in fans.starts.iter().enumerate() {
+            let fan = Fans { starts: slice::from_ref(start), ..fans };
+            let first = number * fan.cos.len();
+            let sink = |group: usize, ranges: &Group| sink.take(first + group, ranges);
+            if fan.are_on_grid() {
+                self.cast(fan, sink);
+                continue;
+            }
+            groups.clear();
+            groups.resize(fan.cos.len(), RayGroup::ASTRAY);
             for (group, rays) in groups.iter_mut().enumerate() {
-                let fan = fans.group(number, group);
-                *rays = RayGroup::ASTRAY;
+                let fan = fan.group(0, group);
                 for place in 0..GROUP {
                     let Ray { origin, direction, .. } = fan.ray(place);
                     self.enter(rays, place, origin, direction);
                 }
             }
-            let first = number * groups.len();
-            let sink = |group: usize, ranges: &Group| sink.take(first + group, ranges);
-            self.cast(Rays { groups: &groups, count: fans.count, upcoming: &[] }, sink);
+            self.cast(Rays { groups: &groups, count: fan.count, upcoming: &[] }, sink);
         }
     }
 

@@ -32,7 +32,7 @@ pub trait Source: Copy {
     /// The rays of a group of a fan. Behind the last ray there are others of no meaning, up to the group's end.
     fn group(&self, fan: usize, group: usize) -> impl Places;
 
-    /// Whether rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
+    /// Whether all rays start among blocking cells so dense that no free box around them is longer than this, as far as a few look-ups
     /// tell; a few rays need not be asked.
     fn is_hemmed_in(&self, grid: &OccupancyGrid, length: i32) -> bool;
 
@@ -99,6 +99,16 @@ impl Fans<'_> {
     #[must_use]
     pub fn are_on_grid(&self) -> bool {
         self.starts.iter().all(|start| start.cell.is_some() && start.heading.is_finite())
+    }
+
+    /// Whether all fans are hemmed in, as [`Source::is_hemmed_in`] has it, or none is.
+    #[must_use]
+    pub fn are_alike(&self, grid: &OccupancyGrid, length: i32) -> bool {
+        if self.count < LOOK_UPS || self.starts.len() == 1 {
+            return true;
+        }
+        let hemmed_in = self.starts.iter().filter(|start| start.is_hemmed_in(grid, length)).count();
+        hemmed_in == 0 || hemmed_in == self.starts.len()
     }
 }
 

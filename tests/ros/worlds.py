@@ -83,7 +83,7 @@ class Process:
 
     @property
     def output(self) -> str:
-        return self._log.read_text()
+        return self._log.read_text(errors="replace")
 
     @property
     def running(self) -> bool:
@@ -134,8 +134,8 @@ class World(ABC):
     def end(self) -> None:
         for process in self.processes:
             process.kill()
-            # For the report, should the test fail.
-            print(process.output)
+        # For the report, should the test fail.
+        print(*(process.output for process in self.processes))
 
 
 class Ros1World(World):

@@ -117,12 +117,12 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let Self { clearance, source, first_group, each, .. } = *self;
         let (fans, groups) = (source.fans(), each.div_ceil(GROUP));
         // What is no more than a block, which the compiler has to see to do without checks.
-        let place = |fan: usize, group: usize| (fan * each + group * GROUP).min(BLOCK);
+        let begin = |fan: usize, group: usize| (fan * each + group * GROUP).min(BLOCK);
         let count = (fans * each).min(BLOCK);
         for fan in 0..fans {
             for group in 0..groups {
                 // Behind the last ray of a fan comes the first one of the next.
-                block.aim(clearance, &source.group(fan, first_group + group), place(fan, group));
+                block.aim(clearance, &source.group(fan, first_group + group), begin(fan, group));
             }
         }
         debug_assert!((0..count).all(|at| block.start(at) == self.first_place(at)), "a ray does not start where it does");
@@ -133,7 +133,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         for fan in 0..fans {
             for group in 0..groups {
                 let cells: &[i32; GROUP] =
-                    block.cells[place(fan, group)..].first_chunk().expect("a block has room behind it");
+                    block.cells[begin(fan, group)..].first_chunk().expect("a block has room behind it");
                 let rays = source.group(fan, first_group + group);
                 let mut distances = [0.0; GROUP];
                 for (place, found) in distances.iter_mut().enumerate() {

@@ -94,7 +94,7 @@ impl Kernel {
     }
 
     /// The longest box that is no quicker to jump over than to traverse, as measured among cells that block at random.
-    fn not_worth_jumping(self) -> i32 {
+    pub(super) fn not_worth_jumping(self) -> i32 {
         match self {
             Self::Traversal | Self::Portable => 6,
             Self::Avx2 => 1,
@@ -125,7 +125,7 @@ pub trait Work {
 
 /// What takes the distances of rays, a group at a time. Closures do; a type of its own becomes part of the kernel that calls it.
 pub trait Sink {
-    /// Takes the distances of a group, which behind the last ray of all mean nothing.
+    /// Takes the distances of a group, which behind the last ray of a fan mean nothing.
     fn take(&mut self, group: usize, distances: &Group);
 }
 
