@@ -104,7 +104,8 @@ impl Fans<'_> {
     /// Whether all fans are hemmed in, as [`Source::is_hemmed_in`] has it, or none is.
     #[must_use]
     pub fn are_alike(&self, grid: &OccupancyGrid, length: i32) -> bool {
-        if self.count < LOOK_UPS || self.starts.len() == 1 {
+        // What starts in a wall ends there: with no box too short to jump over, it does not matter which are.
+        if self.count < LOOK_UPS || self.starts.len() == 1 || length == 0 {
             return true;
         }
         let hemmed_in = self.starts.iter().filter(|start| start.is_hemmed_in(grid, length)).count();
