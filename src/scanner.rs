@@ -242,16 +242,17 @@ impl LaserScanner {
         sinks: impl Iterator<Item = impl Sink>,
     ) {
         let Self { cos, sin, options: ScannerOptions { beam_count, max_range, mount, .. }, .. } = self;
+        let map_from_laser = |map_from_base: Pose| map_from_base * *mount;
         let mut starts = [Start::default(); Fans::MOST];
         let mut count = 0;
         for (start, map_from_base) in starts.iter_mut().zip(poses.clone()) {
-            *start = Start::new(grid, grid.pose_in_grid(map_from_base * *mount));
+            *start = Start::new(grid, grid.pose_in_grid(map_from_laser(map_from_base)));
             count += 1;
         }
         debug_assert!(poses.clone().nth(Fans::MOST).is_none(), "more scans than are cast at a time");
         let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
-            let view =
-                (!obstacles.is_empty()).then(|| View::new(obstacles, map_from_base * *mount, self.spread(), *max_range));
+            let view = || View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range);
+            let view = (!obstacles.is_empty()).then(view).filter(|view| !view.is_empty());
             Shortened { view, cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return };
@@ -297,7 +298,7 @@ impl<S: Sink, N: Iterator<Item = S>> Sink for InTurn<S, N> {
 
 /// Shortens ranges to what obstacles leave of them.
 struct Shortened<'a, S> {
-    /// What there is to be seen of them, if there are any.
+    /// What there is to be seen of them, if anything.
     view: Option<View<'a>>,
     cos: &'a [Group],
     sin: &'a [Group],
@@ -307,7 +308,7 @@ struct Shortened<'a, S> {
 impl<S: Sink> Sink for Shortened<'_, S> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
-        let Some(view) = self.view.as_ref().filter(|view| !view.is_empty()) else { return self.sink.take(group, ranges) };
+        let Some(view) = &self.view else { return self.sink.take(group, ranges) };
         let mut ranges = *ranges;
         let (cos, sin) = (&self.cos[group], &self.sin[group]);
         view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges);
