@@ -1,4 +1,4 @@
-//! Poses in the plane: compose, invert, transform.
+//! Poses in the plane: composition, inversion, transformation of points, angles and quaternions.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Mul;
@@ -7,28 +7,40 @@ use glam::DVec2;
 
 use crate::error::{Error, check_number};
 
-/// Position \[m\] and heading \[rad\] of one frame in another.
+/// Position \[m\] and yaw \[rad\] of a child frame in its parent frame.
 ///
-/// Named target first, so that neighbours match: `map_from_laser = map_from_base * base_from_laser`.
+/// A variable that holds a pose is named after its parent frame, then its child frame. In a product the frames that meet are
+/// then equal: `map_from_laser = map_from_base * base_from_laser`.
+///
+/// ```
+/// use mobile_robot_simulator::Pose;
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// // The robot is at (1, 2) and faces +y; its laser sits 0.5 m ahead of its centre.
+/// let map_from_base = Pose::new(1.0, 2.0, FRAC_PI_2);
+/// let base_from_laser = Pose::new(0.5, 0.0, 0.0);
+/// let map_from_laser = map_from_base * base_from_laser;
+/// assert_eq!(map_from_laser.to_array(), [1.0, 2.5, FRAC_PI_2]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
-    /// Position in metres.
+    /// Position in the parent frame \[m\].
     pub position: DVec2,
-    /// Heading in radians, counter-clockwise from x.
+    /// Heading in the parent frame \[rad\], counter-clockwise from its x axis. Not necessarily wrapped.
     pub yaw: f64,
 }
 
 impl Pose {
-    /// The pose at `(x, y)` that looks along `yaw`.
+    /// Returns the pose at `(x, y)` \[m\] with heading `yaw` \[rad\].
     #[must_use]
     pub const fn new(x: f64, y: f64, yaw: f64) -> Self {
         Self { position: DVec2::new(x, y), yaw }
     }
 
-    /// The pose, if all of it is finite.
+    /// Returns the pose unchanged if x, y and yaw are finite.
     ///
     /// # Errors
-    /// [`Error::Number`] names the coordinate that is not finite.
+    /// [`Error::Number`], which names the first coordinate that is not finite.
     pub fn checked(self) -> Result<Self, Error> {
         check_number("x", self.position.x, "finite", |_| true)?;
         check_number("y", self.position.y, "finite", |_| true)?;
@@ -36,31 +48,37 @@ impl Pose {
         Ok(self)
     }
 
-    /// The pose of the parent frame in this one.
+    /// Returns the inverse: the pose of the parent frame in the child frame.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::Pose;
+    ///
+    /// assert_eq!(Pose::new(1.0, 2.0, 0.0).inverse(), Pose::new(-1.0, -2.0, 0.0));
+    /// ```
     #[must_use]
     pub fn inverse(self) -> Self {
         Self { position: rotate(-self.position, -self.yaw), yaw: -self.yaw }
     }
 
-    /// A point of this frame, in the parent frame.
+    /// Returns the coordinates in the parent frame \[m\] of a point given in the child frame \[m\].
     #[must_use]
     pub fn transform_point(self, point: DVec2) -> DVec2 {
         self.position + rotate(point, self.yaw)
     }
 
-    /// The same pose with its yaw in (-π, π].
+    /// Returns the same pose with its yaw wrapped to (-π, π], see [`wrap_angle`].
     #[must_use]
     pub fn wrapped(self) -> Self {
         Self { yaw: wrap_angle(self.yaw), ..self }
     }
 
-    /// The numbers `[x, y, yaw]`.
+    /// Returns `[x, y, yaw]` in metres and radians.
     #[must_use]
     pub fn to_array(self) -> [f64; 3] {
         [self.position.x, self.position.y, self.yaw]
     }
 
-    /// The rotation about z as the quaternion parts `(z, w)`; `x` and `y` are zero.
+    /// Returns the components `(z, w)` of the unit quaternion that rotates by `yaw` about z. Its x and y components are 0.
     #[must_use]
     pub fn to_quaternion(self) -> (f64, f64) {
         libm::sincos(0.5 * self.yaw)
@@ -76,31 +94,40 @@ impl From<[f64; 3]> for Pose {
 impl Mul for Pose {
     type Output = Self;
 
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "headings add up when frames are composed")]
-    fn mul(self, inner: Self) -> Self {
-        Self { position: self.transform_point(inner.position), yaw: self.yaw + inner.yaw }
+    /// Returns the composition `a_from_c = a_from_b * b_from_c`. Yaws add up and are not wrapped.
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "yaw angles add up when frames are composed")]
+    fn mul(self, b_from_c: Self) -> Self {
+        Self { position: self.transform_point(b_from_c.position), yaw: self.yaw + b_from_c.yaw }
     }
 }
 
-/// `vector` turned counter-clockwise by `angle`.
+/// Returns `vector` rotated counter-clockwise by `angle` \[rad\].
 pub(crate) fn rotate(vector: DVec2, angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
     DVec2::new(cos, sin).rotate(vector)
 }
 
-/// The same direction in (-π, π].
+/// Returns the angle in (-π, π] that has the same direction as `angle` \[rad\].
+///
+/// ```
+/// use mobile_robot_simulator::wrap_angle;
+/// use std::f64::consts::PI;
+///
+/// assert_eq!(wrap_angle(-PI), PI);
+/// assert_eq!(wrap_angle(0.5), 0.5);
+/// ```
 #[must_use]
 pub fn wrap_angle(angle: f64) -> f64 {
     let wrapped = libm::remainder(angle, TAU);
     if wrapped <= -PI { PI } else { wrapped }
 }
 
-/// The heading of a rotation given as a quaternion, of any length but zero.
+/// Returns the yaw in \[-π, π\] \[rad\] of the rotation given by the quaternion `(x, y, z, w)`.
 ///
-/// Roll and pitch are passed over, as robots of the plane do.
+/// The quaternion may have any positive length. Roll and pitch are ignored.
 ///
 /// # Errors
-/// A quaternion of length zero, or one that is not finite.
+/// [`Error::Number`] if the quaternion has length 0 or is not finite.
 pub fn yaw_from_quaternion(x: f64, y: f64, z: f64, w: f64) -> Result<f64, Error> {
     let length = libm::sqrt(x * x + y * y + z * z + w * w);
     check_number("the length of a quaternion", length, "positive and finite", |value| value > 0.0)?;
@@ -123,39 +150,39 @@ mod tests {
     }
 
     #[test]
-    fn a_pose_times_its_inverse_is_nothing() {
+    fn a_pose_times_its_inverse_is_the_identity() {
         let pose = Pose::new(-3.0, 0.7, 2.5);
         assert_close(pose * pose.inverse(), Pose::default());
         assert_close(pose.inverse() * pose, Pose::default());
     }
 
     #[test]
-    fn angles_wrap_into_the_half_open_turn() {
+    fn angles_wrap_to_the_half_open_interval() {
         assert_eq!(wrap_angle(PI), PI);
         assert_eq!(wrap_angle(-PI), PI);
         assert!((wrap_angle(7.0) - (7.0 - TAU)).abs() < 1e-15);
     }
 
     #[test]
-    fn quaternions_go_there_and_back() {
+    fn yaw_survives_the_round_trip_through_a_quaternion() {
         for yaw in [-3.0, -1.0, 0.0, 0.3, 3.1] {
             let (z, w) = Pose::new(0.0, 0.0, yaw).to_quaternion();
             for length in [1.0, 2.0] {
-                let found = yaw_from_quaternion(0.0, 0.0, length * z, length * w).expect("a rotation");
+                let found = yaw_from_quaternion(0.0, 0.0, length * z, length * w).expect("a quaternion of positive length");
                 assert!((found - yaw).abs() < 1e-15);
             }
         }
     }
 
     #[test]
-    fn a_quaternion_without_a_length_is_no_rotation() {
+    fn a_quaternion_of_length_zero_or_nan_is_an_error() {
         let error = |w| yaw_from_quaternion(0.0, 0.0, 0.0, w).unwrap_err().to_string();
         assert_eq!(error(0.0), "the length of a quaternion must be positive and finite, got 0");
         assert_eq!(error(f64::NAN), "the length of a quaternion must be positive and finite, got NaN");
     }
 
     #[test]
-    fn a_pose_that_is_not_finite_is_refused_by_name() {
+    fn the_error_names_the_coordinate_that_is_not_finite() {
         let error = Pose::new(0.0, f64::NAN, 0.0).checked().unwrap_err();
         assert_eq!(error.to_string(), "y must be finite, got NaN");
     }

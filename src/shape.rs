@@ -1,48 +1,75 @@
-//! Shapes of robots and of things that stand in their way: discs and simple polygons.
+//! Shapes of footprints and obstacles: discs and simple polygons.
 
 use glam::DVec2;
 
 use crate::error::{Error, check_number};
 
-/// The largest radius of a disc and the largest coordinate of a corner \[m\].
+/// Largest radius of a disc, side of a rectangle and absolute coordinate of a polygon's corner \[m\].
 pub const MAX_EXTENT: f64 = 1e6;
 
-/// The largest number of corners.
+/// Largest number of corners of a polygon.
 pub const MAX_CORNERS: usize = 1000;
 
-/// A shape in its own frame, whose origin is what a pose places: a disc around it, or a polygon anywhere about it.
+/// A disc centred at the origin of the shape's own frame, or a simple polygon in that frame.
+///
+/// A [`Pose`](crate::Pose) places the shape: it gives the position and yaw of the shape's frame in the map frame. A polygon does
+/// not have to contain the origin.
+///
+/// ```
+/// use mobile_robot_simulator::Shape;
+///
+/// let robot = Shape::rectangle(0.8, 0.6)?;
+/// assert_eq!(robot.corners().len(), 4);
+/// assert_eq!(robot.reach(), 0.5); // half of the diagonal: 0.4² + 0.3² = 0.5²
+/// assert_eq!(Shape::disc(0.3)?.radius(), Some(0.3));
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Counter-clockwise; for a disc nothing but its centre, the origin.
+    /// Corners of a polygon, counter-clockwise. A disc has one entry, its centre at the origin.
     corners: Vec<DVec2>,
-    /// Of a disc, else 0.
+    /// Radius of a disc, 0 for a polygon.
     radius: f64,
 }
 
 impl Shape {
-    /// The disc of `radius` metres around the origin.
+    /// Returns the disc of `radius` \[m\] centred at the origin.
     ///
     /// # Errors
-    /// A radius that is not positive, or more than [`MAX_EXTENT`].
+    /// [`Error::Number`] if the radius is not in (0, [`MAX_EXTENT`]].
     pub fn disc(radius: f64) -> Result<Self, Error> {
         Ok(Self { corners: vec![DVec2::ZERO], radius: extent("radius", radius)? })
     }
 
-    /// The rectangle around the origin, `length` metres along x and `width` along y.
+    /// Returns the rectangle centred at the origin, with sides `length` along x and `width` along y \[m\].
     ///
     /// # Errors
-    /// A side that is not positive, or more than [`MAX_EXTENT`].
+    /// [`Error::Number`] if a side is not in (0, [`MAX_EXTENT`]].
     pub fn rectangle(length: f64, width: f64) -> Result<Self, Error> {
         let half = 0.5 * DVec2::new(extent("length", length)?, extent("width", width)?);
         let corners = vec![-half, DVec2::new(half.x, -half.y), half, DVec2::new(-half.x, half.y)];
         Ok(Self { corners, radius: 0.0 })
     }
 
-    /// The polygon with these corners, either way round, convex or not; the last is joined to the first.
+    /// Returns the polygon with the given corners `[x, y]` \[m\]; an edge joins the last corner to the first.
+    ///
+    /// The polygon must be simple: its edges may not cross or touch. It may be concave, and its corners may be in clockwise or
+    /// counter-clockwise order.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::Shape;
+    ///
+    /// let triangle = Shape::polygon(&[[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])?;
+    /// assert_eq!(triangle.area(), 6.0);
+    /// assert!(Shape::polygon(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]).is_err()); // edges 0 and 2 cross
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// Fewer than 3 corners or more than [`MAX_CORNERS`], coordinates that are not finite or beyond [`MAX_EXTENT`], a corner
-    /// repeated at once, edges that meet elsewhere than at the corner they share.
+    /// - [`Error::Count`]: fewer than 3 corners, or more than [`MAX_CORNERS`].
+    /// - [`Error::Corner`]: a coordinate is not finite, or larger than [`MAX_EXTENT`] in absolute value.
+    /// - [`Error::RepeatedCorner`]: two successive corners are equal.
+    /// - [`Error::Edges`]: two edges share a point other than a common corner.
     pub fn polygon(corners: &[[f64; 2]]) -> Result<Self, Error> {
         if !(3..=MAX_CORNERS).contains(&corners.len()) {
             return Err(Error::Count { name: "the number of corners", value: corners.len(), needed: "in 3..1000" });
@@ -59,31 +86,33 @@ impl Shape {
         Ok(Self { corners, radius: 0.0 })
     }
 
-    /// The radius, if this is a disc.
+    /// Returns the radius of a disc \[m\], `None` for a polygon.
     #[must_use]
     pub fn radius(&self) -> Option<f64> {
         self.is_disc().then_some(self.radius)
     }
 
-    /// Corners \[m\], counter-clockwise; none of a disc.
+    /// Returns the corners of a polygon \[m\] in counter-clockwise order; an empty slice for a disc.
     #[must_use]
     pub fn corners(&self) -> &[DVec2] {
         if self.is_disc() { &[] } else { &self.corners }
     }
 
-    /// Distance \[m\] from the origin to the farthest point.
+    /// Returns the distance \[m\] from the origin to the farthest point of the shape.
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.corners.iter().map(|corner| corner.length()).fold(self.radius, f64::max)
     }
 
-    /// Area \[m²\].
+    /// Returns the area \[m²\].
     #[must_use]
     pub fn area(&self) -> f64 {
         if self.is_disc() { std::f64::consts::PI * self.radius * self.radius } else { 0.5 * doubled_area(&self.corners) }
     }
 
-    /// A skeleton and how far the shape reaches around it: the outline of a polygon and 0, or a disc's centre and radius.
+    /// Returns a skeleton and the radius by which the shape extends around it.
+    ///
+    /// For a polygon: its corners and 0. For a disc: its centre and its radius.
     pub(crate) fn skeleton(&self) -> (&[DVec2], f64) {
         (&self.corners, self.radius)
     }
@@ -97,20 +126,22 @@ fn extent(name: &'static str, value: f64) -> Result<f64, Error> {
     check_number(name, value, "positive and at most 1e6", |value| value > 0.0 && value <= MAX_EXTENT)
 }
 
-/// Twice the area, by the shoelace formula; negative for corners that go round clockwise.
+/// Returns twice the signed area by the shoelace formula: positive if the corners are in counter-clockwise order.
 fn doubled_area(corners: &[DVec2]) -> f64 {
     edges(corners).map(|(start, end)| (start - corners[0]).perp_dot(end - corners[0])).sum()
 }
 
-/// Start and end of each edge; of a single point, that point twice.
+/// Iterates over the edges as (start, end). A single point gives one edge, which starts and ends at that point.
 pub(crate) fn edges(corners: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + Clone {
     let next = corners.iter().cycle().skip(1);
     corners.iter().copied().zip(next.copied())
 }
 
-/// Whether a point lies inside of a polygon (either way round); on its edges, rounding decides.
+/// Returns true if a point lies inside a polygon, whose corners may be in either order. On an edge, rounding decides.
+///
+/// Method: count the edges that a ray along +x crosses. The point is inside if the count is odd.
 pub(crate) fn encloses(corners: &[DVec2], point: DVec2) -> bool {
-    // Crossings of a ray along x; a corner counts with the edge that comes from below, so that none is missed or counted twice.
+    // An edge includes its lower end but not its upper end: an outline that passes through the ray at a corner counts once.
     let crosses = |&(start, end): &(DVec2, DVec2)| {
         let rises = start.y <= point.y && end.y > point.y;
         let falls = end.y <= point.y && start.y > point.y;
@@ -120,7 +151,9 @@ pub(crate) fn encloses(corners: &[DVec2], point: DVec2) -> bool {
     edges(corners).filter(crosses).count() % 2 == 1
 }
 
-/// Checks that edges meet at the corners they share and nowhere else: every pair of them, which is quick enough for shapes.
+/// Checks that successive corners differ and that edges share no point other than a common corner.
+///
+/// Compares every pair of edges: at most about half a million pairs for [`MAX_CORNERS`].
 fn check_simple(corners: &[DVec2]) -> Result<(), Error> {
     let count = corners.len();
     let edge = |index: usize| (corners[index], corners[(index + 1) % count]);
@@ -131,9 +164,9 @@ fn check_simple(corners: &[DVec2]) -> Result<(), Error> {
         for second in first + 1..count {
             let (a, b) = (edge(first), edge(second));
             let meet = if second == first + 1 {
-                folds(a, b)
+                folds_back(a, b)
             } else if (second + 1) % count == first {
-                folds(b, a)
+                folds_back(b, a)
             } else {
                 intersect(a, b)
             };
@@ -145,13 +178,13 @@ fn check_simple(corners: &[DVec2]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether the second of two edges in a row goes back over the first.
-fn folds(first: (DVec2, DVec2), second: (DVec2, DVec2)) -> bool {
+/// Returns true if the second of two successive edges runs back over the first.
+fn folds_back(first: (DVec2, DVec2), second: (DVec2, DVec2)) -> bool {
     let (before, after) = (first.1 - first.0, second.1 - second.0);
     before.perp_dot(after) == 0.0 && before.dot(after) < 0.0
 }
 
-/// Whether two segments share a point.
+/// Returns true if two closed segments share a point.
 pub(crate) fn intersect(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> bool {
     let side = |edge: (DVec2, DVec2), point: DVec2| {
         let side = (edge.1 - edge.0).perp_dot(point - edge.0);
@@ -173,45 +206,45 @@ pub(crate) fn intersect(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> bool {
 mod tests {
     use super::*;
 
-    /// An L of three unit squares.
-    const ANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    /// An L-shaped polygon made of three unit squares.
+    const L_SHAPE: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
 
     fn error(corners: &[[f64; 2]]) -> String {
         Shape::polygon(corners).unwrap_err().to_string()
     }
 
     #[test]
-    fn shapes_have_the_extent_they_were_given() {
+    fn shapes_report_their_radius_reach_and_area() {
         let disc = Shape::disc(0.5).unwrap();
         assert_eq!((disc.radius(), disc.reach(), disc.corners().len()), (Some(0.5), 0.5, 0));
         let box_ = Shape::rectangle(4.0, 3.0).unwrap();
         assert_eq!((box_.radius(), box_.reach(), box_.area()), (None, 2.5, 12.0));
-        assert_eq!(Shape::polygon(&ANGLE).unwrap().area(), 3.0);
+        assert_eq!(Shape::polygon(&L_SHAPE).unwrap().area(), 3.0);
     }
 
     #[test]
-    fn corners_go_round_counter_clockwise_whichever_way_they_came() {
-        let mut turned = ANGLE;
-        turned.reverse();
-        let shape = Shape::polygon(&turned).unwrap();
+    fn clockwise_corners_are_reversed() {
+        let mut clockwise = L_SHAPE;
+        clockwise.reverse();
+        let shape = Shape::polygon(&clockwise).unwrap();
         assert_eq!(shape.area(), 3.0);
-        assert!(ANGLE.iter().all(|&corner| shape.corners().contains(&corner.into())));
+        assert!(L_SHAPE.iter().all(|&corner| shape.corners().contains(&corner.into())));
     }
 
     #[test]
-    fn points_are_inside_or_not() {
-        let shape = Shape::polygon(&ANGLE).unwrap();
+    fn points_inside_and_outside_of_a_concave_polygon() {
+        let shape = Shape::polygon(&L_SHAPE).unwrap();
         let inside = |x, y| encloses(shape.corners(), DVec2::new(x, y));
         assert!(inside(0.5, 0.5) && inside(0.5, 1.0) && inside(1.5, 0.5) && inside(0.5, 1.9));
         assert!(!inside(1.5, 1.5) && !inside(-0.1, 1.0) && !inside(1.1, 1.0) && !inside(3.0, 2.0));
     }
 
     #[test]
-    fn bad_shapes_are_refused_by_name() {
+    fn the_error_names_the_bad_size_or_corner() {
         let message = |shape: Result<Shape, Error>| shape.unwrap_err().to_string();
         assert_eq!(message(Shape::disc(0.0)), "radius must be positive and at most 1e6, got 0");
         assert_eq!(message(Shape::rectangle(1.0, f64::NAN)), "width must be positive and at most 1e6, got NaN");
-        assert_eq!(error(&ANGLE[..2]), "the number of corners must be in 3..1000, got 2");
+        assert_eq!(error(&L_SHAPE[..2]), "the number of corners must be in 3..1000, got 2");
         assert_eq!(
             error(&[[0.0, 0.0], [1.0, f64::NAN], [0.0, 1.0]]),
             "a corner must be finite and within 1e6 of the origin, got [1.0, NaN] in row 1"
@@ -227,10 +260,10 @@ mod tests {
     }
 
     #[test]
-    fn polygons_that_are_not_simple_are_refused() {
+    fn polygons_that_are_not_simple_are_errors() {
         let crossing = "edges must meet only at the corners they share, got edges 0 and 2 that meet elsewhere";
         assert_eq!(error(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]), crossing);
-        // A corner on another edge, a spike, and no area at all.
+        // A corner on another edge, a spike, and a polygon without area.
         assert!(error(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.0], [0.0, 2.0]]).starts_with("edges must meet"));
         assert!(error(&[[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [1.0, 0.0], [1.0, 1.0]]).starts_with("edges must meet"));
         assert!(error(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]]).starts_with("edges must meet"));

@@ -1,16 +1,16 @@
-//! What there is to see and to run into.
+//! The world that scans and footprints are tested against: a grid and obstacles.
 
 use crate::grid::OccupancyGrid;
 use crate::obstacles::Obstacles;
 
-/// A grid, and the obstacles that stand on it.
+/// A grid and the obstacles on it, both borrowed.
 ///
-/// Wherever a world is asked for, a grid alone will do.
+/// A parameter of type `impl Into<World>` accepts `&grid` (no obstacles) or `(&grid, &obstacles)`.
 #[derive(Debug, Clone, Copy)]
 pub struct World<'a> {
-    /// Walls.
+    /// The map: its blocking cells stop beams and footprints.
     pub grid: &'a OccupancyGrid,
-    /// Things that are no cells.
+    /// Shapes at poses in the map frame, which stop beams and footprints too.
     pub obstacles: &'a Obstacles,
 }
 
