@@ -1,14 +1,26 @@
-//! The random stream of a scan, named by (seed, index of the scan) and by nothing else.
+//! Random numbers that depend on a seed and an index alone, and are the same on every machine.
+//!
+//! [`stream`] gives a stream of numbers for one scan or one odometry step. [`BeamBits`] gives each beam of a scan its own 64
+//! bits, which can be computed in any order and on any thread.
 
 use rand_xoshiro::rand_core::SeedableRng;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 
-/// A stream of random numbers, the same on every machine.
+/// A stream of random numbers: xoshiro256++ (Blackman & Vigna 2021).
 pub type Stream = Xoshiro256PlusPlus;
 
-/// The stream of scan `index` under `seed`.
+/// Returns the stream named by `seed` and `index`.
 ///
-/// Blackman & Vigna's xoshiro256++, its 256 bits of state hashed from both numbers.
+/// Both numbers are hashed into the 256 bits of the state, so streams with neighbouring seeds or indices are unrelated. The
+/// values must not change between versions.
+///
+/// ```
+/// use mobile_robot_simulator::random::stream;
+/// use rand::Rng;
+///
+/// assert_eq!(stream(7, 0).next_u64(), stream(7, 0).next_u64());
+/// assert_ne!(stream(7, 0).next_u64(), stream(7, 1).next_u64());
+/// ```
 #[must_use]
 pub fn stream(seed: u64, index: u64) -> Stream {
     let mut state = [0; 32];
@@ -18,7 +30,7 @@ pub fn stream(seed: u64, index: u64) -> Stream {
     Stream::from_seed(state)
 }
 
-/// Four numbers, each hashed from both.
+/// Returns four hashes of (seed, index).
 fn hashes(seed: u64, index: u64) -> [u64; 4] {
     [1, 2, 3, 4].map(|word| {
         let step = GOLDEN_GAMMA.wrapping_mul(word);
@@ -26,9 +38,9 @@ fn hashes(seed: u64, index: u64) -> [u64; 4] {
     })
 }
 
-/// Numbers for the beams of a scan, each of its own: any one of them can be had without those before it.
+/// Random bits for the beams of one scan. The bits of a beam are computed directly, without those of the beams before it.
 ///
-/// `SplitMix64` with a state and an increment that are hashed from the scan's name (Steele, Lea & Flood 2014).
+/// Method: the `SplitMix64` generator (Steele, Lea & Flood 2014), with state and increment hashed from (seed, index).
 #[derive(Debug, Clone, Copy)]
 pub struct BeamBits {
     state: u64,
@@ -36,31 +48,33 @@ pub struct BeamBits {
 }
 
 impl BeamBits {
-    /// The numbers of scan `index` under `seed`.
+    /// Returns the random bits of the scan named by `seed` and `index`.
     #[must_use]
     pub fn new(seed: u64, index: u64) -> Self {
         let [state, increment, ..] = hashes(seed, index);
         Self { state, increment: increment | 1 }
     }
 
-    /// 64 random bits for a beam.
+    /// Returns the 64 random bits of a beam.
     #[inline(always)]
     #[must_use]
     pub fn of(&self, beam: u64) -> u64 {
         mix(self.state.wrapping_add(self.increment.wrapping_mul(beam)))
     }
 
-    /// A stream for a beam that needs more than its bits.
+    /// Returns a stream for a beam that needs more than 64 bits. It is independent of [`of`](Self::of).
     #[must_use]
     pub fn stream(&self, beam: u64) -> SplitMix64 {
         SplitMix64::from_seed(self.of(!beam).to_le_bytes())
     }
 }
 
-/// 2⁶⁴ over the golden ratio, made odd.
+/// 2⁶⁴ divided by the golden ratio, rounded to an odd number.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The output function of `SplitMix64`: a bijection that scatters neighbours (Steele, Lea & Flood 2014; Stafford's variant 13).
+/// Hashes a word: a bijection that maps neighbouring words to unrelated ones.
+///
+/// The output function of `SplitMix64` (Steele, Lea & Flood 2014), with the constants of Stafford's variant 13.
 #[inline(always)]
 fn mix(word: u64) -> u64 {
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -75,7 +89,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn a_stream_is_named_by_seed_and_index() {
+    fn each_seed_and_index_has_its_own_stream() {
         let first = |seed, index| stream(seed, index).next_u64();
         assert_eq!(first(7, 3), first(7, 3));
         let names: HashSet<u64> = (0..100).flat_map(|seed| (0..100).map(move |index| first(seed, index))).collect();
@@ -83,20 +97,20 @@ mod tests {
     }
 
     #[test]
-    fn the_bytes_are_part_of_the_promise() {
+    fn the_values_of_a_stream_never_change() {
         let mut stream = stream(7, 0);
         assert_eq!([stream.next_u64(), stream.next_u64()], [16_289_738_856_705_336_736, 14_129_060_576_366_663_060]);
     }
 
     #[test]
-    fn the_bits_of_beams_are_part_of_the_promise() {
+    fn the_bits_of_a_beam_never_change() {
         let bits = BeamBits::new(7, 0);
         assert_eq!([bits.of(0), bits.of(1)], [15_664_605_630_004_186_478, 8_877_590_085_255_707_112]);
         assert_eq!(bits.stream(1).next_u64(), 2_251_059_855_669_539_826);
     }
 
     #[test]
-    fn bits_of_beams_are_balanced_and_unlike_their_neighbours() {
+    fn bits_of_beams_are_balanced_and_differ_between_neighbours() {
         let words: Vec<u64> = (0..64).flat_map(|index| (0..64).map(move |beam| BeamBits::new(1, index).of(beam))).collect();
         let ones: u32 = words.iter().map(|word| word.count_ones()).sum();
         let changes: u32 = words.windows(2).map(|pair| (pair[0] ^ pair[1]).count_ones()).sum();

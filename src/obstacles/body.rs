@@ -1,21 +1,21 @@
-//! A shape where it stands, and where a ray meets it.
+//! One obstacle: a shape placed in the map frame, and its intersection with a ray.
 
 use glam::DVec2;
 
 use crate::pose::Pose;
 use crate::shape::{Shape, edges, encloses};
 
-/// A ray that starts this near to an edge \[m\], just behind it and going in, has met it.
-const NEAR: f64 = 1e-9;
+/// Tolerance \[m\] for a ray that starts on an edge: an entry up to this far behind the origin counts, at distance 0.
+const BEHIND_TOLERANCE: f64 = 1e-9;
 
-/// A shape at a pose, in the map frame.
+/// A shape placed at a pose, in map coordinates.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// Corners counter-clockwise, or a disc's centre.
+    /// Corners of a polygon, counter-clockwise, or the centre of a disc \[m\].
     corners: Vec<DVec2>,
-    /// Of a disc, else 0.
+    /// Radius of a disc \[m\], 0 for a polygon.
     radius: f64,
-    /// Centre and radius of a circle around it all.
+    /// Centre and radius \[m\] of a circle that encloses the shape.
     bounds: (DVec2, f64),
 }
 
@@ -32,17 +32,17 @@ impl Body {
         Self { corners, radius, bounds: (center, reach) }
     }
 
-    /// Radius of a disc, 0 of a polygon.
+    /// Radius of a disc \[m\], 0 for a polygon.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Centre and radius of a circle around it all.
+    /// Centre and radius \[m\] of a circle that encloses the shape.
     pub fn bounds(&self) -> (DVec2, f64) {
         self.bounds
     }
 
-    /// Whether a point is inside; on the edge, rounding decides.
+    /// Returns true if a point is inside. On the outline, rounding decides.
     pub fn contains(&self, point: DVec2) -> bool {
         let (center, reach) = self.bounds;
         point.distance_squared(center) <= reach * reach
@@ -53,7 +53,7 @@ impl Body {
             }
     }
 
-    /// Whether a ray comes as near as the circle around it all before it has gone `limit`.
+    /// Returns true if a ray may meet the bounding circle within `limit` metres. A quick test that never misses a hit.
     pub fn is_near(&self, origin: DVec2, direction: DVec2, limit: f64) -> bool {
         let (center, reach) = self.bounds;
         let offset = center - origin;
@@ -61,7 +61,9 @@ impl Body {
         across.abs() <= reach && along >= -reach && along - reach <= limit
     }
 
-    /// Distance at which a ray from outside enters, infinite if it does not. `direction` is a unit vector.
+    /// Returns the distance \[m\] at which a ray that starts outside enters the shape, infinity if it does not.
+    ///
+    /// `direction` must be a unit vector.
     pub fn entry(&self, origin: DVec2, direction: DVec2) -> f64 {
         if self.radius > 0.0 { self.disc_entry(origin, direction) } else { self.polygon_entry(origin, direction) }
     }
@@ -73,22 +75,34 @@ impl Body {
         if along < 0.0 || square < 0.0 { f64::INFINITY } else { (along - square.sqrt()).max(0.0) }
     }
 
-    /// The nearest edge that leads in.
+    /// Returns the distance to the nearest edge that the ray crosses from outside to inside.
     ///
-    /// A corner's side of the ray is computed once for both of its edges, so that no ray slips through between them.
+    /// Corners are expressed in the ray's own frame: `along` it and `left` of it. The interior lies to the left of every edge
+    /// (corners are counter-clockwise), so an edge that the ray enters through runs from the ray's left to its right:
+    ///
+    /// ```text
+    ///           start (left > 0)
+    ///             |
+    ///             |   interior
+    ///  origin --->+------------->
+    ///             |
+    ///             v
+    ///            end (left < 0)
+    /// ```
+    ///
+    /// The side of a corner is computed once and used for both of its edges, so no ray passes between two edges.
     fn polygon_entry(&self, origin: DVec2, direction: DVec2) -> f64 {
-        let split = |corner: DVec2| {
+        let left_and_along = |corner: DVec2| {
             let offset = corner - origin;
             (direction.perp_dot(offset), direction.dot(offset))
         };
         let mut nearest = f64::INFINITY;
-        let mut start = split(self.corners[self.corners.len() - 1]);
+        let mut start = left_and_along(self.corners[self.corners.len() - 1]);
         for &corner in &self.corners {
-            let end = split(corner);
-            // The interior is to the left of an edge: rays that go in see it run from their left to their right.
+            let end = left_and_along(corner);
             if start.0 >= 0.0 && end.0 <= 0.0 && start.0 > end.0 {
                 let distance = (start.0 * end.1 - end.0 * start.1) / (start.0 - end.0);
-                if distance > -NEAR {
+                if distance > -BEHIND_TOLERANCE {
                     nearest = nearest.min(distance.max(0.0));
                 }
             }
@@ -97,7 +111,7 @@ impl Body {
         nearest
     }
 
-    /// Start and end of each edge; of a disc, its centre twice.
+    /// Iterates over the edges as (start, end). A disc gives one edge, which starts and ends at its centre.
     pub fn edges(&self) -> impl Iterator<Item = (DVec2, DVec2)> + Clone {
         edges(&self.corners)
     }

@@ -1,4 +1,4 @@
-//! Obstacles that are no cells: shapes at poses, which rays see exactly.
+//! Obstacles: discs and polygons at poses in the map frame, which beams meet at their exact outlines.
 
 mod body;
 mod view;
@@ -12,44 +12,63 @@ use crate::error::Error;
 use crate::pose::Pose;
 use crate::shape::Shape;
 
-/// A set of shapes, each at a pose in the map frame.
+/// A set of obstacles, each a [`Shape`] at a [`Pose`] in the map frame.
 ///
-/// The range of a beam is the distance at which it enters the nearest of grid and obstacles; a beam that starts inside of a
-/// shape has range 0, and so has one that starts on an edge and goes in; one that starts on an edge and goes away, or only
-/// grazes an edge or a corner, is decided by rounding. Distances are closed forms, right to about 1e-15 of the coordinates.
+/// The range of a beam is the distance to the nearest blocking cell or obstacle. Distances to obstacles are computed in closed
+/// form, with a rounding error of about 1e-15 times the coordinates. Boundary cases:
+///
+/// | beam | range |
+/// |---|---|
+/// | starts inside an obstacle | 0 |
+/// | starts on an outline and points inwards | 0 |
+/// | starts on an outline and points outwards | rounding decides whether it hits |
+/// | only touches an edge or a corner | rounding decides whether it hits |
+///
+/// ```
+/// use glam::DVec2;
+/// use mobile_robot_simulator::{Obstacles, Pose, Shape};
+///
+/// let pillar = Shape::disc(1.0)?;
+/// let obstacles = Obstacles::new([(&pillar, Pose::new(3.0, 0.0, 0.0))])?;
+/// assert_eq!(obstacles.cast(DVec2::ZERO, DVec2::X, 10.0), 2.0);
+/// assert_eq!(obstacles.cast(DVec2::ZERO, DVec2::Y, 10.0), f64::INFINITY);
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Obstacles {
     bodies: Vec<Body>,
 }
 
 impl Obstacles {
-    /// No obstacles.
+    /// The empty set.
     pub const NONE: &'static Self = &Self { bodies: Vec::new() };
 
-    /// Each shape at its pose.
+    /// Returns the set of the given shapes, each placed at its pose in the map frame.
+    ///
+    /// The index of an obstacle, as in [`Contact::obstacle`](crate::Contact::obstacle), is its position in `shapes`.
     ///
     /// # Errors
-    /// A pose that is not finite.
+    /// [`Error::Number`] if a pose is not finite.
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Shape, Pose)>) -> Result<Self, Error> {
         let place = |(shape, pose): (&Shape, Pose)| Ok(Body::new(shape, pose.checked()?));
         Ok(Self { bodies: shapes.into_iter().map(place).collect::<Result<_, Error>>()? })
     }
 
-    /// Number of obstacles.
+    /// Returns the number of obstacles.
     #[must_use]
     pub fn len(&self) -> usize {
         self.bodies.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no obstacles.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// Distance \[m\] at which a ray of the map frame enters the nearest obstacle, infinite if there is none within `limit`.
+    /// Returns the distance \[m\] along a ray to the nearest obstacle, infinity if there is none nearer than `limit` \[m\].
     ///
-    /// `direction` is a unit vector.
+    /// `origin` \[m\] and `direction` (a unit vector) are in the map frame. Cost: linear in the number of obstacles.
     #[must_use]
     pub fn cast(&self, origin: DVec2, direction: DVec2, limit: f64) -> f64 {
         let mut nearest = f64::INFINITY;
@@ -62,7 +81,7 @@ impl Obstacles {
         if nearest < limit { nearest } else { f64::INFINITY }
     }
 
-    /// [`cast`](Self::cast) from a pose along its heading.
+    /// Same as [`cast`](Self::cast), from the position of `pose` along its heading.
     pub(crate) fn cast_pose(&self, pose: Pose, limit: f64) -> f64 {
         if self.is_empty() {
             return f64::INFINITY;

@@ -1,4 +1,16 @@
-//! Obstacles as one scan sees them: each with the few beams that can meet it.
+//! The obstacles that one scan can see, each with the range of beams that can hit it.
+//!
+//! ```text
+//!                    _.-'   tangent
+//!               _.-',---.
+//!          _.-'    /     \
+//!  laser ---------|   +   |---   bearing of the centre +
+//!          `-._    \     /
+//!              `-._ `---'        half_angle = asin(reach / distance to the centre)
+//!                  `-._   tangent
+//! ```
+//!
+//! Only beams between `bearing - half_angle` and `bearing + half_angle` are tested against the outline.
 
 use std::f64::consts::TAU;
 
@@ -7,10 +19,10 @@ use glam::DVec2;
 use super::{Body, Obstacles};
 use crate::pose::Pose;
 
-/// Angles this near \[rad\] to an obstacle's outermost ones are cast as well; rounding is far below.
-const MARGIN: f64 = 1e-9;
+/// Extra angle \[rad\] on both sides of an obstacle, far larger than the rounding error of its bearing.
+const ANGLE_MARGIN: f64 = 1e-9;
 
-/// Angles of the beams of a scan, from the first on.
+/// Angles of the beams of a scan in the laser frame: beam `i` points at `angle_min + i · angle_increment` \[rad\].
 #[derive(Debug, Clone, Copy)]
 pub struct Spread {
     pub angle_min: f64,
@@ -18,24 +30,27 @@ pub struct Spread {
     pub beam_count: usize,
 }
 
-/// The obstacles within reach of a scan.
+/// The obstacles that a scan can see from one pose.
 pub struct View<'a> {
+    /// Position of the laser in the map frame \[m\].
     origin: DVec2,
+    /// Unit vector along the laser's x axis, in the map frame.
     heading: DVec2,
     max_range: f64,
     seen: Vec<Seen<'a>>,
 }
 
+/// One obstacle and the beams that can hit it.
 struct Seen<'a> {
     body: &'a Body,
-    /// Whether the scan starts in it.
+    /// True if the laser is inside the obstacle.
     inside: bool,
-    /// First beam that can meet it, and the one after the last.
+    /// First beam that can hit the obstacle, and one past the last.
     beams: (usize, usize),
 }
 
 impl<'a> View<'a> {
-    /// What a scanner at `map_from_laser` can see of the obstacles; allocates only if there are any.
+    /// Returns the obstacles within `max_range` of a laser at `map_from_laser`. Allocates only if there is at least one.
     pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, spread: Spread, max_range: f64) -> Self {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
@@ -50,10 +65,11 @@ impl<'a> View<'a> {
             let inside = body.contains(origin);
             if distance > reach && spread.beam_count > 1 {
                 let offset = DVec2::new(cos, -sin).rotate(offset);
-                let (bearing, half) = (libm::atan2(offset.y, offset.x), libm::asin(reach / distance) + MARGIN);
-                // The same bearing a turn earlier and later, as beams may lie up to half a turn to either side.
+                let bearing = libm::atan2(offset.y, offset.x);
+                let half_angle = libm::asin(reach / distance) + ANGLE_MARGIN;
+                // The interval may cross ±π, so the beams one turn earlier and one turn later are selected too.
                 for turn in [-TAU, 0.0, TAU] {
-                    let beams = spread.beams_within(bearing + turn - half, bearing + turn + half);
+                    let beams = spread.beams_within(bearing + turn - half_angle, bearing + turn + half_angle);
                     if beams.0 < beams.1 {
                         seen.push(Seen { body, inside, beams });
                     }
@@ -65,13 +81,15 @@ impl<'a> View<'a> {
         Self { origin, heading, max_range, seen }
     }
 
-    /// Whether nothing is within reach.
+    /// Returns true if the scan can see no obstacle.
     pub fn is_empty(&self) -> bool {
         self.seen.is_empty()
     }
 
-    /// Shortens the ranges \[m\] of the beams from `first` on, whose directions in the scanner's frame are given, to the nearest
-    /// obstacle; what is infinite stays so where there is none within the maximum.
+    /// Replaces each range \[m\] by the distance to the nearest obstacle, if that is shorter than the range and `max_range`.
+    ///
+    /// `ranges[i]` is the range of beam `first + i`, infinite for no return. `direction(i)` is the direction of that beam: a unit
+    /// vector in the laser frame.
     pub fn shorten(&self, first: usize, direction: impl Fn(usize) -> DVec2, ranges: &mut [f64]) {
         for seen in &self.seen {
             let (start, end) = (seen.beams.0.max(first), seen.beams.1.min(first + ranges.len()));
@@ -91,9 +109,9 @@ impl<'a> View<'a> {
 }
 
 impl Spread {
-    /// The first beam within two angles, and the one after the last.
+    /// Returns the first beam between two angles \[rad\] of the laser frame, and one past the last. Empty if first >= past.
     fn beams_within(self, low: f64, high: f64) -> (usize, usize) {
-        // A float becomes the nearest integer it can: negative ones 0.
+        // `as usize` saturates: negative values become 0.
         let first = ((low - self.angle_min) / self.angle_increment).ceil() as usize;
         let past = ((high - self.angle_min) / self.angle_increment).floor() + 1.0;
         (first, (past as usize).min(self.beam_count))
