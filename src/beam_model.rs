@@ -1,4 +1,4 @@
-//! The beam model of a range finder: Thrun, Burgard & Fox, *Probabilistic Robotics* (2006), ch. 6.3, table 6.1.
+//! The beam model of a range finder (Thrun, Burgard & Fox, *Probabilistic Robotics*, 2006, sec. 6.3, table 6.1).
 
 pub(crate) mod normal;
 
@@ -11,17 +11,17 @@ use crate::raycast::GROUP;
 /// Parameters of a [`BeamModel`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamModelOptions {
-    /// Standard deviation of a measured range \[m\].
+    /// σ: standard deviation of the hit part \[m\].
     pub sigma_hit: f64,
-    /// Rate of unexpected objects \[1/m\].
+    /// λ: decay rate of the short part \[1/m\].
     pub lambda_short: f64,
-    /// Weight of correct ranges with local noise.
+    /// Weight of the hit part: the true range with Gaussian noise.
     pub z_hit: f64,
-    /// Weight of unexpected objects.
+    /// Weight of the short part: readings of unexpected objects in front of the true range.
     pub z_short: f64,
-    /// Weight of failures: readings of the maximum range.
+    /// Weight of the max part: failed measurements that read the maximum range.
     pub z_max: f64,
-    /// Weight of unexplained readings, uniform up to the maximum range.
+    /// Weight of the random part: unexplained readings, uniform in \[0, maximum range).
     pub z_rand: f64,
 }
 
@@ -31,22 +31,42 @@ impl Default for BeamModelOptions {
     }
 }
 
-/// What a range finder reads, given the true range: a mixture of hit, short, max and random readings, properly normalised.
+/// Distribution of the reading `z` of a beam, given its true range `z*`: a mixture of hit, short, max and random readings.
 ///
-/// The hit part is truncated to `[0, max_range]` and the short part to `[0, true range]`; the weights sum to 1. A beam that
-/// hits nothing has nothing to blur: its hit part is the point mass at `max_range`. Short and random readings still befall it.
+/// | part | weight | distribution of the reading `z` |
+/// |---|---|---|
+/// | hit | `z_hit` | normal(`z*`, σ), truncated to \[0, `max_range`\] |
+/// | short | `z_short` | exponential with rate λ, truncated to \[0, `z*`\] |
+/// | max | `z_max` | always `max_range` |
+/// | random | `z_rand` | uniform in \[0, `max_range`) |
+///
+/// The weights sum to 1 and each part is normalised over its interval. A beam without a return has `z* = max_range`: its hit part
+/// always reads `max_range`, without noise; the other parts stay as they are.
+///
+/// ```
+/// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
+///
+/// // One reading in four is a failure, the others are uniform; the weights are scaled to sum to 1.
+/// let options = BeamModelOptions { z_hit: 0.0, z_short: 0.0, z_max: 1.0, z_rand: 3.0, ..BeamModelOptions::default() };
+/// let model = BeamModel::new(options)?;
+/// assert_eq!(model.options().z_rand, 0.75);
+/// assert_eq!(model.likelihood(2.0, Some(5.0), 10.0), 0.075); // density: 0.75 / 10 m
+/// assert_eq!(model.likelihood(10.0, Some(5.0), 10.0), 0.25); // probability of max_range
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamModel {
     options: BeamModelOptions,
-    /// Upper ends of the intervals of [0, 1) that the hit, short and max parts are chosen by.
-    shares: [f64; 3],
+    /// A number in [0, 1) chooses the part of a reading: hit below the first of these, then short, then max, else random.
+    part_ends: [f64; 3],
 }
 
 impl BeamModel {
-    /// The model with these parameters, its weights scaled to sum to 1.
+    /// Returns the model with these parameters, its weights scaled to sum to 1.
     ///
     /// # Errors
-    /// A sigma or lambda that is not positive, a negative weight, no positive weight.
+    /// - [`Error::Number`]: σ or λ is not positive, a weight is negative, or a value is not finite.
+    /// - [`Error::Weights`]: no weight is positive.
     pub fn new(options: BeamModelOptions) -> Result<Self, Error> {
         check_number("sigma_hit", options.sigma_hit, "positive", |value| value > 0.0)?;
         check_number("lambda_short", options.lambda_short, "positive", |value| value > 0.0)?;
@@ -59,7 +79,7 @@ impl BeamModel {
             return Err(Error::Weights([z_hit, z_short, z_max, z_rand]));
         }
         check_number("the sum of the weights", sum, "finite", |_| true)?;
-        // Weights that sum to 1 but for rounding stay as they are, so that a copy of a model is the same model.
+        // Weights that sum to 1 up to rounding stay unchanged, so that a model made from `options()` equals the original.
         let sum = if (sum - 1.0).abs() < 1e-14 { 1.0 } else { sum };
         let options = BeamModelOptions {
             z_hit: z_hit / sum,
@@ -68,36 +88,49 @@ impl BeamModel {
             z_rand: z_rand / sum,
             ..options
         };
-        // A part of weight zero after the last positive one must get nothing of what rounding leaves of 1.
-        let tail = |parts: &[f64], end: f64| if parts.iter().all(|&weight| weight == 0.0) { 1.0 } else { end };
-        let hit = tail(&[z_short, z_max, z_rand], options.z_hit);
-        let short = tail(&[z_max, z_rand], options.z_hit + options.z_short);
-        let max = tail(&[z_rand], options.z_hit + options.z_short + options.z_max);
-        Ok(Self { options, shares: [hit, short, max] })
+        // If all later weights are 0, the part ends at exactly 1: rounding must not leave a gap for them.
+        let end_of_part = |later: &[f64], end: f64| if later.iter().all(|&weight| weight == 0.0) { 1.0 } else { end };
+        let hit = end_of_part(&[z_short, z_max, z_rand], options.z_hit);
+        let short = end_of_part(&[z_max, z_rand], options.z_hit + options.z_short);
+        let max = end_of_part(&[z_rand], options.z_hit + options.z_short + options.z_max);
+        Ok(Self { options, part_ends: [hit, short, max] })
     }
 
-    /// The parameters, weights summing to 1.
+    /// Returns the parameters, with weights that sum to 1.
     #[must_use]
     pub fn options(&self) -> BeamModelOptions {
         self.options
     }
 
-    /// Readings of the beams of the scan named by `seed` and `index`, given their true ranges, infinite for a beam that hits
-    /// nothing within `max_range`. Lengths in metres.
+    /// Draws the readings \[m\] of the beams of one scan, given their true ranges \[m\].
+    ///
+    /// `ranges[i]` is the true range of beam `i`, infinite if the beam has no return within `max_range`. Its reading is written to
+    /// `readings[i]`. Reading `i` depends only on `ranges[i]`, `max_range`, i and the name `(seed, index)` of the scan.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
+    ///
+    /// let options = BeamModelOptions { sigma_hit: 0.01, z_hit: 1.0, z_max: 0.0, ..BeamModelOptions::default() };
+    /// let mut readings = [0.0; 2];
+    /// BeamModel::new(options)?.sample(&[5.0, f64::INFINITY], 30.0, (1, 0), &mut readings);
+    /// assert!((readings[0] - 5.0).abs() < 0.1); // within ten standard deviations
+    /// assert_eq!(readings[1], 30.0); // no return
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
     ///
     /// # Panics
-    /// If there are not as many readings as ranges.
+    /// If `ranges` and `readings` have different lengths.
     pub fn sample(&self, ranges: &[f64], max_range: f64, (seed, index): (u64, u64), readings: &mut [f64]) {
-        assert_eq!(ranges.len(), readings.len(), "one reading per range");
+        assert_eq!(ranges.len(), readings.len(), "ranges and readings must have the same length");
         let sampler = Sampler::new(self, max_range, BeamBits::new(seed, index));
         let (groups, rest) = ranges.as_chunks::<GROUP>();
-        let padded = std::array::from_fn(|place| rest.get(place).copied().unwrap_or(f64::INFINITY));
+        let padded = std::array::from_fn(|lane| rest.get(lane).copied().unwrap_or(f64::INFINITY));
         for (group, (ranges, readings)) in groups.iter().chain([&padded]).zip(readings.chunks_mut(GROUP)).enumerate() {
             readings.copy_from_slice(&sampler.sample(group, ranges)[..readings.len()]);
         }
     }
 
-    /// Normal around `range`, truncated to `[0, max_range]`, by rejection.
+    /// Draws from the normal distribution around `range`, truncated to `[0, max_range]`, by rejection.
     fn sample_hit(&self, range: f64, max_range: f64, stream: &mut impl Rng) -> f64 {
         let sigma = self.options.sigma_hit;
         if self.is_narrow(max_range) {
@@ -109,7 +142,7 @@ impl BeamModel {
             }
         }
         loop {
-            // The density of a wide one falls to no less than exp(-1/2) of its peak within the interval.
+            // Here σ > max_range, so the density is at least exp(-1/2) of its peak in the interval: few draws are rejected.
             let reading = stream.random::<f64>() * max_range;
             let deviation = (reading - range) / sigma;
             if stream.random::<f64>() < libm::exp(-0.5 * deviation * deviation) {
@@ -118,25 +151,39 @@ impl BeamModel {
         }
     }
 
-    /// Whether the hit part is so narrow that at least a third of the normal lies in `[0, max_range]`.
+    /// Returns true if σ is at most `max_range`: at least a third of the normal distribution then lies in `[0, max_range]`.
     fn is_narrow(&self, max_range: f64) -> bool {
         self.options.sigma_hit <= max_range
     }
 
-    /// Exponential, truncated to `[0, range]`, by its inverse distribution function.
+    /// Draws from the exponential distribution truncated to `[0, range]`, by its inverse distribution function.
     fn sample_short(&self, range: f64, stream: &mut impl Rng) -> f64 {
         let uniform = stream.random::<f64>();
         let exponent = self.options.lambda_short * range;
         if exponent < 1e-9 {
-            // The limit for λ·z* → 0, to within a relative 1e-9.
+            // The limit for λ·z* → 0, the uniform distribution; its relative error is below 1e-9.
             return uniform * range;
         }
         (-libm::log1p(uniform * libm::expm1(-exponent)) / self.options.lambda_short).min(range)
     }
 
-    /// Density \[1/m\] of a reading in `[0, max_range)` given the true range, or probability mass of a reading of `max_range`.
+    /// Returns the probability density \[1/m\] of a reading below `max_range`, or the probability of the reading `max_range`.
     ///
-    /// `hit` is `None` for a beam that hits nothing. Readings outside of `[0, max_range]` have likelihood 0.
+    /// `hit` is the true range `z*` \[m\], `None` for a beam without a return. With `z` for the reading:
+    ///
+    /// | reading | likelihood |
+    /// |---|---|
+    /// | `0 <= z < max_range` | hit + short + random densities below |
+    /// | `z == max_range` | `z_max`, plus `z_hit` for a beam without a return |
+    /// | any other | 0 |
+    ///
+    /// ```text
+    /// hit     z_hit · φ((z - z*) / σ) / σ / (Φ((max_range - z*) / σ) - Φ(-z* / σ))    no return: 0
+    /// short   z_short · λ · exp(-λz) / (1 - exp(-λz*))    if 0 < z* and z <= z*, else 0; no return: z* = max_range
+    /// random  z_rand / max_range
+    /// ```
+    ///
+    /// Source: table 6.1 of the book, with both truncated parts normalised.
     #[must_use]
     pub fn likelihood(&self, reading: f64, hit: Option<f64>, max_range: f64) -> f64 {
         let options = &self.options;
@@ -160,10 +207,12 @@ impl BeamModel {
         density
     }
 
-    /// [`likelihood`](Self::likelihood) of each reading, where a true range of `max_range` is a beam that hits nothing.
+    /// Returns the [`likelihood`](Self::likelihood) of each reading, given the true range at the same position in `ranges`.
+    ///
+    /// A true range of `max_range` or more means no return. If the lengths differ, the extra elements of the longer are ignored.
     ///
     /// # Errors
-    /// A `max_range` that is not positive, a true range that is not a number or negative.
+    /// [`Error::Number`] if `max_range` is not positive and finite, or a true range is negative or NaN.
     pub fn likelihoods(
         &self,
         readings: impl IntoIterator<Item = f32>,
@@ -171,7 +220,7 @@ impl BeamModel {
         max_range: f64,
     ) -> Result<Vec<f64>, Error> {
         check_number("max_range", max_range, "positive", |value| value > 0.0)?;
-        // Ranges left as float32, and so did the maximum among them.
+        // Readings and ranges are float32, so the maximum range must be rounded the same way to compare equal.
         let max = f64::from(max_range as f32);
         let each = |(reading, range): (f32, f32)| {
             let range = f64::from(range);
@@ -184,95 +233,107 @@ impl BeamModel {
     }
 }
 
-/// A beam model at work on one scan.
+/// Draws the readings of one scan from a beam model.
 ///
-/// Each beam has 64 bits: the lowest 24 choose its part of the mixture; the upper half and the two bits below it make two normal
-/// numbers with the upper half of the beam half a group away. For nearly all beams that decides; the few others go on with a stream
-/// of their own.
+/// Each beam has 64 random bits:
+///
+/// ```text
+///  63            32 31     30 29      24 23                        0
+/// +----------------+---------+----------+---------------------------+
+/// |     normal     | quarter |  unused  | choice: part of the model |
+/// +----------------+---------+----------+---------------------------+
+/// ```
+///
+/// Beams `i` and `i + GROUP / 2` of a group share one pair of normal numbers: it is made of the 32 `normal` bits of both beams and
+/// the 2 `quarter` bits of beam `i`. These bits decide nearly every reading. The others (a short or random reading, a hit that has
+/// to be drawn again, a choice on the boundary between two parts) are drawn from a separate stream for the beam.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler<'a> {
     model: &'a BeamModel,
     max_range: f64,
     bits: BeamBits,
-    /// Choices below this are hits, whatever more digits they had.
-    sure_hits: u32,
-    /// Choices within these are failures, whatever more digits they had.
-    sure_failures: [u32; 2],
+    /// Choices below this are hits, regardless of the remaining bits.
+    hit_choices_end: u32,
+    /// Choices from the first (inclusive) to the second (exclusive) are max readings, regardless of the remaining bits.
+    max_choices: [u32; 2],
 }
 
-// A group's beams that need more than their bits are counted by the bits of an u32.
+// `sample` marks the undecided beams of a group in a u32, and draws normal numbers in pairs.
 const _: () = assert!(GROUP <= 32 && GROUP.is_multiple_of(2));
 
-/// Bits that choose a part of the mixture.
-const SHARE_BITS: u32 = 24;
+/// Number of bits that choose a part of the model.
+const CHOICE_BITS: u32 = 24;
 
 impl<'a> Sampler<'a> {
-    /// The sampler of a scan by its bits.
+    /// Returns the sampler for the scan with these random bits.
     #[must_use]
     pub fn new(model: &'a BeamModel, max_range: f64, bits: BeamBits) -> Self {
-        let [hit_end, short_end, max_end] = model.shares.map(|share| share * f64::from(1u32 << SHARE_BITS));
-        let sure_hits = if model.is_narrow(max_range) { hit_end as u32 } else { 0 };
-        Self { model, max_range, bits, sure_hits, sure_failures: [short_end.ceil() as u32, max_end as u32] }
+        let [hit_end, short_end, max_end] = model.part_ends.map(|end| end * f64::from(1u32 << CHOICE_BITS));
+        let hit_choices_end = if model.is_narrow(max_range) { hit_end as u32 } else { 0 };
+        Self { model, max_range, bits, hit_choices_end, max_choices: [short_end.ceil() as u32, max_end as u32] }
     }
 
-    /// Readings of a group of beams, given their true ranges, infinite for a beam that hits nothing.
+    /// Returns the readings \[m\] of a group of beams, given their true ranges \[m\]: infinite for a beam without a return.
+    ///
+    /// Group `g` holds the beams from `g · GROUP` on.
     #[inline(always)]
     #[must_use]
     pub fn sample(&self, group: usize, ranges: &[f64; GROUP]) -> [f64; GROUP] {
         const HALF: usize = GROUP / 2;
         let first = (group * GROUP) as u64;
         let (mut low, mut high, mut normals) = ([0; GROUP], [0; GROUP], [[0.0; HALF]; 2]);
-        for place in 0..GROUP {
-            let bits = self.bits.of(first + place as u64);
-            (low[place], high[place]) = (bits as u32, (bits >> 32) as u32);
+        for lane in 0..GROUP {
+            let bits = self.bits.of(first + lane as u64);
+            (low[lane], high[lane]) = (bits as u32, (bits >> 32) as u32);
         }
-        for place in 0..HALF {
-            (normals[0][place], normals[1][place]) = normal::pair([high[place], high[place + HALF]], low[place]);
+        for lane in 0..HALF {
+            (normals[0][lane], normals[1][lane]) = normal::pair([high[lane], high[lane + HALF]], low[lane]);
         }
         let normals = normals.as_flattened();
-        let (mut readings, mut all_sure) = ([0.0; GROUP], true);
-        for place in 0..GROUP {
-            let (reading, is_sure) = self.guess(ranges[place], low[place], normals[place]);
-            readings[place] = reading;
-            all_sure &= is_sure;
+        let (mut readings, mut all_decided) = ([0.0; GROUP], true);
+        for lane in 0..GROUP {
+            let (reading, is_decided) = self.reading_from_bits(ranges[lane], low[lane], normals[lane]);
+            readings[lane] = reading;
+            all_decided &= is_decided;
         }
-        if !all_sure {
-            let is_unsure = |place: usize| !self.guess(ranges[place], low[place], normals[place]).1;
-            let mut unsure: u32 = (0..GROUP).map(|place| u32::from(is_unsure(place)) << place).sum();
-            while unsure != 0 {
-                let place = unsure.trailing_zeros() as usize;
-                unsure &= unsure - 1;
-                readings[place] = self.sample_one(first + place as u64, ranges[place]);
+        if !all_decided {
+            let is_undecided = |lane: usize| !self.reading_from_bits(ranges[lane], low[lane], normals[lane]).1;
+            let mut undecided: u32 = (0..GROUP).map(|lane| u32::from(is_undecided(lane)) << lane).sum();
+            while undecided != 0 {
+                let lane = undecided.trailing_zeros() as usize;
+                undecided &= undecided - 1;
+                readings[lane] = self.reading_from_stream(first + lane as u64, ranges[lane]);
             }
         }
         readings
     }
 
-    /// A reading by the bits alone, and whether it is right.
+    /// Returns a reading made of the 64 bits alone, and whether these bits decide it. If not, the reading is meaningless.
     #[inline(always)]
-    fn guess(&self, range: f64, low: u32, normal: f32) -> (f64, bool) {
+    fn reading_from_bits(&self, range: f64, low: u32, normal: f32) -> (f64, bool) {
         let reading = range + self.model.options.sigma_hit * f64::from(normal);
-        let (misses, share) = (range == f64::INFINITY, share(low));
-        let fails = (share >= self.sure_failures[0]) & (share < self.sure_failures[1]);
+        let (no_return, choice) = (range == f64::INFINITY, choice(low));
+        let is_max = (choice >= self.max_choices[0]) & (choice < self.max_choices[1]);
         let fits = (reading >= 0.0) & (reading <= self.max_range);
-        let is_sure = (share < self.sure_hits) & (fits | misses) | fails;
-        (if misses | fails { self.max_range } else { reading }, is_sure)
+        let is_decided = (choice < self.hit_choices_end) & (fits | no_return) | is_max;
+        (if no_return | is_max { self.max_range } else { reading }, is_decided)
     }
 
-    /// A reading of a beam, without a shortcut.
+    /// Returns a reading drawn from the beam's own stream, for any part of the model.
     #[cold]
-    fn sample_one(&self, beam: u64, range: f64) -> f64 {
+    fn reading_from_stream(&self, beam: u64, range: f64) -> f64 {
         let Self { model, max_range, .. } = *self;
         let (bits, mut stream) = (self.bits.of(beam), self.bits.stream(beam));
         let is_hit = range < f64::INFINITY;
-        let share = (f64::from(share(bits as u32)) + stream.random::<f64>()) / f64::from(1u32 << SHARE_BITS);
-        let share = share.min(1.0 - f64::EPSILON);
-        let [hit_end, short_end, max_end] = model.shares;
-        if share < hit_end {
+        // The 24 bits of the choice are the leading digits of a number in [0, 1); the stream gives the others.
+        let part = (f64::from(choice(bits as u32)) + stream.random::<f64>()) / f64::from(1u32 << CHOICE_BITS);
+        let part = part.min(1.0 - f64::EPSILON);
+        let [hit_end, short_end, max_end] = model.part_ends;
+        if part < hit_end {
             if is_hit { model.sample_hit(range, max_range, &mut stream) } else { max_range }
-        } else if share < short_end {
+        } else if part < short_end {
             model.sample_short(if is_hit { range } else { max_range }, &mut stream)
-        } else if share < max_end {
+        } else if part < max_end {
             max_range
         } else {
             stream.random::<f64>() * max_range
@@ -280,8 +341,8 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// The bits that choose a part of the mixture.
+/// Returns the bits that choose a part of the model.
 #[inline(always)]
-fn share(bits: u32) -> u32 {
-    bits & ((1 << SHARE_BITS) - 1)
+fn choice(bits: u32) -> u32 {
+    bits & ((1 << CHOICE_BITS) - 1)
 }

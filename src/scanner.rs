@@ -1,4 +1,4 @@
-//! Laser scanners: the only owner of beam angles; one scan, a batch of scans.
+//! Laser scanners: beam angles, single scans, batches of scans. Beam angles are defined here and nowhere else.
 
 use std::f64::consts::TAU;
 use std::iter;
@@ -17,15 +17,15 @@ use crate::world::World;
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScannerOptions {
-    /// Field of view in radians, at most a full turn.
+    /// Field of view \[rad\], in (0, 2π].
     pub fov: f64,
-    /// Number of beams, which is the number of ranges.
+    /// Number of beams, equal to the number of ranges of a scan.
     pub beam_count: usize,
-    /// Returns nearer than this are too close to be valid \[m\].
+    /// Smallest valid range \[m\].
     pub min_range: f64,
-    /// Range of a beam without a return \[m\].
+    /// Range reported for a beam without a return \[m\].
     pub max_range: f64,
-    /// Pose of the scanner on the robot: `base_from_laser`.
+    /// Pose of the laser frame in the robot's base frame: `base_from_laser`.
     pub mount: Pose,
 }
 
@@ -35,55 +35,74 @@ impl Default for ScannerOptions {
     }
 }
 
-/// Noise on a batch of scans: scan `i` of the batch draws from the stream `(seed, first_index + i)`.
+/// Noise for a batch of scans: the noise of scan `i` is named by `(seed, first_index + i)` and depends on nothing else.
+///
+/// A batch may therefore be split: its second part starts at `first_index` plus the length of the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// The model of a beam.
+    /// Distribution of the reading of a beam.
     pub model: BeamModel,
-    /// Seed of the streams.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Index of the first scan.
+    /// Index of the first scan of the batch. Indices wrap around at 2⁶⁴.
     pub first_index: u64,
 }
 
-/// What a message holds for a beam without a return.
+/// Value that marks a beam without a return, see [`LaserScanner::mark_invalid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoReturn {
-    /// `+inf`, as REP-117 has it.
+    /// `+inf`, as in REP-117.
     #[default]
     Inf,
-    /// The maximum range.
+    /// The maximum range of the scanner.
     Max,
 }
 
-/// The largest number of beams.
+/// Largest number of beams of a scanner.
 pub const MAX_BEAMS: usize = 1_000_000;
 
-/// Fields of view this near to a full turn are one: the last beam would fall on the first.
+/// A field of view within this of 2π \[rad\] counts as a full turn.
 const FULL_TURN_TOLERANCE: f64 = 1e-6;
 
-/// A planar scanner whose beams spread evenly over its field of view.
+/// A planar laser scanner whose beams are spread evenly over its field of view.
+///
+/// ```text
+///             y, left
+///             ^      beam_count - 1: angle_max
+///             |    /
+///             |  /
+///   laser     +------> x, ahead: angle 0
+///                \
+///                  \
+///                    beam 0: angle_min
+/// ```
+///
+/// Beam `i` points at `angle_min + i · angle_increment` in the laser frame, counter-clockwise:
+///
+/// | field of view | `angle_min` | `angle_increment` |
+/// |---|---|---|
+/// | less than a full turn | `-fov / 2` | `fov / (beam_count - 1)`: a beam at both ends |
+/// | full turn (2π ± 1e-6) | `-fov / 2` | `fov / beam_count`: the two ends are the same direction, with one beam |
+/// | any, with a single beam | 0 | 0 |
 #[derive(Debug, Clone)]
 pub struct LaserScanner {
     options: ScannerOptions,
     angle_min: f64,
     angle_increment: f64,
-    /// Cosines of the beams' angles.
+    /// Cosines of the beam angles, in groups; the last group is padded.
     cos: Vec<Group>,
-    /// Sines of the beams' angles.
+    /// Sines of the beam angles, in groups; the last group is padded.
     sin: Vec<Group>,
     kernel: Option<Kernel>,
 }
 
 impl LaserScanner {
-    /// The scanner with these parameters.
-    ///
-    /// Beam `i` points at `angle_min + i · angle_increment`: both ends of the field of view have a beam, unless it is a full turn
-    /// (to within 1e-6), whose ends are one. A single beam looks along the middle.
+    /// Returns the scanner with these parameters. [`LaserScanner`] tells where its beams point.
     ///
     /// # Errors
-    /// A field of view outside of (0, 2π], no beams or more than a million, ranges that are not `0 <= min < max`, a mount that
-    /// is not finite.
+    /// - [`Error::Number`]: `fov` is not in (0, 2π], the ranges are not `0 <= min_range < max_range`, `max_range` is too large for a
+    ///   float32, or `mount` is not finite.
+    /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`].
     pub fn new(options: ScannerOptions) -> Result<Self, Error> {
         let ScannerOptions { fov, beam_count, min_range, max_range, mount } = options;
         check_number("fov", fov, "in (0, 2π]", |value| value > 0.0 && value < TAU + FULL_TURN_TOLERANCE)?;
@@ -107,55 +126,90 @@ impl LaserScanner {
         Ok(Self { options, angle_min, angle_increment, cos, sin, kernel: None })
     }
 
-    /// The parameters.
+    /// Returns the parameters that the scanner was made with.
     #[must_use]
     pub fn options(&self) -> ScannerOptions {
         self.options
     }
 
-    /// Angle of beam 0 in the scanner's frame.
+    /// Returns the angle of beam 0 in the laser frame \[rad\].
     #[must_use]
     pub fn angle_min(&self) -> f64 {
         self.angle_min
     }
 
-    /// Angle of the last beam.
+    /// Returns the angle of the last beam in the laser frame \[rad\].
     #[must_use]
     pub fn angle_max(&self) -> f64 {
         self.angle(self.options.beam_count - 1)
     }
 
-    /// Angle from one beam to the next.
+    /// Returns the angle between two neighbouring beams \[rad\]; 0 if there is only one beam.
     #[must_use]
     pub fn angle_increment(&self) -> f64 {
         self.angle_increment
     }
 
-    /// Angle of a beam in the scanner's frame.
+    /// Returns the angle of a beam in the laser frame \[rad\].
     #[must_use]
     pub fn angle(&self, beam: usize) -> f64 {
         self.angle_min + beam as f64 * self.angle_increment
     }
 
-    /// Ranges \[m\] from the robot's pose `map_from_base`, the maximum range where there is no return.
+    /// Writes the true range \[m\] of each beam to `ranges`, seen from a robot at `map_from_base`.
+    ///
+    /// `ranges[i]` is the distance from the laser to the nearest blocking cell or obstacle along beam `i`: 0 if the laser is inside
+    /// one, `max_range` without a return. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The robot may be
+    /// off the grid. `map_from_base` must be finite; this is not checked here.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{
+    ///     GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown,
+    /// };
+    ///
+    /// // A row of ten cells of 1 m; the cell from x = 7 m to x = 8 m is occupied.
+    /// let mut cells = vec![0; 10];
+    /// cells[7] = 100;
+    /// let (origin, occupied_threshold) = (Pose::default(), OCCUPIED_THRESHOLD);
+    /// let grid = OccupancyGrid::new(
+    ///     cells,
+    ///     10,
+    ///     GridOptions { resolution: 1.0, origin, occupied_threshold, unknown: Unknown::Free },
+    /// )?;
+    ///
+    /// let options = ScannerOptions { fov: std::f64::consts::PI, beam_count: 3, max_range: 20.0, ..ScannerOptions::default() };
+    /// let laser = LaserScanner::new(options)?;
+    /// let mut ranges = [0.0; 3];
+    /// laser.scan(&grid, Pose::new(2.0, 0.5, 0.0), &mut ranges)?;
+    /// assert_eq!(ranges, [20.0, 5.0, 20.0]); // right, ahead, left
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
     ///
     /// # Panics
-    /// If `ranges` does not have an element for each beam.
+    /// If `ranges` does not have one element per beam.
     ///
     /// # Errors
-    /// A kernel asked for by the environment that this machine does not have.
+    /// [`Error::Kernel`] if the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot run.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let (world, max_range) = (world.into(), self.options.max_range);
-        assert_eq!(ranges.len(), self.options.beam_count, "one range per beam");
+        assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(UpTo { max_range, ranges }));
         Ok(())
     }
 
-    /// Readings \[m\] from each robot's pose, `[x, y, yaw]` in the map frame: as many for each as there are beams, one pose after
-    /// the other. The same for any number of threads.
+    /// Writes the readings \[m\] of one scan per pose to `readings`, with noise if `noise` is given.
+    ///
+    /// `poses[i]` is `[x, y, yaw]` of the robot in the map frame \[m, rad\]. The reading of beam `b` of scan `i` is
+    /// `readings[i * beam_count + b]`. Without noise the readings are those of [`scan`](Self::scan).
+    ///
+    /// The work is shared by `threads` threads, by default as many as there are cores. The readings do not depend on `threads`.
     ///
     /// # Errors
-    /// Poses that are not finite, a wrong number of `readings`, no threads to be had.
+    /// - [`Error::Row`]: a pose is not finite.
+    /// - [`Error::Length`]: `readings` does not have `poses.len() * beam_count` elements.
+    /// - [`Error::Count`]: `threads` is 0 or more than 1024.
+    /// - [`Error::Threads`]: the system could not start the threads.
+    /// - [`Error::Kernel`]: as in [`scan`](Self::scan).
     pub fn scan_batch<'a>(
         &self,
         world: impl Into<World<'a>>,
@@ -190,7 +244,23 @@ impl LaserScanner {
         })
     }
 
-    /// Marks, as REP-117 asks of a message, readings that are no valid return: too close `-inf`, no return as `no_return` says.
+    /// Marks the readings that are not valid returns, in place, as REP-117 requires for a message.
+    ///
+    /// | reading | becomes |
+    /// |---|---|
+    /// | below `min_range` | `-inf` |
+    /// | `max_range` or more | `+inf`, or `max_range` with [`NoReturn::Max`] |
+    /// | any other, NaN included | unchanged |
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{LaserScanner, NoReturn, ScannerOptions};
+    ///
+    /// let options = ScannerOptions { min_range: 0.5, max_range: 8.0, ..ScannerOptions::default() };
+    /// let mut readings = [0.25, 3.0, 8.0];
+    /// LaserScanner::new(options)?.mark_invalid(&mut readings, NoReturn::Inf);
+    /// assert_eq!(readings, [f32::NEG_INFINITY, 3.0, f32::INFINITY]);
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
     pub fn mark_invalid(&self, readings: &mut [f32], no_return: NoReturn) {
         let (min, max) = (self.options.min_range as f32, self.options.max_range as f32);
         let missing = if no_return == NoReturn::Inf { f32::INFINITY } else { max };
@@ -203,10 +273,12 @@ impl LaserScanner {
         }
     }
 
-    /// Points \[m\] of the map frame that the valid returns among `readings` came from, `[x, y]` each.
+    /// Returns the end points `[x, y]` \[m\] in the map frame of the valid returns of a scan taken from `map_from_base`.
+    ///
+    /// A reading is valid if `min_range <= reading < max_range`; the other readings give no point. Points are in the order of beams.
     ///
     /// # Errors
-    /// Not one reading for each beam.
+    /// [`Error::Length`] if `readings` does not have one element per beam.
     pub fn end_points(&self, map_from_base: Pose, readings: &[f32]) -> Result<Vec<[f64; 2]>, Error> {
         if readings.len() != self.options.beam_count {
             return Err(Error::Length { name: "readings", value: readings.len(), needed: self.options.beam_count });
@@ -223,7 +295,7 @@ impl LaserScanner {
         Ok(returns.map(point).collect())
     }
 
-    /// The same scanner, casting by this kernel.
+    /// Returns the same scanner, but casting with `kernel`, regardless of the environment. All kernels give the same ranges.
     #[must_use]
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel: Some(kernel), ..self }
@@ -233,7 +305,7 @@ impl LaserScanner {
         Ok(Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?))
     }
 
-    /// Casts all beams from each pose, with a sink for each.
+    /// Casts all beams from each pose and sends the ranges of each scan to its own sink.
     fn cast(
         &self,
         caster: Caster<'_>,
@@ -249,15 +321,15 @@ impl LaserScanner {
             *start = Start::new(grid, grid.pose_in_grid(map_from_laser(map_from_base)));
             count += 1;
         }
-        debug_assert!(poses.clone().nth(Fans::MOST).is_none(), "more scans than are cast at a time");
+        debug_assert!(poses.clone().nth(Fans::MOST).is_none(), "too many scans for one call");
         let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
             let view = || View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range);
             let view = (!obstacles.is_empty()).then(view).filter(|view| !view.is_empty());
-            Shortened { view, cos, sin, sink }
+            WithObstacles { view, cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
-        caster.cast_fans(fans, InTurn { sink, upcoming: sinks, groups: cos.len(), first: 0 });
+        caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 });
     }
 
     fn spread(&self) -> Spread {
@@ -266,57 +338,58 @@ impl LaserScanner {
     }
 }
 
-/// Hands the groups of scans to a sink for each.
-struct InTurn<S, N> {
+/// Sends the groups of several scans to one sink per scan. Groups arrive in order, numbered across all scans.
+struct SinkPerScan<S, N> {
+    /// Sink of the current scan.
     sink: S,
-    /// Those of the scans to come.
+    /// Sinks of the following scans.
     upcoming: N,
-    /// Number of groups of a scan.
+    /// Number of groups in a scan.
     groups: usize,
-    /// The first group of the scan that is under way.
+    /// Number of the first group of the current scan.
     first: usize,
 }
 
-impl<S: Sink, N: Iterator<Item = S>> InTurn<S, N> {
-    // Not to become part of the loop over groups.
+impl<S: Sink, N: Iterator<Item = S>> SinkPerScan<S, N> {
+    // Not inlined, to keep the loop over groups small.
     #[inline(never)]
-    fn turn_to_next(&mut self) {
+    fn start_next_scan(&mut self) {
         self.first += self.groups;
-        self.sink = self.upcoming.next().expect("a sink for each scan");
+        self.sink = self.upcoming.next().expect("one sink per scan");
     }
 }
 
-impl<S: Sink, N: Iterator<Item = S>> Sink for InTurn<S, N> {
+impl<S: Sink, N: Iterator<Item = S>> Sink for SinkPerScan<S, N> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
         if group == self.first + self.groups {
-            self.turn_to_next();
+            self.start_next_scan();
         }
         self.sink.take(group - self.first, ranges);
     }
 }
 
-/// Shortens ranges to what obstacles leave of them.
-struct Shortened<'a, S> {
-    /// What there is to be seen of them, if anything.
+/// Shortens the ranges to the nearest obstacle, then passes them on to `sink`.
+struct WithObstacles<'a, S> {
+    /// The obstacles that this scan can see; `None` if it can see none.
     view: Option<View<'a>>,
     cos: &'a [Group],
     sin: &'a [Group],
     sink: S,
 }
 
-impl<S: Sink> Sink for Shortened<'_, S> {
+impl<S: Sink> Sink for WithObstacles<'_, S> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
         let Some(view) = &self.view else { return self.sink.take(group, ranges) };
         let mut ranges = *ranges;
         let (cos, sin) = (&self.cos[group], &self.sin[group]);
-        view.shorten(group * GROUP, |place| DVec2::new(cos[place], sin[place]), &mut ranges);
+        view.shorten(group * GROUP, |lane| DVec2::new(cos[lane], sin[lane]), &mut ranges);
         self.sink.take(group, &ranges);
     }
 }
 
-/// Stores readings sampled from a beam model.
+/// Draws a reading for each range from a beam model and stores it.
 struct Noisy<'a> {
     sampler: Sampler<'a>,
     readings: &'a mut [f32],
