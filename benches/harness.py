@@ -60,7 +60,9 @@ def circling(grid: mrs.OccupancyGrid) -> mrs.Simulation:
     """A robot that circles in a room: odometry at 50 Hz, and a noisy scanner of 541 beams at 10 Hz."""
     parameters = {"publish_rate": 50.0, "velocity_timeout": 0.0}
     simulation = mrs.Simulation(grid, parameters=parameters, seed=SEED, start=(22.5, 21.5, 0.0))
-    simulation.publish("/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.5), angular=mrs.Vector3(z=0.5)))
+    simulation.publish(
+        "/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5), angular=mrs.messages.Vector3(z=0.5))
+    )
     return simulation
 
 
@@ -77,7 +79,7 @@ def drive(grid: mrs.OccupancyGrid) -> Figure:
 
 def recorded_drive(grid: mrs.OccupancyGrid) -> Figure:
     """The same ten minutes, recorded to MCAP."""
-    from mobile_robot_simulator.recording import Recorder
+    from mobile_robot_simulator.recording.recorder import Recorder
 
     with tempfile.TemporaryDirectory() as folder:
         simulation = circling(grid)
@@ -106,7 +108,9 @@ def twenty_robots(grid: mrs.OccupancyGrid) -> Figure:
     robots = {f"robot{index}": (22.5 + 5.0 * (index % 5 - 2), 22.5 + 5.0 * (index // 5 - 2), index) for index in range(20)}
     simulation = mrs.Simulation(grid, parameters={"velocity_timeout": 0.0}, seed=SEED, robots=robots)
     for name in robots:
-        simulation.publish(f"/{name}/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.4), angular=mrs.Vector3(z=0.4)))
+        simulation.publish(
+            f"/{name}/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.4), angular=mrs.messages.Vector3(z=0.4))
+        )
     watch = Watch()
     simulation.run_for(60.0)
     took = watch.read()

@@ -1,6 +1,7 @@
 """Exact, fast and deterministic simulation of mobile robots and laser scanners on occupancy grids.
 
-The core (grids, scanners, beam noise, motion) is there at once; the rest is imported when it is first asked for.
+The core (grids, scanners, noise, shapes, motion) is imported at once. Everything else, such as `Simulation` or the submodule
+`messages`, is imported when it is first used.
 """
 
 from importlib import import_module
@@ -24,128 +25,71 @@ from ._core import (
 )
 
 if TYPE_CHECKING:
-    from . import messages
-    from .bus_node import Node
-    from .floor_plans import floor_plan
-    from .laser_node import LaserScannerSimulator
-    from .map_node import MapServer
-    from .maps import load_map, save_map
-    from .messages import (
-        Clock,
-        GetMap,
-        Header,
-        LaserScan,
-        Odometry,
-        Point,
-        PoseWithCovariance,
-        PoseWithCovarianceStamped,
-        Quaternion,
-        SetPose,
-        String,
-        TFMessage,
-        Time,
-        Transform,
-        TransformStamped,
-        Trigger,
-        Twist,
-        TwistStamped,
-        TwistWithCovariance,
-        Vector3,
-    )
-    from .robot_node import MobileRobotSimulator
+    from . import bus, faults, maps, messages, nodes, parameters, physics, plotting, recording, ros, testing
+    from .maps import floor_plan, load_map, save_map
     from .simulation import Simulation
 
-_HOMES = {
-    "bus_node": ["Node"],
-    "floor_plans": ["floor_plan"],
-    "laser_node": ["LaserScannerSimulator"],
-    "map_node": ["MapServer"],
-    "maps": ["load_map", "save_map"],
-    "messages": [
-        "Clock",
-        "GetMap",
-        "Header",
-        "LaserScan",
-        "Odometry",
-        "Point",
-        "PoseWithCovariance",
-        "PoseWithCovarianceStamped",
-        "Quaternion",
-        "SetPose",
-        "String",
-        "TFMessage",
-        "Time",
-        "Transform",
-        "TransformStamped",
-        "Trigger",
-        "Twist",
-        "TwistStamped",
-        "TwistWithCovariance",
-        "Vector3",
-    ],
-    "robot_node": ["MobileRobotSimulator"],
-    "simulation": ["Simulation"],
-}
-_HOME = {name: home for home, names in _HOMES.items() for name in names}
+_SUBMODULES = (
+    "bus",
+    "faults",
+    "maps",
+    "messages",
+    "nodes",
+    "parameters",
+    "physics",
+    "plotting",
+    "recording",
+    "ros",
+    "simulation",
+    "testing",
+)
+_LAZY = {"Simulation": "simulation", "floor_plan": "maps", "load_map": "maps", "save_map": "maps"}
+"""Names that are imported when they are first used, and their submodules."""
 
 __all__ = [
     "BeamModel",
-    "Clock",
     "Contact",
-    "GetMap",
-    "Header",
-    "LaserScan",
     "LaserScanner",
-    "LaserScannerSimulator",
     "Limits",
-    "MapServer",
-    "MobileRobotSimulator",
     "MotionNoise",
-    "Node",
     "OccupancyGrid",
-    "Odometry",
-    "Point",
     "Pose",
-    "PoseWithCovariance",
-    "PoseWithCovarianceStamped",
-    "Quaternion",
-    "SetPose",
     "Shape",
     "Simulation",
-    "String",
-    "TFMessage",
-    "Time",
-    "Transform",
-    "TransformStamped",
-    "Trigger",
-    "Twist",
-    "TwistStamped",
-    "TwistWithCovariance",
-    "Vector3",
     "__version__",
     "advance",
+    "bus",
     "cast_rays",
     "clearance",
+    "faults",
     "floor_plan",
     "integrate_twist",
     "load_map",
+    "maps",
     "messages",
+    "nodes",
+    "parameters",
+    "physics",
+    "plotting",
+    "recording",
+    "ros",
     "save_map",
+    "testing",
     "touches",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """Import what is asked for by its name."""
-    if name == "messages":
-        return import_module(f"{__name__}.messages")
-    if name not in _HOME:
+    """Imports a submodule or a lazily imported name when it is first used."""
+    if name in _SUBMODULES:
+        return import_module(f"{__name__}.{name}")
+    if name not in _LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    value = getattr(import_module(f"{__name__}.{_LAZY[name]}"), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    """All names, imported yet or not."""
-    return sorted(__all__)
+    """All public names, whether they are imported yet or not."""
+    return sorted({*__all__, *_SUBMODULES})

@@ -1,5 +1,5 @@
 """`python -m mobile_robot_simulator` is the command mobile-robot-simulator."""
 
-from .cli import main
+from .cli.main import main
 
 main()

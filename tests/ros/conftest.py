@@ -52,11 +52,11 @@ def map_file(tmp_path: Path) -> Path:
 
 def record_drive(map_file: Path, folder: Path, format: Any) -> Path:
     """The recording of five seconds of a robot that drives in the map."""
-    from mobile_robot_simulator.recording import Recorder
+    from mobile_robot_simulator.recording.recorder import Recorder
 
     simulation = mrs.Simulation(mrs.load_map(map_file))
     with Recorder(folder, format=format) as recorder:
         simulation.record(recorder.write)
-        simulation.publish("/cmd_vel", mrs.Twist(linear=mrs.Vector3(x=0.2)))
+        simulation.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.2)))
         simulation.run_for(5.0)
     return recorder.path

@@ -19,7 +19,7 @@ PATH = [0.0, 0.0, 2.0, 0.0, 2.0, 1.5]
 
 def on_the_bus() -> np.ndarray[Any, Any]:
     """The way that the controller takes on the bus, in a process where no rclpy is imported."""
-    from mobile_robot_simulator.rclpy_names import stand_in
+    from mobile_robot_simulator.testing.rclpy_shim import stand_in
 
     sys.path.insert(0, str(EXAMPLE))
     with stand_in():

@@ -84,7 +84,9 @@ def test_roslaunch_starts_map_robot_and_laser(world: Any, map_file: Path) -> Non
     world.publisher("/cmd_vel", TWIST)(twist(0.5, 0.0))
     odom.next(lambda it: it.pose.pose.position.x > 0.05)
     given = world.rospy.get_param("/laser_scanner_simulator_node")
-    defaults = mrs.LaserScannerSimulator(mrs.Simulation(mrs.load_map(map_file)).create_node("x")).parameters.model_dump()
+    defaults = mrs.nodes.LaserScannerSimulator(
+        mrs.Simulation(mrs.load_map(map_file)).create_node("x")
+    ).parameters.model_dump()
     assert given == {name: value for name, value in defaults.items() if value is not None}
     launch.interrupt()
     assert "Traceback" not in launch.output

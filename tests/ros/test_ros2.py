@@ -190,6 +190,6 @@ def test_the_launch_file_describes_three_nodes(monkeypatch: pytest.MonkeyPatch) 
 
 
 def _models() -> Any:
-    from mobile_robot_simulator.ros_nodes import MODELS
+    from mobile_robot_simulator.ros.configuration import MODELS
 
     return MODELS.values()

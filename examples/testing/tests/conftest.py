@@ -1,6 +1,6 @@
 """The controllers, imported without ROS. The fixtures of the simulator need nothing here."""
 
-from mobile_robot_simulator.rclpy_names import stand_in
+from mobile_robot_simulator.testing.rclpy_shim import stand_in
 
 with stand_in():
     import followers.pure_pursuit

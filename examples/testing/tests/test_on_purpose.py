@@ -3,7 +3,7 @@
 import pytest
 from followers.pure_pursuit import PurePursuit
 
-from mobile_robot_simulator.assertions import assert_reaches
+from mobile_robot_simulator.testing.assertions import assert_reaches
 
 
 @pytest.mark.simulator(

@@ -7,7 +7,7 @@ import pytest
 from followers.pure_pursuit import PurePursuit
 
 from mobile_robot_simulator import OccupancyGrid, faults
-from mobile_robot_simulator.assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches
+from mobile_robot_simulator.testing.assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches
 
 PATH = [(2.0, 2.0), (8.0, 2.0), (8.0, 7.0), (3.0, 7.0)]
 

@@ -4,7 +4,7 @@ import pytest
 from followers.wall_follower import WallFollower
 
 from mobile_robot_simulator import Shape, faults
-from mobile_robot_simulator.assertions import assert_clearance, assert_no_contact
+from mobile_robot_simulator.testing.assertions import assert_clearance, assert_no_contact
 
 LASER = {"laser_fov": 4.71, "laser_beam_count": 271, "laser_max_range": 10.0, "robot_radius": 0.25, "velocity_timeout": 1.0}
 

@@ -1,0 +1,1 @@
+"""What moves: robots under velocity commands, obstacles, contact between them, and odometry."""

@@ -1,0 +1,21 @@
+"""Recordings: messages written to ROS 2 bags (MCAP, SQLite) and ROS 1 bags.
+
+`Recorder` needs the extra `recording` and is imported when it is first used; `DeferredRecorder` keeps messages without it.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from .deferred import DeferredRecorder
+
+if TYPE_CHECKING:
+    from .recorder import Format, Recorder
+
+__all__ = ["DeferredRecorder", "Format", "Recorder"]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports the recorder when it is first used."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.recorder"), name)

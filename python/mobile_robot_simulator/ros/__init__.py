@@ -1,0 +1,1 @@
+"""The nodes on a real ROS 1 or ROS 2. `ros1` needs rospy, `ros2` needs rclpy."""

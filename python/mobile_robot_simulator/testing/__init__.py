@@ -1,0 +1,27 @@
+"""Tests of robot code: assertions on simulations, a stand-in for rclpy, and the pytest plugin.
+
+Names are imported when they are first used: pytest loads this package in every environment where it is installed.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches, assert_scan_close
+    from .rclpy_shim import stand_in
+
+__all__ = [
+    "assert_clearance",
+    "assert_no_contact",
+    "assert_rate",
+    "assert_reaches",
+    "assert_scan_close",
+    "stand_in",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports a public name when it is first used."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{'rclpy_shim' if name == 'stand_in' else 'assertions'}"), name)

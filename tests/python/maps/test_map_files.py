@@ -1,0 +1,707 @@
+"""maps: pixels become the cells that nav2_map_server makes of them, and cells come back as they were."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import struct
+import tempfile
+import warnings
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image, ImageFile
+
+import mobile_robot_simulator as mrs
+
+# Real maps, which do not travel with the project.
+SHARED_MAPS = Path(__file__).parents[3] / ".." / "shared" / "maps"
+needs_shared_maps = pytest.mark.skipif(not SHARED_MAPS.is_dir(), reason=f"no folder of real maps at {SHARED_MAPS}")
+
+ENTRIES = {
+    "image": "map.pgm",
+    "resolution": "0.05",
+    "origin": "[-1.5, 2.0, 0.25]",
+    "negate": "0",
+    "occupied_thresh": "0.65",
+    "free_thresh": "0.196",
+}
+
+
+def write_yaml(folder: Path, /, **entries: str | None) -> Path:
+    """A map's YAML with the given entries, as they would be typed; None leaves one out."""
+    path = folder / "map.yaml"
+    lines = [f"{key}: {text}\n" for key, text in {**ENTRIES, **entries}.items() if text is not None]
+    path.write_text("".join(lines))
+    return path
+
+
+def write_map(folder: Path, image: bytes, /, **entries: str | None) -> Path:
+    """A map's YAML beside its image."""
+    (folder / "map.pgm").write_bytes(image)
+    return write_yaml(folder, **entries)
+
+
+def pgm(rows: list[list[int]]) -> bytes:
+    return b"P5\n%d %d\n255\n" % (len(rows[0]), len(rows)) + np.array(rows, np.uint8).tobytes()
+
+
+def encoded(image: Image.Image, image_format: str, **options: Any) -> bytes:
+    file = io.BytesIO()
+    image.save(file, image_format, **options)
+    return file.getvalue()
+
+
+def grey_image(rows: list[list[int]]) -> Image.Image:
+    return Image.fromarray(np.array(rows, np.uint8))
+
+
+def big_endian(samples: list[int]) -> bytes:
+    return np.array(samples, ">u2").tobytes()
+
+
+def cells_of(path: Path) -> list[list[int]]:
+    cells: list[list[int]] = mrs.load_map(path).cells.tolist()
+    return cells
+
+
+def greys_of(folder: Path, image: bytes) -> list[list[int]]:
+    """The greys that an image is read as, top row first, so far as mode raw shows them: up to 100."""
+    return cells_of(write_map(folder, image, mode="raw"))[::-1]
+
+
+# --- From pixels to cells: tables by hand ---
+
+
+def test_trinary_knows_three_values_and_the_bottom_row_comes_first(tmp_path: Path) -> None:
+    image = pgm([[0, 254, 205], [206, 89, 90]])  # p: 1, 0.004, 0.19608; 0.192, 0.651, 0.647
+    assert cells_of(write_map(tmp_path, image)) == [[0, 100, -1], [100, 0, -1]]
+    assert cells_of(write_map(tmp_path, image, mode="trinary")) == [[0, 100, -1], [100, 0, -1]]
+
+
+def test_grey_205_is_unknown_at_0_196_and_free_at_0_25(tmp_path: Path) -> None:
+    assert cells_of(write_map(tmp_path, pgm([[205]]), free_thresh="0.196")) == [[-1]]
+    assert cells_of(write_map(tmp_path, pgm([[205]]), free_thresh="0.25")) == [[0]]
+
+
+def test_the_thresholds_themselves_are_occupied_and_free(tmp_path: Path) -> None:
+    # 0.6 is 153/255 and 0.2 is 51/255.
+    path = write_map(tmp_path, pgm([[102, 103, 203, 204]]), occupied_thresh="0.6", free_thresh="0.2")
+    assert cells_of(path) == [[100, -1, -1, 0]]
+
+
+def test_equal_thresholds_leave_nothing_unknown(tmp_path: Path) -> None:
+    entries = {"occupied_thresh": "0.6", "free_thresh": "0.6"}
+    for mode in ("trinary", "scale"):
+        assert cells_of(write_map(tmp_path, pgm([[102, 103]]), mode=mode, **entries)) == [[100, 0]]
+
+
+@pytest.mark.parametrize("negate", ["1", "true", "True"])
+def test_negate_makes_white_occupied(tmp_path: Path, negate: str) -> None:
+    path = write_map(tmp_path, pgm([[0, 254, 205, 51, 153, 100]]), negate=negate, free_thresh="0.2")
+    assert cells_of(path) == [[0, 100, 100, 0, -1, -1]]
+
+
+def test_scale_is_linear_between_the_thresholds_and_rounds(tmp_path: Path) -> None:
+    image = pgm([[102, 103, 152, 153, 178, 203, 204, 255]])
+    path = write_map(tmp_path, image, mode="scale", occupied_thresh="0.6", free_thresh="0.2")
+    # (255 - grey - 51) / 102: 1, 0.990, 0.510, 0.5, 0.255, 0.0098, 0, below 0
+    assert cells_of(path) == [[100, 99, 51, 50, 25, 1, 0, 0]]
+
+
+def test_raw_takes_the_grey_itself_and_no_notice_of_negate(tmp_path: Path) -> None:
+    image = pgm([[0, 1, 99, 100, 101, 127, 128, 255]])
+    for negate in ("0", "1"):
+        assert cells_of(write_map(tmp_path, image, mode="raw", negate=negate)) == [[0, 1, 99, 100, -1, -1, -1, -1]]
+
+
+@pytest.mark.parametrize("mode", ["LA", "RGBA"])
+def test_pixels_that_are_not_opaque_are_unknown_except_in_raw(tmp_path: Path, mode: str) -> None:
+    image = grey_image([[0, 0, 254], [0, 254, 50]]).convert(mode)
+    image.putalpha(grey_image([[0, 254, 255], [255, 128, 255]]))
+    data = encoded(image, "PNG")
+    assert cells_of(write_map(tmp_path, data)) == [[100, -1, 100], [-1, -1, 0]]
+    assert cells_of(write_map(tmp_path, data, mode="scale")) == [[100, -1, 100], [-1, -1, 0]]
+    assert cells_of(write_map(tmp_path, data, mode="raw")) == [[0, -1, 50], [0, 0, -1]]
+
+
+def test_transparent_values_of_a_png_without_alpha_are_unknown(tmp_path: Path) -> None:
+    grey = grey_image([[0, 7, 8]])
+    sixteen = Image.fromarray(np.array([[0, 7 * 257, 7 * 257 + 1]], np.uint16))
+    for data in (
+        encoded(grey, "PNG", transparency=7),
+        encoded(grey.convert("P"), "PNG", transparency=7),
+        encoded(grey.convert("RGB"), "PNG", transparency=(7, 7, 7)),
+        encoded(sixteen, "PNG", transparency=7 * 257),
+    ):
+        assert cells_of(write_map(tmp_path, data)) == [[100, -1, 100]]
+
+
+def test_luma_is_that_of_graphicsmagick(tmp_path: Path) -> None:
+    # (306 R + 601 G + 117 B) / 1024: 76.2, 58.7, 29.1, 62.1, 77: rounded down.
+    colours = [(255, 0, 0), (0, 100, 0), (0, 0, 255), (100, 50, 25), (77, 77, 77)]
+    image = Image.fromarray(np.array([colours], np.uint8))
+    assert greys_of(tmp_path, encoded(image, "PNG")) == [[76, 58, 29, 62, 77]]
+    assert greys_of(tmp_path, encoded(image, "PPM")) == [[76, 58, 29, 62, 77]]
+    assert greys_of(tmp_path, b"P3\n5 1\n255\n255 0 0 0 100 0 0 0 255 100 50 25 77 77 77") == [[76, 58, 29, 62, 77]]
+
+
+def test_colours_without_colour_keep_their_grey(tmp_path: Path) -> None:
+    greys = list(range(256))
+    expected = [[grey if grey <= 100 else -1 for grey in greys]]
+    assert greys_of(tmp_path, encoded(grey_image([greys]).convert("RGB"), "PNG")) == expected
+
+
+# --- Encodings ---
+
+SAMPLES = bytes([0, 50, 100, 10, 35, 9])  # 10 is a line feed, 35 a number sign, 9 a tab
+SAMPLES_THRICE = bytes(sample for sample in SAMPLES for _ in range(3))
+GREYS = [[0, 50, 100], [10, 35, 9]]
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        pytest.param(b"P5\n3 2\n255\n" + SAMPLES, id="plain"),
+        pytest.param(b"P5 3\t2  255 " + SAMPLES, id="one line"),
+        pytest.param(b"P5\r\n3 2\r\n255\n" + SAMPLES, id="CRLF"),
+        pytest.param(b"P5\n#\n# 7 7\n3 # w\n#\n2\n# 1\n255\n" + SAMPLES, id="comments on lines of their own"),
+        pytest.param(b"P5# a\n3# b\r2# c\n255# d\n" + SAMPLES, id="comments right after the fields"),
+        pytest.param(b"P5\n3 2\n255\n" + SAMPLES + b"\nP5 and so on", id="trailing bytes"),
+        pytest.param(b"P6\n3 2\n255\n" + SAMPLES_THRICE, id="colour"),
+        pytest.param(b"P2\n3 2\n255\n0 50 100\n10 35 9\n", id="ASCII"),
+        pytest.param(b"P2 3 2 255\r\n0\r\n50\r\n100\r\n10\r\n35\r\n9", id="ASCII, one a line"),
+        pytest.param(b"P2\n3 2 255\n0 50# 5\n100 #\n\n# 7\n10 35 9 #", id="ASCII, comments among the numbers"),
+        pytest.param(b"P2\n3 2\n255\n0 50 100 10 35 9 255", id="ASCII, one number more"),
+        pytest.param(b"P3\n3 2\n255\n" + b" ".join(b"%d" % sample for sample in SAMPLES_THRICE), id="ASCII, colour"),
+        pytest.param(b"P5\n3 2\n65535\n" + big_endian([0, 50 * 257, 100 * 257, 2570, 35 * 257, 2313]), id="16 bits"),
+        pytest.param(b"P2\n3 2\n65535\n0 12850 25700 2570 8995 2313", id="16 bits, ASCII"),
+        pytest.param(encoded(grey_image(GREYS), "PNG"), id="PNG"),
+        pytest.param(encoded(grey_image(GREYS).convert("P"), "PNG"), id="PNG, palette"),
+        pytest.param(encoded(Image.fromarray(np.array(GREYS, np.uint16) * 257), "PNG"), id="PNG, 16 bits"),
+        pytest.param(encoded(grey_image(GREYS), "BMP"), id="BMP"),
+        pytest.param(encoded(grey_image(GREYS).convert("RGB"), "BMP"), id="BMP, colour"),
+        pytest.param(encoded(grey_image(GREYS), "TIFF"), id="TIFF"),
+        pytest.param(encoded(grey_image(GREYS), "TIFF", compression="tiff_lzw"), id="TIFF, LZW"),
+        pytest.param(encoded(Image.fromarray(np.array(GREYS, np.uint16) * 257), "TIFF"), id="TIFF, 16 bits"),
+        pytest.param(encoded(grey_image(GREYS), "GIF"), id="GIF"),
+    ],
+)
+def test_encodings_of_one_image_are_read_alike(tmp_path: Path, image: bytes) -> None:
+    assert greys_of(tmp_path, image) == GREYS
+
+
+def test_palette_greys_are_not_its_indices(tmp_path: Path) -> None:
+    image = grey_image([[0, 1, 2]])
+    image.putpalette([90, 90, 90, 20, 20, 20, 255, 0, 0])
+    assert greys_of(tmp_path, encoded(image, "PNG")) == [[90, 20, 76]]
+
+
+def test_jpeg_is_read_to_a_level_or_so(tmp_path: Path) -> None:
+    image = grey_image([[20] * 16, [60] * 16] * 8)
+    greys = np.array(greys_of(tmp_path, encoded(image, "JPEG", quality=95)))
+    assert np.abs(greys - np.asarray(image)).max() <= 2
+
+
+def test_bitmaps_are_black_where_their_bits_are_set(tmp_path: Path) -> None:
+    bits = [[1, 0, 1, 1, 0, 0, 0, 1, 0, 1], [0, 1, 0, 0, 0, 0, 0, 0, 1, 1]]
+    cells = [[100 * bit for bit in row] for row in bits[::-1]]
+    packed = bytes([0b10110001, 0b01000000, 0b01000000, 0b11111111])
+    one_bit = Image.fromarray(np.array(bits, np.uint8) == 0)
+    for image in (
+        b"P4\n10 2\n" + packed,
+        b"P1\n10 2\n" + b"1011000101" + b"0100000011",
+        b"P1 # c\n10 2\n1 0 1 1 0 0 0 1 0 1 # 1 1\n0 1 0 0 0 0 0 0 1 1\n",
+        encoded(one_bit, "PNG"),
+        encoded(one_bit, "BMP"),
+    ):
+        assert cells_of(write_map(tmp_path, image)) == cells
+
+
+def test_samples_are_scaled_to_8_bits_rounding_down(tmp_path: Path) -> None:
+    assert greys_of(tmp_path, b"P5\n4 1\n100\n" + bytes([0, 1, 20, 39])) == [[0, 2, 51, 99]]  # 2.55, 51, 99.45
+    assert greys_of(tmp_path, b"P5\n3 1\n1000\n" + big_endian([0, 100, 390])) == [[0, 25, 99]]  # 25.5, 99.45
+    assert greys_of(tmp_path, b"P5\n3 1\n65535\n" + big_endian([256, 257, 25699])) == [[0, 1, 99]]
+    sixteen_bits = Image.fromarray(np.array([[256, 257, 25699]], np.uint16))
+    assert greys_of(tmp_path, encoded(sixteen_bits, "PNG")) == [[0, 1, 99]]
+
+
+def test_rounding_down_decides_at_a_threshold(tmp_path: Path) -> None:
+    # 90 of 100 is 229.5: grey 229 has p = 0.102, grey 230 would have 0.098.
+    assert cells_of(write_map(tmp_path, b"P5\n1 1\n100\n" + bytes([90]), free_thresh="0.1")) == [[-1]]
+
+
+def test_samples_above_the_largest_are_white(tmp_path: Path) -> None:
+    assert cells_of(write_map(tmp_path, b"P5\n3 1\n100\n" + bytes([100, 101, 255]))) == [[0, 0, 0]]
+
+
+# --- The YAML ---
+
+
+@pytest.mark.parametrize("text", ["0.05", "0.05e0", "5e-2", ".05", "+0.050", '"0.05"', "0.05 # m"])
+def test_numbers_may_be_written_in_many_ways(tmp_path: Path, text: str) -> None:
+    assert mrs.load_map(write_map(tmp_path, pgm([[0]]), resolution=text)).resolution == 0.05
+
+
+def test_entries_reach_the_grid(tmp_path: Path) -> None:
+    grid = mrs.load_map(write_map(tmp_path, pgm([[0, 0, 0]])), occupied_threshold=70, unknown="occupied")
+    assert grid.shape == (1, 3)
+    assert grid.cells.dtype == np.int8
+    assert tuple(grid.origin) == (-1.5, 2.0, 0.25)
+    assert (grid.resolution, grid.occupied_threshold, grid.unknown) == (0.05, 70, "occupied")
+    grid = mrs.load_map(str(tmp_path / "map.yaml"))
+    assert (grid.occupied_threshold, grid.unknown) == (60, "free")
+
+
+def test_unknown_entries_are_passed_over(tmp_path: Path) -> None:
+    assert cells_of(write_map(tmp_path, pgm([[0]]), floor="3", tags="[a, {b: 1}]")) == [[100]]
+
+
+def test_image_is_relative_to_the_yaml_or_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "images").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    image = tmp_path / "images" / "a b.pgm"
+    image.write_bytes(pgm([[0, 254]]))
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    write_yaml(tmp_path, image="images/a b.pgm")
+    assert cells_of(Path("../map.yaml")) == [[100, 0]]
+    assert cells_of(write_yaml(tmp_path, image=str(image))) == [[100, 0]]
+
+
+@pytest.mark.parametrize("yaw", ["nan", "-nan", ".nan", "-NaN"])
+def test_yaw_of_nan_is_zero_with_a_warning(tmp_path: Path, yaw: str) -> None:
+    path = write_map(tmp_path, pgm([[0]]), origin=f"[1.0, 2.0, {yaw}]")
+    with pytest.warns(UserWarning, match=rf"yaw of the map's origin is {yaw}, taken as 0") as caught:
+        grid = mrs.load_map(path)
+    assert tuple(grid.origin) == (1.0, 2.0, 0.0)
+    assert caught[0].filename == __file__
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        ({"image": None}, "missing image; a map needs image, resolution, origin, negate, occupied_thresh, free_thresh"),
+        ({"negate": None, "origin": None}, "missing origin, negate; a map needs"),
+        ({"image": ""}, "image must be the path of an image, got ''"),
+        ({"image": "[map.pgm]"}, "image must be the path of an image, got ['map.pgm']"),
+        ({"resolution": "0"}, "resolution must be a positive number [m], got '0'"),
+        ({"resolution": "-0.05"}, "resolution must be a positive number [m], got '-0.05'"),
+        ({"resolution": "nan"}, "resolution must be a positive number [m], got 'nan'"),
+        ({"resolution": "1e999"}, "resolution must be a positive number [m], got '1e999'"),
+        ({"resolution": "5 cm"}, "resolution must be a positive number [m], got '5 cm'"),
+        ({"resolution": "true"}, "resolution must be a positive number [m], got 'true'"),
+        ({"resolution": ""}, "resolution must be a positive number [m], got ''"),
+        ({"resolution": "[0.05]"}, "resolution must be a positive number [m], got ['0.05']"),
+        ({"resolution": "2024-13-45"}, "resolution must be a positive number [m], got '2024-13-45'"),
+        ({"origin": "[0, 0]"}, "origin must be three numbers [x, y, yaw], got ['0', '0']"),
+        ({"origin": "[0, 0, 0, 0]"}, "origin must be three numbers [x, y, yaw], got ['0', '0', '0', '0']"),
+        ({"origin": "0"}, "origin must be three numbers [x, y, yaw], got '0'"),
+        ({"origin": "[0, west, 0]"}, "origin must be three finite numbers [x, y, yaw], got ['0', 'west', '0']"),
+        ({"origin": "[nan, 0, 0]"}, "origin must be three finite numbers [x, y, yaw], got ['nan', '0', '0']"),
+        ({"origin": "[0, 0, .inf]"}, "origin must be three finite numbers [x, y, yaw], got ['0', '0', '.inf']"),
+        ({"origin": "[0, 0, [1]]"}, "origin must be three finite numbers [x, y, yaw], got ['0', '0', ['1']]"),
+        ({"negate": "2"}, "negate must be 0, 1, false or true, got '2'"),
+        ({"negate": "maybe"}, "negate must be 0, 1, false or true, got 'maybe'"),
+        ({"occupied_thresh": "65"}, "occupied_thresh must be a number from 0 to 1, got '65'"),
+        ({"occupied_thresh": "high"}, "occupied_thresh must be a number from 0 to 1, got 'high'"),
+        ({"free_thresh": "-0.1"}, "free_thresh must be a number from 0 to 1, got '-0.1'"),
+        ({"free_thresh": "nan"}, "free_thresh must be a number from 0 to 1, got 'nan'"),
+        ({"free_thresh": "0.7"}, "free_thresh must be at most occupied_thresh, which is 0.65, got '0.7'"),
+        ({"mode": "Trinary"}, "mode must be trinary, scale or raw, got 'Trinary'"),
+        ({"mode": "[raw]"}, "mode must be trinary, scale or raw, got ['raw']"),
+    ],
+)
+def test_entries_that_make_no_map_are_refused(tmp_path: Path, entries: dict[str, str | None], message: str) -> None:
+    path = write_map(tmp_path, pgm([[0]]), **entries)
+    with pytest.raises(ValueError) as caught:
+        mrs.load_map(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "must hold a YAML mapping, got 'None'"),
+        (b"map.pgm", "must hold a YAML mapping, got 'map.pgm'"),
+        (b"- image\n", "must hold a YAML mapping, got"),
+        (b"image: [", "not valid YAML: "),
+        (b"image: a\n---\nimage: b\n", "not valid YAML: "),
+        (b"\x89PNG\r\n\x1a\n\0\0", "not valid YAML: "),
+        (b"[" * 3000, "not valid YAML: "),
+    ],
+)
+def test_text_that_is_no_mapping_is_refused(tmp_path: Path, text: bytes, message: str) -> None:
+    path = tmp_path / "map.yaml"
+    path.write_bytes(text)
+    with pytest.raises(ValueError) as caught:
+        mrs.load_map(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+def test_a_missing_yaml_and_a_folder_are_os_errors(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.yaml"):
+        mrs.load_map(tmp_path / "nowhere.yaml")
+    with pytest.raises(IsADirectoryError):
+        mrs.load_map(tmp_path)
+
+
+# --- Images that are none ---
+
+
+def test_a_missing_image_names_itself_and_its_map(tmp_path: Path) -> None:
+    path = write_yaml(tmp_path)
+    with pytest.raises(FileNotFoundError) as caught:
+        mrs.load_map(path)
+    assert f"image of the map {path}" in str(caught.value)
+    assert caught.value.filename == str(tmp_path / "map.pgm")
+    (tmp_path / "map.pgm").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"image of the map .*map\.yaml"):
+        mrs.load_map(path)
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        (b"", "the file is empty"),
+        (b"%PDF-1.7", "must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that begins with b'%PDF-1.7'"),
+        (b"P7\nWIDTH 1\n", "must be a PNM, PNG, JPEG"),
+        (b"P5", "the PNM header is broken: b'P5'"),
+        (b"P5\n3 two\n255\n", "the PNM header is broken"),
+        (b"P5\n3 2\n255", "the PNM header is broken"),
+        (b"P5\n-3 2\n255\n", "the PNM header is broken"),
+        (b"P5\n0 2\n255\n", "an image must have from 1 to 1073741824 pixels, got 0 x 2"),
+        (b"P5\n40000 40000\n255\n", "an image must have from 1 to 1073741824 pixels, got 40000 x 40000"),
+        (b"P5\n3 2\n0\n" + SAMPLES, "the largest sample of a PNM image must be from 1 to 65535, got 0"),
+        (b"P5\n3 2\n65536\n" + 2 * SAMPLES, "the largest sample of a PNM image must be from 1 to 65535, got 65536"),
+        (b"P5\n3 2\n255\n" + SAMPLES[:5], "the file is truncated: 5 of 6 samples"),
+        (b"P5\n3 2\n256\n" + SAMPLES + SAMPLES[:5], "the file is truncated: 5 of 6 samples"),
+        (b"P6\n3 2\n255\n" + 2 * SAMPLES, "the file is truncated: 12 of 18 samples"),
+        (b"P4\n9 2\n" + bytes(3), "the file is truncated: 3 of 4 samples"),
+        (b"P5\n3 2\n255\n", "the file is truncated: 0 of 6 samples"),
+        (b"P4\n9 2\n", "the file is truncated: 0 of 4 samples"),
+        (b"P1\n3 2\n1 0 1 0 1", "the file is truncated: 5 of 6 samples"),
+        (b"P1\n3 2\n1 0 2 0 1 0", "ASCII samples must be numbers, got b'2'"),
+        (b"P2\n3 2\n255\n1 2 3 4 5 # 6", "the file is truncated: 5 of 6 samples"),
+        (b"P2\n1 1\n255\n \n", "the file is truncated: 0 of 1 samples"),
+        (b"P2\n3 2\n255\n1 2 three 4 5 6", "ASCII samples must be numbers, got b'three'"),
+        (b"P2\n3 2\n255\n1 2 -3 4 5 6", "ASCII samples must be numbers, got b'-'"),
+        (b"P2\n3 2\n255\n1 2 3 4 5 256", "samples must be at most 255, got 256"),
+        (b"P2\n1 1\n255\n99999999999999999999", "samples must be at most 255, got"),
+        (encoded(Image.new("F", (1, 1)), "TIFF"), "samples must have at most 16 bits, got 32"),
+    ],
+)
+def test_images_that_are_broken_are_refused(tmp_path: Path, image: bytes, message: str) -> None:
+    path = write_map(tmp_path, image)
+    with pytest.raises(ValueError) as caught:
+        mrs.load_map(path)
+    assert str(caught.value).startswith(f"{tmp_path / 'map.pgm'}: cannot read the image of the map {path}: {message}")
+
+
+NOISE = Image.fromarray(np.random.default_rng(11).integers(0, 256, (40, 30), np.uint8))
+
+
+@pytest.mark.parametrize("tolerant", [False, True])
+@pytest.mark.parametrize(
+    "image",
+    [
+        pytest.param(encoded(NOISE, "PPM"), id="PGM"),
+        pytest.param(encoded(NOISE, "PNG"), id="PNG"),
+        pytest.param(encoded(NOISE.convert("RGBA"), "PNG"), id="PNG, alpha"),
+        pytest.param(encoded(NOISE, "JPEG"), id="JPEG"),
+        pytest.param(encoded(NOISE, "JPEG", progressive=True), id="JPEG, progressive"),
+        pytest.param(encoded(NOISE, "BMP"), id="BMP"),
+        pytest.param(encoded(NOISE, "TIFF"), id="TIFF"),
+        pytest.param(encoded(NOISE, "TIFF", compression="tiff_lzw"), id="TIFF, LZW"),
+        pytest.param(encoded(NOISE, "GIF"), id="GIF"),
+    ],
+)
+def test_truncated_images_are_refused_whatever_pillow_tolerates(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, image: bytes, tolerant: bool
+) -> None:
+    whole = cells_of(write_map(tmp_path, image))
+    monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", tolerant)
+    assert cells_of(write_map(tmp_path, image)) == whole
+    for kept in (1, len(image) // 3, len(image) // 2, len(image) - len(image) // 10):
+        path = write_map(tmp_path, image[:kept])
+        with pytest.raises(ValueError, match=r"map\.pgm: cannot read the image of the map"):
+            mrs.load_map(path)
+
+
+@pytest.mark.parametrize("tolerant", [False, True])
+def test_a_png_with_a_flipped_bit_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tolerant: bool) -> None:
+    monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", tolerant)
+    image = bytearray(encoded(NOISE, "PNG"))
+    image[len(image) // 2] ^= 1
+    path = write_map(tmp_path, bytes(image))
+    with pytest.raises(ValueError, match="checksum"):
+        mrs.load_map(path)
+
+
+def test_pillows_limit_on_pixels_neither_matters_nor_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 3)
+    path = write_map(tmp_path, encoded(NOISE, "PNG"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert mrs.load_map(path).shape == (40, 30)
+    assert Image.MAX_IMAGE_PIXELS == 3
+
+
+def test_a_header_that_promises_too_much_is_refused(tmp_path: Path) -> None:
+    header = b"IHDR" + struct.pack(">IIBBBBB", 50000, 50000, 8, 0, 0, 0, 0)
+    chunks = [header, b"IDAT" + zlib.compress(b"\0"), b"IEND"]
+    png = b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk)) for chunk in chunks
+    )
+    path = write_map(tmp_path, png)
+    with pytest.raises(ValueError, match="from 1 to 1073741824 pixels, got 50000 x 50000"):
+        mrs.load_map(path)
+
+
+# --- Saving ---
+
+
+def assert_same(left: mrs.OccupancyGrid, right: mrs.OccupancyGrid) -> None:
+    assert left.cells.dtype == right.cells.dtype
+    np.testing.assert_array_equal(left.cells, right.cells)
+    assert left.resolution == right.resolution
+    assert tuple(left.origin) == tuple(right.origin)
+
+
+finite = st.floats(-1e6, 1e6)
+
+
+@settings(derandomize=True, database=None, deadline=None, max_examples=150)
+@given(
+    shape=st.tuples(st.integers(1, 5), st.integers(1, 5)),
+    values=st.sampled_from([(-1, 0, 100), (-1, 101)]),
+    seed=st.integers(0, 1000),
+    resolution=st.floats(1e-3, 1e3),
+    origin=st.tuples(finite, finite, st.floats(-3.141592653589793, 3.141592653589793)),
+)
+def test_a_saved_map_loads_as_it_was(
+    shape: tuple[int, int],
+    values: tuple[int, ...],
+    seed: int,
+    resolution: float,
+    origin: tuple[float, float, float],
+) -> None:
+    random = np.random.default_rng(seed)
+    cells = (random.integers(*values, shape) if len(values) == 2 else random.choice(values, shape)).astype(np.int8)
+    grid = mrs.OccupancyGrid(cells, resolution=resolution, origin=origin)
+    with tempfile.TemporaryDirectory() as folder:
+        mrs.save_map(grid, Path(folder) / "copy.yaml")
+        assert_same(mrs.load_map(Path(folder) / "copy.yaml"), grid)
+
+
+@pytest.mark.parametrize(
+    ("values", "mode"), [(range(-1, 101), "raw"), ((-1, 0, 100), "trinary"), ((0,), "trinary"), ((-1, 99), "raw")]
+)
+def test_saved_files_say_what_map_servers_read(tmp_path: Path, values: list[int], mode: str) -> None:
+    grid = mrs.OccupancyGrid(np.array([list(values)], np.int8), resolution=1e-5, origin=(0.1, -2.0, 1e-17))
+    mrs.save_map(grid, str(tmp_path / "a copy.v2.yaml"))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a copy.v2.pgm", "a copy.v2.yaml"]
+    assert yaml.safe_load((tmp_path / "a copy.v2.yaml").read_text()) == {
+        "image": "a copy.v2.pgm",
+        "mode": mode,
+        "resolution": 1e-5,
+        "origin": [0.1, -2.0, 1e-17],
+        "negate": 0,
+        "occupied_thresh": 0.65,
+        "free_thresh": 0.196,
+    }
+    assert_same(mrs.load_map(tmp_path / "a copy.v2.yaml"), grid)
+
+
+def test_saved_greys_are_those_of_map_saver_bottom_row_last(tmp_path: Path) -> None:
+    mrs.save_map(mrs.OccupancyGrid(np.array([[-1, 0], [100, 0]], np.int8), resolution=1.0), tmp_path / "map.yml")
+    assert (tmp_path / "map.pgm").read_bytes() == b"P5\n2 2\n255\n" + bytes([0, 254, 205, 254])
+
+
+def saved(folder: Path, value: int) -> dict[str, bytes]:
+    """Files of the folder after a map of one cell of the given value was saved there."""
+    mrs.save_map(mrs.OccupancyGrid(np.array([[value]], np.int8), resolution=1.0), folder / "map.yaml")
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_saving_replaces_an_older_map(tmp_path: Path) -> None:
+    saved(tmp_path, 100)
+    assert set(saved(tmp_path, 7)) == {"map.pgm", "map.yaml"}
+    assert cells_of(tmp_path / "map.yaml") == [[7]]
+
+
+@pytest.mark.parametrize("failing", ["map.pgm", "map.yaml"])
+def test_saving_that_fails_leaves_the_older_map_and_no_draft(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
+) -> None:
+    before = saved(tmp_path, 100)
+    write_bytes = Path.write_bytes
+
+    def write_half(path: Path, data: bytes) -> int:
+        if path.name != failing:
+            return write_bytes(path, data)
+        write_bytes(path, data[: len(data) // 2])
+        raise OSError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", write_half)
+        with pytest.raises(OSError, match="the disk is full"):
+            saved(tmp_path, 7)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_the_image_is_replaced_before_the_yaml(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    replaced = []
+    replace = os.replace
+
+    def noting(source: Path, target: Path) -> None:
+        replaced.append(Path(target).name)
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", noting)
+    saved(tmp_path, 0)
+    assert replaced == ["map.pgm", "map.yaml"]
+
+
+def test_paths_that_cannot_hold_a_map_are_refused(tmp_path: Path) -> None:
+    grid = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+    with pytest.raises(ValueError, match=r"path of a map must end in \.yaml or \.yml, got '.*map\.pgm'"):
+        mrs.save_map(grid, tmp_path / "map.pgm")
+    with pytest.raises(FileNotFoundError, match=r"No such folder to save a map in: '.*nowhere'"):
+        mrs.save_map(grid, tmp_path / "nowhere" / "map.yaml")
+    (tmp_path / "folder.yaml").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"Cannot save a map over a folder: '.*folder\.yaml'"):
+        mrs.save_map(grid, tmp_path / "folder.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.yaml"]
+
+
+# --- Shared maps ---
+
+ONE_BIT = [0, 255, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 255, 255, 255, 0, 255, 255, 255, 255, 0, 0, 0, 0]
+MAXVAL_100 = [0, 255, 204, 255, 89, 89, 99, 51, 229, 229, 61, 0, 204, 206, 204, 0, 255, 127, 255, 255, 0, 0, 2, 2]
+MAXVAL_4095 = [0, 254, 204, 255, 88, 89, 100, 50, 230, 228, 60, 0, 204, 205, 204, 0, 254, 128, 255, 255, 0, 0, 1, 2]
+COLOUR = [76, 149, 29, 225, 255, 255, 0, 124] + 16 * [255]
+JPEG = [2, 253, 207, 255, 89, 90, 98, 49, 228, 228, 63, 1, 205, 206, 206, 1, 252, 129, 255, 254, 0, 1, 1, 4]
+
+# What GraphicsMagick reads; None for the pixels of base.npy.
+ODD_IMAGES = {
+    "bmp_24bit.bmp": None,
+    "bmp_8bit.bmp": None,
+    "jpg_l.jpg": JPEG,
+    "p2_ascii.pgm": None,
+    "p2_ascii_oneperline.pgm": None,
+    "p4_bitmap.pbm": ONE_BIT,
+    "p5_12bit_maxval4095.pgm": MAXVAL_4095,
+    "p5_16bit.pgm": None,
+    "p5_comments_everywhere.pgm": None,
+    "p5_crlf_header.pgm": None,
+    "p5_maxval100.pgm": MAXVAL_100,
+    "p5_oneline_header.pgm": None,
+    "p5_plain.pgm": None,
+    "p5_trailing_bytes.pgm": None,
+    "p6_rgb.ppm": None,
+    "png_16bit.png": None,
+    "png_1bit.png": ONE_BIT,
+    "png_colour.png": COLOUR,
+    "png_l.png": None,
+    "png_la.png": None,
+    "png_palette_adaptive.png": None,
+    "png_palette_reversed.png": None,
+    "png_rgb.png": None,
+    "png_rgba_transparent.png": None,
+    "tif_l.tif": None,
+}
+TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # pixels (0, 0), (1, 0) and (2, 3), row first
+
+
+def expected_cell(mode: str, grey: int, opaque: bool) -> int:
+    """The rules once more, for one pixel, at the thresholds 0.65 and 0.196."""
+    if mode == "raw":
+        return grey if grey <= 100 else -1
+    if not opaque:
+        return -1
+    occupancy = (255 - grey) / 255
+    if occupancy >= 0.65:
+        return 100
+    if occupancy <= 0.196:
+        return 0
+    return -1 if mode == "trinary" else round((occupancy - 0.196) / (0.65 - 0.196) * 100)
+
+
+@needs_shared_maps
+@pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
+@pytest.mark.parametrize("name", ODD_IMAGES)
+def test_odd_encodings_load_as_graphicsmagick_reads_them(tmp_path: Path, name: str, mode: str) -> None:
+    folder = SHARED_MAPS / "odd_synthetic"
+    greys = np.array(ODD_IMAGES[name] or np.load(folder / "base.npy")).reshape(4, 6)
+    oracle = json.loads((folder / "oracles.json").read_text())[name]["graphicsmagick"]
+    assert oracle == ("eq" if ODD_IMAGES[name] is None else f"differs: {greys[0].tolist()}")
+    clear = [(0, 0), (1, 0), (2, 3)] if name in TRANSPARENT else []
+    expected = [[expected_cell(mode, int(greys[row, col]), (row, col) not in clear) for col in range(6)] for row in range(4)]
+    shutil.copy(folder / name, tmp_path / name)
+    cells = mrs.load_map(write_yaml(tmp_path, image=name, mode=mode)).cells
+    if name == "jpg_l.jpg" and mode == "raw":  # decoders of JPEG may differ by a level
+        assert np.abs(cells - np.array(expected[::-1])).max() <= 1
+    else:
+        assert cells.tolist() == expected[::-1]
+
+
+@needs_shared_maps
+def test_the_truncated_encoding_is_refused_and_none_is_forgotten(tmp_path: Path) -> None:
+    folder = SHARED_MAPS / "odd_synthetic"
+    assert set(json.loads((folder / "oracles.json").read_text())) == {*ODD_IMAGES, "p5_truncated.pgm"}
+    path = write_yaml(tmp_path, image=str(folder.resolve() / "p5_truncated.pgm"))
+    with pytest.raises(ValueError, match=r"p5_truncated\.pgm: .*the file is truncated: 19 of 24 samples"):
+        mrs.load_map(path)
+
+
+# Height and width, resolution, origin; unknown, free and occupied cells counted in GraphicsMagick's pixels.
+REAL_MAPS: dict[str, tuple[tuple[int, int], float, tuple[float, float, float], tuple[int, int, int]]] = {
+    "f1_berlin/map.yaml": ((600, 600), 0.05, (-11.60654, -26.520793, 0.0), (0, 107954, 252046)),
+    "flatland_conestogo/map.yaml": ((505, 1310), 0.05, (-16.6, -6.65, 0.0), (147748, 495587, 18215)),
+    "mit_basement_fixed/map.yaml": ((1300, 1300), 0.0504, (25.9, 48.5, 3.14), (1399884, 275742, 14374)),
+    "mrpt_yaml_32/map.yaml": ((66, 30), 0.15, (-4.5, 0.0, 0.0), (0, 1737, 243)),
+    "nav2_depot/map.yaml": ((307, 604), 0.05, (0.0, 0.0, 0.0), (0, 179481, 5947)),
+    "nav2_tb3_sandbox/map.yaml": ((384, 384), 0.05, (-10.0, -10.0, 0.0), (138683, 7903, 870)),
+    "nav2_warehouse/map.yaml": ((1674, 1006), 0.03, (-15.1, -25.0, 0.0), (230801, 1422292, 30951)),
+    "radish_intel/map.yaml": ((848, 888), 0.05, (0.0, 0.0, 0.0), (527189, 212980, 12855)),
+    "radish_intel/map_logframe.yaml": (
+        (848, 888),
+        0.05054,
+        (-22.1918, -24.3587, -0.221075),
+        (527189, 212980, 12855),
+    ),
+    "rl_basement_hallways_5cm/map.yaml": ((1200, 1200), 0.05, (0.0, 0.0, 0.0), (1195598, 233220, 11182)),
+    "rl_huge/map.yaml": ((10976, 4128), 0.05, (0.0, 0.0, 0.0), (28112992, 16743232, 452704)),
+    "ros1_testmap2_negate/map.yaml": ((12, 12), 0.1, (-2.0, -3.0, -1.0), (0, 88, 56)),
+    "tb3_world/map.yaml": ((384, 384), 0.05, (-10.0, -10.0, 0.0), (138722, 7939, 795)),
+    "willow_2010_0.10/map.yaml": ((608, 566), 0.1, (0.0, 0.0, 0.0), (234377, 109207, 544)),
+}
+
+
+@needs_shared_maps
+@pytest.mark.parametrize("name", REAL_MAPS)
+def test_real_maps_load(name: str) -> None:
+    grid = mrs.load_map(SHARED_MAPS / name)
+    counts = tuple(int(np.count_nonzero(grid.cells == value)) for value in (-1, 0, 100))
+    assert (grid.shape, grid.resolution, tuple(grid.origin), counts) == REAL_MAPS[name]
+
+
+@needs_shared_maps
+def test_no_real_map_is_forgotten() -> None:
+    assert {str(path.relative_to(SHARED_MAPS)) for path in SHARED_MAPS.glob("*/*.yaml")} == set(REAL_MAPS)
+
+
+@needs_shared_maps
+def test_a_real_map_stands_upright() -> None:
+    with Image.open(SHARED_MAPS / "nav2_depot" / "depot.pgm") as image:
+        black = np.argwhere(np.asarray(image)[::-1] == 0)
+    occupied = np.argwhere(mrs.load_map(SHARED_MAPS / "nav2_depot" / "map.yaml").cells == 100)
+    assert {tuple(cell) for cell in black.tolist()} <= {tuple(cell) for cell in occupied.tolist()}

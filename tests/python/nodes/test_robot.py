@@ -1,0 +1,441 @@
+"""robot node: commands in; odometry, transforms and the clock out, exactly and on time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.bus.bus import Bus
+from mobile_robot_simulator.bus.node import OwnNode
+from mobile_robot_simulator.parameters import RobotParameters
+
+SECOND = 1_000_000_000
+PI = math.pi
+
+
+def twist(vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> mrs.messages.Twist:
+    return mrs.messages.Twist(linear=mrs.messages.Vector3(x=vx, y=vy), angular=mrs.messages.Vector3(z=wz))
+
+
+class Rig:
+    """A robot on a bus of its own, and all it publishes."""
+
+    def __init__(self, *, start_pose: mrs.Pose | None = None, started: bool = True, **parameters: Any) -> None:
+        self.bus = Bus()
+        parameters = {"cmd_vel_stamped": False, **parameters}
+        self.robot = mrs.nodes.MobileRobotSimulator(
+            OwnNode(self.bus, "robot"), RobotParameters.checked(parameters), start_pose=start_pose
+        )
+        self.node = OwnNode(self.bus, "tester")
+        self.sent: list[tuple[str, Any, int]] = []
+        self.bus.taps.append(lambda *event: self.sent.append(event))
+        if started:
+            self.robot.start()
+
+    def run_to(self, seconds: float) -> None:
+        self.bus.run_until(round(seconds * SECOND))
+
+    def command(self, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> None:
+        self.node.create_publisher(mrs.messages.Twist, "/cmd_vel").publish(twist(vx, vy, wz))
+
+    def place(self, x: float, y: float, yaw: float, frame: str = "map") -> None:
+        message = mrs.messages.PoseWithCovarianceStamped(mrs.messages.Header(frame_id=frame))
+        message.pose.pose = mrs.messages.Pose.from_planar(mrs.Pose(x, y, yaw))
+        self.node.create_publisher(mrs.messages.PoseWithCovarianceStamped, "/initialpose").publish(message)
+
+    def drive(self, until: float, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, every: float = 0.25) -> None:
+        """Repeats a command up to a time."""
+        while self.bus.time_ns < round(until * SECOND):
+            self.command(vx, vy, wz)
+            self.run_to(min(until, self.bus.time_ns / SECOND + every))
+
+    def all(self, topic: str) -> list[Any]:
+        return [message for name, message, _ in self.sent if name == topic]
+
+
+def close(pose: mrs.Pose, x: float, y: float, yaw: float, tolerance: float = 1e-12) -> bool:
+    assert tuple(pose) == pytest.approx((x, y, yaw), abs=tolerance)
+    return True
+
+
+# --- messages ---------------------------------------------------------------------------------------------------------
+
+
+def test_odometry_field_by_field() -> None:
+    rig = Rig()
+    rig.command(1.0, 0.5, 0.2)
+    rig.run_to(0.1)
+    (odometry,) = rig.all("/odom")
+    expected = mrs.Pose().integrate((1.0, 0.5, 0.2), 0.1)
+    assert odometry.header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "odom")
+    assert odometry.child_frame_id == "base_link"
+    position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
+    assert (position.x, position.y, position.z) == (expected.x, expected.y, 0.0)
+    assert (orientation.x, orientation.y) == (0.0, 0.0)
+    assert (orientation.z, orientation.w) == pytest.approx((math.sin(0.01), math.cos(0.01)), abs=1e-15)
+    # In the child frame.
+    assert odometry.twist.twist == twist(1.0, 0.5, 0.2)
+
+
+def test_odometry_says_what_is_known() -> None:
+    rig = Rig()
+    rig.run_to(0.1)
+    (odometry,) = rig.all("/odom")
+    for covariance in (odometry.pose.covariance, odometry.twist.covariance):
+        assert covariance.shape == (36,) and covariance.dtype == np.float64
+        matrix = np.asarray(covariance).reshape(6, 6)
+        assert np.array_equal(matrix, matrix.T)
+        assert (np.linalg.eigvalsh(matrix) > 0.0).all()
+        known, unknown = np.diag(matrix)[[0, 1, 5]], np.diag(matrix)[[2, 3, 4]]
+        assert known.max() < 1e-6 < 1.0 <= unknown.min()
+
+
+def test_transforms_field_by_field() -> None:
+    rig = Rig()
+    rig.command(1.0)
+    rig.run_to(0.1)
+    (message,) = rig.all("/tf")
+    (transform,) = message.transforms
+    assert transform.header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "odom")
+    assert transform.child_frame_id == "base_link"
+    translation, rotation = transform.transform.translation, transform.transform.rotation
+    assert (translation.x, translation.y, translation.z) == (0.1, 0.0, 0.0)
+    assert (rotation.x, rotation.y, rotation.z, rotation.w) == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_transforms_agree_with_odometry() -> None:
+    rig = Rig(publish_map_transform=True)
+    rig.drive(5.0, 0.7, -0.1, 0.9)
+    for odometry, message in zip(rig.all("/odom"), rig.all("/tf"), strict=True):
+        link = {transform.child_frame_id: transform for transform in message.transforms}["base_link"]
+        assert link.header == odometry.header
+        position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
+        assert (link.transform.translation.x, link.transform.translation.y) == (position.x, position.y)
+        assert link.transform.rotation == orientation
+
+
+def test_the_map_transform_is_published_if_asked_for() -> None:
+    rig = Rig(publish_map_transform=True, start_pose=mrs.Pose(3.0, 4.0, 1.0))
+    rig.run_to(0.1)
+    (message,) = rig.all("/tf")
+    links = {transform.child_frame_id: transform for transform in message.transforms}
+    assert set(links) == {"odom", "base_link"}
+    assert links["odom"].header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "map")
+    map_from_odom, odom_from_base = links["odom"].transform.to_planar(), links["base_link"].transform.to_planar()
+    close(map_from_odom * odom_from_base, 3.0, 4.0, 1.0)
+    close(odom_from_base, 0.0, 0.0, 0.0)
+
+
+def test_names_are_parameters() -> None:
+    rig = Rig(
+        odometry_topic="/robot/odom",
+        velocity_topic="/robot/cmd_vel",
+        base_link_frame="base_footprint",
+        odom_frame_id="robot/odom",
+        map_frame_id="world",
+        publish_map_transform=True,
+    )
+    rig.node.create_publisher(mrs.messages.Twist, "/robot/cmd_vel").publish(twist(1.0))
+    rig.run_to(0.1)
+    (odometry,) = rig.all("/robot/odom")
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("robot/odom", "base_footprint")
+    assert odometry.pose.pose.position.x == 0.1
+    (message,) = rig.all("/tf")
+    pairs = {(transform.header.frame_id, transform.child_frame_id) for transform in message.transforms}
+    assert pairs == {("world", "robot/odom"), ("robot/odom", "base_footprint")}
+
+
+@pytest.mark.parametrize("rate", [1.0, 10.0, 30.0, 7.0, 250.0])
+def test_stamps_and_rates(rate: float) -> None:
+    rig = Rig(publish_rate=rate)
+    rig.run_to(4.0)
+    expected = [round(count / rate * SECOND) for count in range(1, round(4 * rate) + 1)]
+    assert [message.clock.nanoseconds for message in rig.all("/clock")] == expected
+    assert [message.header.stamp.nanoseconds for message in rig.all("/odom")] == expected
+    assert [message.transforms[0].header.stamp.nanoseconds for message in rig.all("/tf")] == expected
+    assert [time_ns for topic, _, time_ns in rig.sent if topic == "/odom"] == expected
+
+
+# --- motion -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("velocity", "seconds", "expected"),
+    [
+        ((1.0, 0.0, 0.0), 3.0, (3.0, 0.0, 0.0)),
+        ((0.0, -0.5, 0.0), 2.0, (0.0, -1.0, 0.0)),
+        ((1.0, 0.0, 1.0), PI / 2, (1.0, 1.0, PI / 2)),
+        ((1.0, 0.0, -1.0), PI / 2, (1.0, -1.0, -PI / 2)),
+        ((1.0, 0.0, 1.0), 2 * PI, (0.0, 0.0, 0.0)),
+        ((0.5, 0.0, 0.25), 4 * PI, (0.0, 4.0, PI)),
+        ((0.0, 0.0, 1.0), 4.0, (0.0, 0.0, 4.0 - 2 * PI)),
+        ((1.0, 0.0, 1e-9), 2.0, (2.0, 2e-9, 2e-9)),
+    ],
+)
+def test_arcs_are_exact(velocity: tuple[float, float, float], seconds: float, expected: tuple[float, float, float]) -> None:
+    rig = Rig()
+    rig.drive(seconds, *velocity)
+    # The clock's nanoseconds round the duration.
+    assert (rig.robot.pose.x, rig.robot.pose.y) == pytest.approx(expected[:2], abs=2e-9)
+    assert math.remainder(rig.robot.pose.yaw - expected[2], 2 * PI) == pytest.approx(0.0, abs=2e-9)
+
+
+@pytest.mark.parametrize("rate", [1.0, 3.0, 10.0, 33.0, 100.0])
+def test_the_pose_does_not_depend_on_the_publishing_rate(rate: float) -> None:
+    reference, rig = Rig(publish_rate=0.1), Rig(publish_rate=rate)
+    for each in (reference, rig):
+        each.drive(1.7, 0.8, 0.1, 0.6)
+        each.drive(3.1, 0.2, 0.0, -1.3, every=0.37)
+    assert tuple(rig.robot.pose) == tuple(reference.robot.pose)
+
+
+def test_the_yaw_stays_wrapped() -> None:
+    rig = Rig()
+    rig.drive(20.0, 0.0, 0.0, 1.0)
+    for odometry in rig.all("/odom"):
+        assert -PI <= odometry.pose.pose.to_planar().yaw <= PI
+    assert -PI < rig.robot.pose.yaw <= PI
+
+
+def test_a_command_holds_until_the_timeout_and_no_longer() -> None:
+    rig = Rig(publish_rate=100.0)
+    rig.run_to(1.0)
+    rig.command(1.0)
+    rig.run_to(1.499_999_999)
+    assert rig.robot.velocity == (1.0, 0.0, 0.0)
+    assert rig.robot.pose.x == pytest.approx(0.499_999_999, abs=1e-15)
+    rig.run_to(1.5)
+    assert rig.robot.velocity == (0.0, 0.0, 0.0)
+    assert rig.robot.pose.x == 0.5
+    rig.run_to(5.0)
+    assert rig.robot.pose.x == 0.5
+    moving = [message for message in rig.all("/odom") if message.twist.twist != twist()]
+    assert [moving[0].header.stamp.nanoseconds, moving[-1].header.stamp.nanoseconds] == [1_010_000_000, 1_490_000_000]
+    assert rig.all("/odom")[-1].pose.pose.position.x == 0.5
+
+
+@pytest.mark.parametrize(
+    ("timeout", "distance"), [(0.25, 0.25), (2.0, 2.0), (0.333, 0.333), (1e-9, 1e-9), (1e300, 60.0), (0.0, 60.0)]
+)
+def test_the_timeout_is_a_parameter(timeout: float, distance: float) -> None:
+    """0 disables it, as in ros2_controllers."""
+    rig = Rig(velocity_timeout=timeout, publish_rate=1.0)
+    rig.command(1.0)
+    rig.run_to(60.0)
+    assert rig.robot.pose.x == pytest.approx(distance, rel=1e-12)
+
+
+def test_a_new_command_replaces_the_last_at_once() -> None:
+    rig = Rig()
+    rig.command(1.0)
+    rig.run_to(0.3)
+    rig.command(0.0, 2.0)
+    rig.run_to(0.4)
+    close(rig.robot.pose, 0.3, 0.2, 0.0)
+    rig.command()
+    rig.run_to(0.45)
+    assert rig.robot.velocity == (0.0, 0.0, 0.0)
+    close(rig.robot.pose, 0.3, 0.2, 0.0)
+
+
+def test_other_axes_of_a_command_are_passed_over() -> None:
+    rig = Rig()
+    message = mrs.messages.Twist(mrs.messages.Vector3(1.0, 0.0, 9.0), mrs.messages.Vector3(9.0, 9.0, 0.0))
+    rig.node.create_publisher(mrs.messages.Twist, "/cmd_vel").publish(message)
+    rig.run_to(0.5)
+    close(rig.robot.pose, 0.5, 0.0, 0.0)
+
+
+def test_stamped_commands_if_asked_for() -> None:
+    rig = Rig(cmd_vel_stamped=True)
+    with pytest.raises(TypeError, match="TwistStamped"):
+        rig.command(1.0)
+    rig.node.create_publisher(mrs.messages.TwistStamped, "/cmd_vel").publish(
+        mrs.messages.TwistStamped(twist=twist(1.0, 0.0, 1.0))
+    )
+    rig.run_to(0.5)
+    close(rig.robot.pose, math.sin(0.5), 1.0 - math.cos(0.5), 0.5)
+
+
+@pytest.mark.parametrize("stamped", [False, True])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        twist(math.nan),
+        twist(0.0, math.inf),
+        twist(0.0, 0.0, -math.inf),
+        twist(1e300),
+        twist(0.0, -1e12),
+        twist(0.0, 0.0, 1e300),
+    ],
+)
+def test_commands_no_robot_could_follow_are_refused_with_a_warning(
+    caplog: pytest.LogCaptureFixture, stamped: bool, bad: mrs.messages.Twist
+) -> None:
+    rig = Rig(cmd_vel_stamped=stamped)
+    wrap: Callable[[mrs.messages.Twist], Any] = (
+        (lambda message: mrs.messages.TwistStamped(twist=message)) if stamped else (lambda message: message)
+    )
+    publisher = rig.node.create_publisher(mrs.messages.TwistStamped if stamped else mrs.messages.Twist, "/cmd_vel")
+    publisher.publish(wrap(twist(1.0)))
+    rig.run_to(0.2)
+    assert not caplog.records
+    publisher.publish(wrap(bad))
+    rig.run_to(0.3)
+    (record,) = caplog.records
+    assert record.levelname == "WARNING" and "velocity" in record.getMessage()
+    # The good command before it still holds, and for no longer than it would have.
+    assert rig.robot.velocity == (1.0, 0.0, 0.0)
+    rig.run_to(2.0)
+    close(rig.robot.pose, 0.5, 0.0, 0.0)
+
+
+# --- being placed -----------------------------------------------------------------------------------------------------
+
+
+def test_an_initial_pose_moves_the_map_transform_and_not_odometry() -> None:
+    rig = Rig(publish_map_transform=True)
+    rig.command(1.0, 0.0, 0.5)
+    rig.run_to(0.3)
+    before = mrs.Pose().integrate((1.0, 0.0, 0.5), 0.3)
+    rig.place(5.0, -2.0, 2.0)
+    rig.run_to(0.3)
+    close(rig.robot.pose, 5.0, -2.0, 2.0)
+    rig.run_to(0.4)
+    odom_from_base = before.integrate((1.0, 0.0, 0.5), 0.1)
+    close(rig.all("/odom")[-1].pose.pose.to_planar(), *odom_from_base)
+    links = {transform.child_frame_id: transform.transform.to_planar() for transform in rig.all("/tf")[-1].transforms}
+    close(links["odom"] * links["base_link"], *mrs.Pose(5.0, -2.0, 2.0).integrate((1.0, 0.0, 0.5), 0.1))
+
+
+def test_without_the_map_transform_there_is_no_initial_pose() -> None:
+    rig = Rig()
+    assert "/initialpose" not in rig.bus.topic_names()
+
+
+def test_without_the_map_transform_odometry_starts_where_the_robot_does() -> None:
+    rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0))
+    rig.run_to(0.1)
+    close(rig.all("/odom")[0].pose.pose.to_planar(), 3.0, 4.0, 1.0)
+    rig.robot.set_pose(mrs.Pose(-1.0, 0.0, 0.5))
+    rig.run_to(0.2)
+    close(rig.all("/odom")[1].pose.pose.to_planar(), -1.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize("map_transform", [False, True])
+def test_being_placed_does_not_prolong_a_command(map_transform: bool) -> None:
+    """A command is held until the next one or until its timeout."""
+    rig = Rig(publish_map_transform=map_transform)
+    rig.command(1.0)
+    rig.run_to(0.4)
+    rig.robot.set_pose(mrs.Pose(10.0, 0.0, 0.0))
+    rig.run_to(2.0)
+    close(rig.robot.pose, 10.1, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("frame", ["", "map", "/map"])
+def test_an_initial_pose_is_in_the_map_frame(frame: str) -> None:
+    rig = Rig(publish_map_transform=True)
+    rig.place(1.0, 2.0, 0.5, frame)
+    rig.run_to(0.1)
+    close(rig.robot.pose, 1.0, 2.0, 0.5)
+
+
+def test_an_initial_pose_in_another_frame_is_refused(caplog: pytest.LogCaptureFixture) -> None:
+    rig = Rig(publish_map_transform=True)
+    rig.place(1.0, 2.0, 0.5, "odom")
+    rig.run_to(0.1)
+    close(rig.robot.pose, 0.0, 0.0, 0.0)
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    assert "map, got odom" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("part", "axis", "value"),
+    [
+        ("position", "x", math.nan),
+        ("position", "y", math.inf),
+        ("orientation", "z", math.nan),
+        ("orientation", "w", math.inf),
+        ("orientation", "w", 0.0),
+    ],
+)
+def test_an_initial_pose_that_is_none_is_refused(
+    caplog: pytest.LogCaptureFixture, part: str, axis: str, value: float
+) -> None:
+    """The last one has a quaternion of length zero, which is no rotation."""
+    rig = Rig(publish_map_transform=True, start_pose=mrs.Pose(1.0, 2.0, 0.5))
+    message = mrs.messages.PoseWithCovarianceStamped(mrs.messages.Header(frame_id="map"))
+    setattr(getattr(message.pose.pose, part), axis, value)
+    rig.node.create_publisher(mrs.messages.PoseWithCovarianceStamped, "/initialpose").publish(message)
+    rig.run_to(0.1)
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    close(rig.robot.pose, 1.0, 2.0, 0.5)
+
+
+# --- start and stop ---------------------------------------------------------------------------------------------------
+
+
+def test_nothing_happens_before_the_start() -> None:
+    rig = Rig(started=False)
+    rig.command(1.0)
+    rig.run_to(2.0)
+    assert [topic for topic, _, _ in rig.sent] == ["/cmd_vel"]
+    close(rig.robot.pose, 0.0, 0.0, 0.0)
+
+
+def test_a_stopped_robot_stands_still_and_says_nothing() -> None:
+    rig = Rig(velocity_timeout=0.0)
+    rig.command(1.0)
+    rig.run_to(1.0)
+    rig.robot.stop()
+    count = len(rig.sent)
+    rig.run_to(2.0)
+    rig.command(1.0)
+    rig.run_to(3.0)
+    close(rig.robot.pose, 1.0, 0.0, 0.0)
+    assert rig.robot.velocity == (0.0, 0.0, 0.0)
+    assert [topic for topic, _, _ in rig.sent[count:]] == ["/cmd_vel"]
+
+
+def test_a_restarted_robot_goes_on_from_where_it_stands() -> None:
+    rig = Rig()
+    rig.drive(1.0, 1.0)
+    rig.robot.stop()
+    rig.run_to(2.0)
+    rig.robot.start()
+    rig.run_to(2.5)
+    close(rig.robot.pose, 1.0, 0.0, 0.0)
+    rig.drive(3.0, 0.0, 1.0)
+    close(rig.robot.pose, 1.0, 0.5, 0.0)
+    stamps = [message.header.stamp.nanoseconds for message in rig.all("/odom")]
+    assert stamps == [count * SECOND // 10 for count in [*range(1, 11), *range(21, 31)]]
+
+
+def test_start_and_stop_may_be_called_twice() -> None:
+    rig = Rig()
+    rig.robot.start()
+    rig.run_to(0.1)
+    assert len(rig.all("/odom")) == 1
+    rig.robot.stop()
+    rig.robot.stop()
+    rig.robot.start()
+    rig.run_to(0.2)
+    assert len(rig.all("/odom")) == 2
+    assert len(rig.bus.topic("/cmd_vel", mrs.messages.Twist).subscriptions) == 1
+
+
+def test_the_same_run_twice_gives_equal_messages() -> None:
+    def drive() -> list[tuple[str, Any, int]]:
+        rig = Rig(publish_map_transform=True)
+        rig.drive(1.3, 0.8, 0.1, 0.6)
+        rig.place(1.0, 2.0, 3.0)
+        rig.drive(3.0, -0.2, 0.0, -1.3, every=0.4)
+        return rig.sent
+
+    assert drive() == drive()

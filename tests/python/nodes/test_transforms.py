@@ -1,0 +1,175 @@
+"""transforms: a frame in another, at a time."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator import messages
+from mobile_robot_simulator.nodes.transforms import TransformBuffer
+
+SECOND = 1_000_000_000
+
+
+def link(
+    parent: str, child: str, pose: mrs.Pose | tuple[float, float, float], seconds: float = 0.0
+) -> mrs.messages.TransformStamped:
+    header = mrs.messages.Header(mrs.messages.Time.from_nanoseconds(round(seconds * SECOND)), parent)
+    return mrs.messages.TransformStamped(header, child, messages.Transform.from_planar(mrs.Pose(*pose)))
+
+
+def close(found: mrs.Pose | None, expected: mrs.Pose | tuple[float, float, float]) -> bool:
+    assert found is not None
+    return tuple(found) == pytest.approx(tuple(expected), abs=1e-12)
+
+
+@pytest.fixture
+def buffer() -> TransformBuffer:
+    return TransformBuffer()
+
+
+def test_a_chain_is_looked_up_both_ways(buffer: TransformBuffer) -> None:
+    map_from_odom, odom_from_base, base_from_laser = mrs.Pose(1, 2, 0.3), mrs.Pose(-4, 0.5, 1.0), mrs.Pose(0.2, 0.0, math.pi)
+    buffer.add(link("map", "odom", map_from_odom))
+    buffer.add(link("odom", "base_link", odom_from_base))
+    buffer.add(link("base_link", "laser", base_from_laser), static=True)
+    map_from_laser = map_from_odom * odom_from_base * base_from_laser
+    assert close(buffer.lookup("map", "laser", 0), map_from_laser)
+    assert close(buffer.lookup("laser", "map", 0), map_from_laser.inverse())
+    assert close(buffer.lookup("odom", "laser", 0), odom_from_base * base_from_laser)
+    assert close(buffer.lookup("odom", "odom", 0), mrs.Pose())
+
+
+def test_siblings_meet_at_their_parent(buffer: TransformBuffer) -> None:
+    buffer.add(link("base", "left", (0, 1, math.pi / 2)))
+    buffer.add(link("base", "right", (1, -1, 0)))
+    assert close(buffer.lookup("left", "right", 0), (-2, -1, -math.pi / 2))
+
+
+@pytest.mark.parametrize(("target", "source"), [("map", "laser"), ("base", "moon"), ("moon", "base"), ("a", "base")])
+def test_what_is_not_linked_is_not_known(buffer: TransformBuffer, target: str, source: str) -> None:
+    buffer.add(link("odom", "base", (1, 0, 0)))
+    buffer.add(link("a", "b", (1, 0, 0)))
+    assert buffer.lookup(target, source, 0) is None
+
+
+def test_a_leading_slash_does_not_count(buffer: TransformBuffer) -> None:
+    buffer.add(link("/odom", "/base", (1, 0, 0)))
+    assert close(buffer.lookup("odom", "/base", 0), (1, 0, 0))
+
+
+def test_between_two_transforms_a_frame_moves_on_their_arc(buffer: TransformBuffer) -> None:
+    twist = (0.7, -0.2, 1.1)
+    for seconds in (0.0, 0.1, 0.2):
+        buffer.add(link("odom", "base", mrs.Pose(1, 2, 3).integrate(twist, seconds).wrapped(), seconds))
+    for seconds in (0.0, 0.03, 0.1, 0.155, 0.2, 0.23, 1.2):
+        found = buffer.lookup("odom", "base", round(seconds * SECOND))
+        assert close(found.wrapped(), mrs.Pose(1, 2, 3).integrate(twist, seconds).wrapped())
+
+
+def test_the_last_stamp_gives_its_own_pose_exactly(buffer: TransformBuffer) -> None:
+    for count in range(5):
+        pose = mrs.Pose(0.1 * count, math.sin(count), 0.3 * count).wrapped()
+        buffer.add(link("odom", "base", pose, count))
+        found = buffer.lookup("odom", "base", count * SECOND)
+        assert (found.x, found.y) == (pose.x, pose.y)
+
+
+@pytest.mark.parametrize("seconds", [1.99, 4.01])
+def test_times_long_before_or_after_the_last_are_not_known(buffer: TransformBuffer, seconds: float) -> None:
+    for stamp in (0.0, 1.0, 2.0, 3.0):
+        buffer.add(link("odom", "base", (stamp, 0, 0), stamp))
+    assert buffer.lookup("odom", "base", round(seconds * SECOND)) is None
+
+
+def odometry(child: str, vx: float, wz: float) -> mrs.messages.Odometry:
+    message = mrs.messages.Odometry(child_frame_id=child)
+    message.twist.twist = mrs.messages.Twist(mrs.messages.Vector3(vx), mrs.messages.Vector3(z=wz))
+    return message
+
+
+@pytest.mark.parametrize("seconds", [-0.4, 0.0, 0.3, 1.0])
+def test_odometry_carries_a_frame_from_its_last_transform(buffer: TransformBuffer, seconds: float) -> None:
+    buffer.add(link("odom", "base", (9, 9, 9), 4.5))  # it was put elsewhere since: no motion
+    buffer.add_twist(odometry("base", 0.7, 1.1))
+    buffer.add(link("odom", "base", (1, 2, 3), 5.0))
+    found = buffer.lookup("odom", "base", round((5.0 + seconds) * SECOND))
+    assert close(found.wrapped(), mrs.Pose(1, 2, 3).integrate((0.7, 0.0, 1.1), seconds).wrapped())
+
+
+def test_a_twist_that_is_not_finite_is_no_motion(buffer: TransformBuffer) -> None:
+    buffer.add_twist(odometry("base", math.nan, 0.0))
+    buffer.add(link("odom", "base", (1, 2, 3), 5.0))
+    assert close(buffer.lookup("odom", "base", round(5.5 * SECOND)), (1, 2, 3))
+
+
+def test_a_correction_of_the_map_is_no_motion(buffer: TransformBuffer) -> None:
+    for stamp in (0.0, 1.0):
+        buffer.add(link("map", "odom", (10 * stamp, 0, 0), stamp))
+        buffer.add(link("odom", "base", (stamp, 0, 0), stamp))
+    assert close(buffer.lookup("map", "base", round(1.5 * SECOND)), (11.5, 0, 0))
+
+
+def test_a_static_transform_holds_at_any_time(buffer: TransformBuffer) -> None:
+    buffer.add(link("base", "laser", (0.2, 0, 0), 5.0), static=True)
+    for seconds in (0, 5, 10**6):
+        assert close(buffer.lookup("base", "laser", seconds * SECOND), (0.2, 0, 0))
+    buffer.add(link("base", "laser", (0.3, 0, 0), 1.0), static=True)
+    assert close(buffer.lookup("base", "laser", 0), (0.3, 0, 0))
+
+
+def test_a_frame_with_one_transform_stays_where_it_is(buffer: TransformBuffer) -> None:
+    buffer.add(link("odom", "base", (1, 2, 3), 1.0))
+    assert close(buffer.lookup("odom", "base", round(1.3 * SECOND)), (1, 2, 3))
+
+
+def test_a_stamp_again_replaces_its_pose(buffer: TransformBuffer) -> None:
+    buffer.add(link("odom", "base", (0, 0, 0), 0.0))
+    buffer.add(link("odom", "base", (1, 0, 0), 1.0))
+    buffer.add(link("odom", "base", (2, 0, 0), 1.0))
+    assert close(buffer.lookup("odom", "base", SECOND), (2, 0, 0))
+    assert close(buffer.lookup("odom", "base", SECOND // 2), (1, 0, 0))
+
+
+def test_time_that_went_back_and_another_parent_start_anew(buffer: TransformBuffer) -> None:
+    buffer.add(link("odom", "base", (5, 0, 0), 9.0))
+    buffer.add(link("odom", "base", (1, 0, 0), 1.0))
+    assert close(buffer.lookup("odom", "base", SECOND), (1, 0, 0))
+    assert buffer.lookup("odom", "base", 9 * SECOND) is None
+    buffer.add(link("map", "base", (2, 0, 0), 2.0))
+    assert buffer.lookup("odom", "base", 2 * SECOND) is None
+    assert close(buffer.lookup("map", "base", 2 * SECOND), (2, 0, 0))
+
+
+def test_loops_of_frames_end(buffer: TransformBuffer) -> None:
+    buffer.add(link("a", "b", (1, 0, 0)))
+    buffer.add(link("b", "a", (1, 0, 0)))
+    buffer.add(link("c", "c", (1, 0, 0)))
+    assert close(buffer.lookup("a", "b", 0), (1, 0, 0)) or close(buffer.lookup("a", "b", 0), (-1, 0, 0))
+    assert buffer.lookup("a", "c", 0) is None
+
+
+def test_the_root_stands_for_a_target_nobody_speaks_of(buffer: TransformBuffer) -> None:
+    assert buffer.lookup_or_root("map", "base", 0) is None
+    buffer.add(link("odom", "base", (1, 2, 0)))
+    assert close(buffer.lookup_or_root("map", "base", 0), (1, 2, 0))
+    buffer.add(link("map", "odom", (10, 0, 0)))
+    assert close(buffer.lookup_or_root("map", "base", 0), (11, 2, 0))
+
+
+def test_the_root_does_not_stand_for_a_target_that_is_known(buffer: TransformBuffer) -> None:
+    buffer.add(link("odom", "base", (1, 2, 0)))
+    buffer.add(link("map", "elsewhere", (0, 0, 0)))
+    assert buffer.lookup_or_root("map", "base", 0) is None
+
+
+@pytest.mark.parametrize("x", [math.nan, math.inf])
+def test_a_transform_that_is_not_finite_is_refused(buffer: TransformBuffer, x: float) -> None:
+    broken = link("odom", "base", (0, 0, 0))
+    broken.transform.translation.x = x
+    buffer.add(link("odom", "base", (1, 0, 0)))
+    with pytest.raises(ValueError, match="finite"):
+        buffer.add(broken)
+    assert close(buffer.lookup("odom", "base", 0), (1, 0, 0))

@@ -1,0 +1,79 @@
+"""The same seeded run gives the same recording, byte by byte: in one process, in another, with any number of threads."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator import faults
+from mobile_robot_simulator.recording.recorder import Recorder
+
+SEED = 3
+
+
+def simulation(seed: int = SEED) -> mrs.Simulation:
+    """Two robots with all that is random: noise, drift, faults; and something that moves."""
+    grid = mrs.floor_plan("office", seed=1, size=(12.0, 10.0))
+    first, second = (grid.draw_free_pose(radius=0.5, seed=number) for number in (1, 2))
+    sim = mrs.Simulation(
+        grid,
+        parameters={"z_rand": 0.05, "contact": "slide", "odometry_alphas": (0.1,) * 6, "velocity_timeout": 0.0},
+        seed=seed,
+        robots={"one": first, "two": second},
+    )
+    sim.add_obstacle(mrs.Shape.disc(0.3), [(0.0, *first), (10.0, *second)])
+    sim.add_fault(faults.Drop("/one/scan", probability=0.2, seed=seed))
+    sim.add_fault(faults.Delay("/two/odom", 0.01, jitter=0.2, seed=seed))
+    for name in sim.robots:
+        sim.publish(
+            f"/{name}/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5), angular=mrs.messages.Vector3(z=0.2))
+        )
+    return sim
+
+
+def recording(sim: mrs.Simulation, folder: Path, seconds: float = 6.0) -> str:
+    """Digest of a recording of the next seconds."""
+    with Recorder(folder) as recorder:
+        sim.record(recorder.write)
+        sim.run_for(seconds)
+        sim.stop_recording(recorder.write)
+    data = (recorder.path / "recording.mcap").read_bytes()
+    assert len(data) > 100_000
+    return hashlib.sha256(data).hexdigest()
+
+
+def test_twice_in_one_process(tmp_path):
+    first = recording(simulation(), tmp_path / "first")
+    assert recording(simulation(), tmp_path / "second") == first
+    assert recording(simulation(SEED + 1), tmp_path / "third") != first
+
+
+@pytest.mark.parametrize("threads", [1, 8])
+def test_in_other_processes_with_any_number_of_threads(tmp_path, threads):
+    script = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); "
+        "from pathlib import Path; import test_repeatability as t; "
+        f"print(t.recording(t.simulation(), Path({str(tmp_path)!r}) / 'other'))"
+    )
+    environment = {**os.environ, "RAYON_NUM_THREADS": str(threads), "PYTHONHASHSEED": str(threads)}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == recording(simulation(), tmp_path / "here")
+
+
+def test_after_a_restore_in_the_middle(tmp_path):
+    through = simulation()
+    through.run_for(2.5)
+    expected = recording(through, tmp_path / "through")
+    sim = simulation()
+    sim.run_for(2.5)
+    state = sim.save()
+    for number in range(2):
+        assert recording(sim, tmp_path / f"again-{number}") == expected
+        sim.restore(state)

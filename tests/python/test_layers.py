@@ -1,0 +1,115 @@
+"""The direction of imports: a room of the package imports only rooms that stand above it in `ROOMS`."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import mobile_robot_simulator as mrs
+
+PACKAGE = Path(mrs.__file__).parent
+
+ROOMS = (
+    "_core",
+    "messages",
+    "instant",
+    "handle",
+    "parameters",
+    "maps",
+    "physics",
+    "nodes",
+    "bus",
+    "ros",
+    "simulation",
+    "faults",
+    "plotting",
+    "recording",
+    "testing",
+    "cli",
+)
+"""From the ground up. Each is a module or a folder of the package."""
+
+SIDE_BY_SIDE = ({"bus", "ros"},)
+"""Rooms that do not import each other, in whichever order they stand."""
+
+LEAVES = {"plotting", "recording"}
+"""Rooms that need an extra: they are imported inside functions, or under TYPE_CHECKING, only."""
+
+FACADE = {"__init__", "__main__"}
+"""Modules that give names to the whole package; they may import every room."""
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported_rooms(path: Path) -> list[tuple[str, ast.ImportFrom]]:
+    """Rooms of the package that a file imports from, with the statements."""
+    package = ("mobile_robot_simulator", *path.relative_to(PACKAGE).parent.parts)
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.ImportFrom):
+            assert not (isinstance(node, ast.Import) and any("mobile_robot_simulator" in alias.name for alias in node.names))
+            continue
+        if not node.level:
+            assert not (node.module or "").startswith("mobile_robot_simulator"), f"{path}: imports must be relative"
+            continue
+        base = package[: len(package) - node.level + 1]
+        module = [*base, *(node.module.split(".") if node.module else [])][1:]
+        found += [(name, node) for name in ([module[0]] if module else [alias.name for alias in node.names])]
+    return [(name, node) for name, node in found if name != "__version__"]
+
+
+def files() -> list[Path]:
+    return [path for path in sorted(PACKAGE.rglob("*.py")) if room_of(path) not in FACADE]
+
+
+def test_every_room_has_its_place() -> None:
+    assert {room_of(path) for path in files()} == {*ROOMS} - {"_core"}
+
+
+@pytest.mark.parametrize("path", files(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_one_way(path: Path) -> None:
+    own = room_of(path)
+    for name, node in imported_rooms(path):
+        assert ROOMS.index(name) <= ROOMS.index(own), f"line {node.lineno}: {own} must not import {name}"
+        assert name == own or not any({own, name} <= pair for pair in SIDE_BY_SIDE), (
+            f"line {node.lineno}: {own} imports {name}"
+        )
+
+
+@pytest.mark.parametrize("path", files(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_modules_of_a_room_import_each_other_one_way(path: Path) -> None:
+    """No circle between the modules of a room either, type annotations included."""
+    seen: set[Path] = set()
+    waiting = [path]
+    while waiting:
+        for other in modules_imported(waiting.pop()):
+            assert other != path, f"{path.relative_to(PACKAGE)} imports itself through other modules"
+            if other not in seen:
+                seen.add(other)
+                waiting.append(other)
+
+
+def modules_imported(path: Path) -> list[Path]:
+    """Files of the package that a file imports from."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            folder = path.parents[node.level - 1].joinpath(*(node.module.split(".") if node.module else []))
+            candidates = [folder / alias.name for alias in node.names] + [folder]
+            found += [
+                file for each in candidates for file in (each.with_suffix(".py"), each / "__init__.py") if file.is_file()
+            ]
+    return [file for file in found if file != PACKAGE / "__init__.py"]
+
+
+def test_leaves_are_imported_when_they_are_needed() -> None:
+    """The extras are optional: no module imports a leaf at its top level, outside of TYPE_CHECKING."""
+    for path in files():
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            for name, each in imported_rooms(path):
+                if each is node:
+                    assert name not in LEAVES or room_of(path) == name, f"{path}, line {node.lineno}: imports {name}"

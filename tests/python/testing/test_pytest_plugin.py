@@ -1,0 +1,278 @@
+"""The pytest plugin, used as its users do: a pytest of its own, with nothing in a conftest."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+pytest_plugins = "pytester"
+
+ROOM = """
+import numpy as np
+import pytest
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.testing import assert_reaches
+
+def room():
+    cells = np.zeros((60, 60), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1)
+"""
+
+FAILING = """
+def test_fails(simulation):
+    sim = simulation(room(), start=(1.0, 1.0, 0.0), parameters={"velocity_timeout": 0, "laser_beam_count": 31})
+    sim.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5)))
+    assert_reaches(sim, (1.0, 5.0), within=3.0)
+"""
+
+PASSING = """
+def test_passes(simulation):
+    sim = simulation(room(), start=(1.0, 1.0, 0.0))
+    sim.run_for(1.0)
+"""
+
+
+@pytest.fixture
+def run(pytester: pytest.Pytester):
+    def run(code: str, *options: str) -> pytest.RunResult:
+        pytester.makepyfile(ROOM + code)
+        return pytester.runpytest_subprocess("-p", "no:cacheprovider", "--basetemp=kept", *options, timeout=120)
+
+    return run
+
+
+def left(result: pytest.RunResult, what: str) -> list[Path]:
+    return [Path(line.partition(": ")[2]) for line in result.outlines if line.startswith(f"{what}: ")]
+
+
+def test_a_failure_prints_the_seed_the_command_and_what_was_left(run):
+    result = run(FAILING, "--simulator-seed", "5")
+    assert result.ret == 1
+    out = result.stdout.str()
+    assert "did not come within 0.3 m of (1, 5) in 3 s: it came within 4.000 m, at (1.000, 1.000) at 0.000 s" in out
+    assert "seed: 5" in result.outlines
+    node = r"test_a_failure\S*py::test_fails"
+    assert re.search(rf"^repeat with: pytest {node} --simulator-seed 5$", out, re.MULTILINE)
+    (recording,), pictures = left(result, "recording"), left(result, "picture")
+    assert (recording / "recording.mcap").stat().st_size > 1000
+    assert {picture.read_bytes()[:4] for picture in pictures} == {b"\x89PNG"}
+    assert recording.parent.parent.name == "test_fails0"
+
+
+def test_what_passes_leaves_nothing_unless_asked(run, pytester):
+    assert run(PASSING).ret == 0
+    assert not list(pytester.path.glob("kept/**/recording*"))
+    assert run(PASSING, "--simulator-record", "always").ret == 0
+    assert list(pytester.path.glob("kept/**/recording.mcap")) and list(pytester.path.glob("kept/**/drive.png"))
+
+
+def test_never_leaves_nothing_and_still_says_the_seed(run, pytester):
+    result = run(FAILING, "--simulator-record", "never")
+    assert result.ret == 1 and "seed: 0" in result.outlines
+    assert not list(pytester.path.glob("kept/**/recording*")) and not left(result, "picture")
+
+
+def test_the_marker_sets_what_is_left_out_and_the_command_line_goes_before_it(run):
+    code = """
+@pytest.mark.simulator(map=room(), seed=3, start=(2.0, 3.0, 0.5), parameters={"laser_beam_count": 7})
+class TestMarked:
+    def test_world(self, robot_world):
+        assert tuple(robot_world.pose) == (2.0, 3.0, 0.5)
+        assert robot_world.laser.parameters.seed == EXPECTED
+        assert robot_world.laser.parameters.laser_beam_count == 7
+
+    @pytest.mark.simulator(parameters={"laser_beam_count": 9})
+    def test_nearer(self, simulation):
+        sim = simulation(seed=4)
+        assert sim.laser.parameters.laser_beam_count == 9 and sim.laser.parameters.seed == 4
+
+    def test_robots(self, simulation):
+        sim = simulation(robots=["one", "two"])
+        assert list(sim.robots) == ["one", "two"] and tuple(sim.robots["one"].pose) != tuple(sim.robots["two"].pose)
+"""
+    run(code.replace("EXPECTED", "3")).assert_outcomes(passed=3)
+    run(code.replace("EXPECTED", "8"), "--simulator-seed", "8").assert_outcomes(passed=3)
+
+
+def test_floor_plans_need_no_files(run):
+    code = """
+def test_plans(floor_plan, robot_world, simulation):
+    plan = floor_plan("maze", seed=2)
+    assert (plan.cells == floor_plan("maze", seed=2).cells).all()
+    assert not np.array_equal(plan.cells, floor_plan("maze").cells)
+    assert (robot_world.grid.cells == floor_plan("office").cells).all()
+    assert simulation("cave", size=(20, 20)).grid.shape == floor_plan("cave", size=(20, 20)).shape
+"""
+    run(code).assert_outcomes(passed=1)
+
+
+def test_simulations_are_closed_at_the_end(run):
+    code = """
+made = []
+
+def test_first(simulation):
+    made.append(simulation(room(), start=(1, 1, 0)))
+
+def test_then():
+    with pytest.raises(RuntimeError, match="closed"):
+        made[0].run_for(1.0)
+"""
+    run(code).assert_outcomes(passed=2)
+
+
+@pytest.mark.parametrize(
+    ("marker", "message"),
+    [("mop='x'", "takes the keywords map, parameters"), ("'office'", "got 'office'"), ("map='lost.yaml'", "lost.yaml")],
+)
+def test_bad_markers_are_refused(run, marker, message):
+    result = run(f"@pytest.mark.simulator({marker})\ndef test_it(robot_world):\n    pass\n")
+    assert result.ret == 1 and message in result.stdout.str()
+
+
+def test_bad_options_are_refused(run):
+    assert "invalid" in run(PASSING, "--simulator-seed", "-3").stderr.str()
+    assert "invalid choice" in run(PASSING, "--simulator-record", "sometimes").stderr.str()
+
+
+def test_an_expected_failure_leaves_nothing(run, pytester):
+    run("@pytest.mark.xfail\n" + FAILING.lstrip()).assert_outcomes(xfailed=1)
+    assert not list(pytester.path.glob("kept/**/recording*"))
+
+
+def test_workers_of_xdist_report_the_same(run):
+    pytest.importorskip("xdist")
+    (recording,) = left(run(FAILING + PASSING), "recording")
+    alone = (recording / "recording.mcap").read_bytes()
+    spread = run(FAILING + PASSING, "-n", "2")
+    (recording,) = left(spread, "recording")
+    spread.assert_outcomes(passed=1, failed=1)
+    assert "popen-gw" in str(recording) and (recording / "recording.mcap").read_bytes() == alone
+
+
+def test_without_the_extras_a_failure_says_what_is_missing(run):
+    code = (
+        """
+import sys
+for name in ("rosbags", "matplotlib"):
+    sys.modules[name] = None
+"""
+        + FAILING
+    )
+    result = run(code)
+    result.assert_outcomes(failed=1)
+    assert any(line.startswith("no recording: recordings need rosbags") for line in result.outlines)
+    assert any(line.startswith("no picture: ") for line in result.outlines)
+
+
+def test_the_plugin_imports_nothing_for_those_who_do_not_use_it(run):
+    code = """
+import subprocess, sys
+
+def test_lazy():
+    code = "import sys, pytest; before = set(sys.modules); import mobile_robot_simulator.testing.pytest_plugin; "
+    code += "print(sorted({name.partition('.')[0] for name in set(sys.modules) - before}))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert "pydantic" not in loaded and "PIL" not in loaded and "yaml" not in loaded and "matplotlib" not in loaded
+"""
+    run(code).assert_outcomes(passed=1)
+
+
+def test_the_command_repeats_the_failure_from_where_pytest_was_called(pytester):
+    code = ROOM + FAILING + "    assert sim.seed == 1\n"
+    code = code.replace("def test_fails", '@pytest.mark.parametrize("name", ["it\'s [a] b"])\ndef test_fails').replace(
+        "(simulation):", "(simulation, name):"
+    )
+    folder = pytester.mkdir("deep")
+    (folder / "test_deep.py").write_text(code, encoding="utf-8")
+    pytester.makeini("[pytest]\n")
+    for where, path, options in ((pytester.path, "deep/test_deep.py", []), (folder, "test_deep.py", ["-n", "1"])):
+        os.chdir(where)
+        result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--simulator-seed", "3", *options, timeout=120)
+        (command,) = (line for line in result.outlines if line.startswith("repeat with: pytest "))
+        words = shlex.split(command.removeprefix("repeat with: pytest "))
+        assert words[0].startswith(f"{path}::test_fails[")
+        again = pytester.runpytest_subprocess(*words, timeout=120)
+        again.assert_outcomes(failed=1)
+        assert command in again.outlines
+
+
+def test_a_failure_with_a_floor_plan_only_names_its_seed(run):
+    result = run("def test_plan(floor_plan):\n    assert floor_plan('maze') is None\n", "--simulator-seed", "5")
+    assert "seed: 5" in result.outlines and any(line.endswith("::test_plan --simulator-seed 5") for line in result.outlines)
+
+
+def test_seeds_that_a_test_names_itself_are_told_too(run):
+    code = """
+def test_fails(simulation):
+    for seed in (0, 7, 8):
+        simulation(room(), seed=seed)
+    assert False
+"""
+    assert "seed: 0; the test itself gives 7, 8" in run(code, "--simulator-record", "never").outlines
+
+
+def test_floor_plans_are_of_the_kind_that_the_marker_says(run):
+    code = """
+@pytest.mark.simulator(map="maze", size=(10.0, 9.0), seed=4)
+def test_maze(floor_plan):
+    maze = mrs.floor_plan("maze", size=(10.0, 9.0), seed=4)
+    assert np.array_equal(floor_plan().cells, maze.cells)
+    assert not np.array_equal(floor_plan("cave").cells, maze.cells)
+"""
+    run(code).assert_outcomes(passed=1)
+
+
+def test_robots_are_drawn_where_their_footprints_have_room(run):
+    # Of these draws, drawn for a radius of 0.3 m and each by itself, several begin in walls and in one another.
+    code = """
+@pytest.mark.parametrize("seed", range(20))
+def test_big(simulation, seed):
+    sim = simulation("office", seed=seed, parameters={"footprint": [[-0.6, -0.2], [0.6, -0.2], [0.6, 0.2], [-0.6, 0.2]]})
+    assert sim.truth.clearance > 0.0
+
+@pytest.mark.parametrize("seed", range(40))
+def test_many(simulation, seed):
+    sim = simulation("maze", seed=seed, size=(8.0, 8.0), robots=["one", "two", "three", "four", "five"])
+    assert all(robot.truth.clearance > 0.0 for robot in sim.robots.values())
+
+def test_too_many(simulation):
+    with pytest.raises(ValueError, match="no room was found for robot .* beside r0, r1, r2"):
+        simulation("maze", size=(8.0, 8.0), robots=[f"r{number}" for number in range(200)])
+"""
+    run(code).assert_outcomes(passed=61)
+
+
+def test_what_makes_no_simulation_is_refused(run):
+    code = """
+import os
+import re
+import shlex
+
+@pytest.mark.parametrize(("map", "options", "error", "message"), [
+    (None, {"sise": 3}, TypeError, "simulation takes map, parameters, seed, start, robots, size, resolution, got sise"),
+    (room(), {"size": (9, 9)}, ValueError, "size can be given for a floor plan only"),
+    ("ofice", {}, FileNotFoundError, "nor a floor plan of this kind (office, corridor, maze"),
+    ("ofice", {}, FileNotFoundError, "did you mean 'office'?"),
+    ("lost.yaml", {}, FileNotFoundError, "no such map file"),
+    (None, {"robots": ["one", "one"]}, ValueError, "robots must have names of their own"),
+    (None, {"robots": "one"}, ValueError, "robots must have names of their own, got 'one'"),
+    (room(), {"robots": {"one": (1, 1, 0)}, "start": (1, 1, 0)}, ValueError, "one of start and robots must be left out"),
+])
+def test_refused(simulation, map, options, error, message):
+    with pytest.raises(error, match=re.escape(message)):
+        simulation(map, **options)
+
+@pytest.mark.simulator(map=room(), start=(1, 1, 0))
+def test_the_nearer_of_start_and_robots_counts(simulation):
+    assert list(simulation(robots={"one": (2, 2, 0)}).robots) == ["one"]
+
+@pytest.mark.simulator(map=room(), robots=["one"])
+def test_the_nearer_of_robots_and_start_counts(simulation):
+    assert list(simulation(start=(2, 2, 0)).robots) == [""]
+"""
+    run(code).assert_outcomes(passed=10)

@@ -1,0 +1,188 @@
+"""Files written for rclpy run on the bus as they are, and nothing of the stand-in is left behind."""
+
+from __future__ import annotations
+
+import copy
+import logging
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.bus.node import Node
+from mobile_robot_simulator.bus.parameter import Parameter, SetParametersResult
+from mobile_robot_simulator.instant import Duration, Instant
+from mobile_robot_simulator.testing.rclpy_shim import stand_in
+
+EXAMPLE = Path(__file__).parents[3] / "examples/testing"
+
+
+@pytest.fixture
+def followers(monkeypatch):
+    monkeypatch.syspath_prepend(str(EXAMPLE))
+    with stand_in():
+        from followers import pure_pursuit, wall_follower
+    yield pure_pursuit.PurePursuit, wall_follower.WallFollower
+    for name in [name for name in sys.modules if name.partition(".")[0] == "followers"]:
+        del sys.modules[name]
+
+
+def hall(**parameters) -> mrs.Simulation:
+    cells = np.zeros((120, 120), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    grid = mrs.OccupancyGrid(cells, resolution=0.1)
+    return mrs.Simulation(grid, parameters={"publish_map_transform": False, **parameters}, start=(2, 2, 0))
+
+
+def test_a_pure_pursuit_for_rclpy_drives_on_the_bus(followers):
+    sim = hall()
+    node = sim.spawn(followers[0], parameters={"path": [2.0, 2.0, 8.0, 2.0, 8.0, 8.0]})
+    assert node.get_name() == "pure_pursuit"
+    sim.run_until(lambda sim: np.hypot(sim.pose.x - 8.0, sim.pose.y - 8.0) < 0.15, 40.0)
+    path = sim.truth.path
+    off = np.minimum(np.abs(path[:, 2] - 2.0), np.abs(path[:, 1] - 8.0))
+    assert off.max() < 0.25
+    sim.run_for(2.0)
+    assert sim.truth.velocity == (0.0, 0.0, 0.0)
+
+
+def test_a_wall_follower_for_rclpy_goes_round_the_hall(followers):
+    sim = hall()
+    sim.set_pose((6.0, 1.5, 0.0))
+    sim.spawn(followers[1])
+    sim.run_for(100.0)
+    path = sim.truth.path[100:]
+    to_wall = np.minimum(np.minimum(path[:, 1], path[:, 2]), np.minimum(12.0 - path[:, 1], 12.0 - path[:, 2])) - 0.1
+    assert sim.truth.distance > 35.0 and 0.5 < to_wall.min() and to_wall.max() < 1.3
+
+
+def test_a_namespace_moves_relative_names(followers):
+    sim = hall()
+    sim.spawn(followers[1], namespace="/second")
+    sim.run_for(0.1)
+    assert sim.latest("/second/cmd_vel") is None and sim.latest("/cmd_vel") is None
+
+
+def test_nothing_is_left_of_the_stand_in():
+    before = {name: module for name, module in sys.modules.items() if "rclpy" in name or "_msgs" in name}
+    with stand_in():
+        import rclpy
+        from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+
+        assert QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL).depth == 1
+        with pytest.raises(RuntimeError, match=r"sim\.run_for"):
+            rclpy.spin(None)
+    after = {name: module for name, module in sys.modules.items() if "rclpy" in name or "_msgs" in name}
+    assert {name for name in after if name in ("rclpy", "sensor_msgs", "rclpy.node")} <= set(before)
+
+
+def test_a_node_of_its_own_has_no_bus():
+    with pytest.raises(RuntimeError, match=r"Simulation\.spawn"):
+        Node("alone")
+
+
+def test_parameters():
+    sim = hall()
+    node = sim.create_node("clerk", parameters={"speed": 0.25})
+    assert node.declare_parameter("speed", 1.0).value == 0.25
+    assert node.get_parameter("speed").get_parameter_value().double_value == 0.25
+    assert [item.value for item in node.declare_parameters("laser", [("beams", 3), ("name", "x")])] == [3, "x"]
+    assert node.get_parameter("laser.beams").value == 3 and node.get_parameter_or("none", 4) == 4
+    with pytest.raises(ValueError, match=r"'sped' of clerk is not declared; did you mean 'speed'\?"):
+        node.get_parameter("sped")
+    with pytest.raises(ValueError, match="declared already"):
+        node.declare_parameter("speed", 1.0)
+    node.add_on_set_parameters_callback(lambda items: SetParametersResult(items[0].value > 0, "must be positive"))
+    results = node.set_parameters([Parameter("speed", value=2.0), Parameter("speed", value=-2.0)])
+    assert [result.successful for result in results] == [True, False] and node.get_parameter("speed").value == 2.0
+
+
+def test_time():
+    sim = hall()
+    node = sim.create_node("clerk")
+    began = node.get_clock().now()
+    sim.run_for(1.5)
+    now = node.get_clock().now()
+    assert (now - began).nanoseconds == 1_500_000_000 and now - Duration(seconds=1.5) == began and now > began
+    assert now.seconds_nanoseconds() == (1, 500_000_000) and Instant.from_msg(now.to_msg()) == now
+
+
+def test_timers_can_be_cancelled_and_reset():
+    sim, fired = hall(), []
+    timer = sim.create_node("clerk").create_timer(0.4, lambda: fired.append(sim.time))
+    sim.run_for(1.0)
+    timer.reset()
+    sim.run_for(0.5)
+    timer.cancel()
+    assert timer.is_canceled() and timer.time_until_next_call() is None
+    sim.run_for(1.0)
+    timer.reset()
+    sim.run_for(0.5)
+    assert fired == pytest.approx([0.4, 0.8, 1.4, 2.9])
+
+
+def test_notes_go_to_logging_with_rclpys_keywords(caplog):
+    sim = hall()
+    logger = sim.create_node("clerk").get_logger()
+    with caplog.at_level(logging.INFO, logger="mobile_robot_simulator.clerk"):
+        for _ in range(30):
+            logger.info("once", once=True)
+            logger.warn("slowly", throttle_duration_sec=1.0)
+            sim.run_for(0.1)
+    assert caplog.messages.count("once") == 1 and caplog.messages.count("slowly") == 3
+
+
+def test_destroyed_nodes_do_nothing_more():
+    sim, seen = hall(), []
+    node = sim.create_node("clerk")
+    node.create_timer(0.1, lambda: seen.append("timer"))
+    node.create_subscription(mrs.messages.LaserScan, "/scan", lambda scan: seen.append("scan"))
+    node.destroy_node()
+    sim.run_for(1.0)
+    assert seen == []
+
+
+def test_callbacks_must_not_wait():
+    client = hall().create_node("clerk").create_client(mrs.messages.GetMap, "/static_map")
+    with pytest.raises(RuntimeError, match="use call_async"):
+        client.call(mrs.messages.GetMap.Request())
+
+
+def test_times_parameters_and_classes_are_made_as_rclpys_are():
+    with stand_in():
+        from rclpy.parameter import Parameter
+        from rclpy.publisher import Publisher
+        from rclpy.time import Time
+        from rclpy.timer import Timer
+    assert Time() == Time(seconds=0) and Time(seconds=1.5, nanoseconds=2).nanoseconds == 1_500_000_002
+    node = hall().create_node("clerk")
+    assert isinstance(node.get_clock().now(), Time) and copy.deepcopy(Time(seconds=1)) == Time(seconds=1)
+    node.declare_parameter("speed", 0.5)
+    (result,) = node.set_parameters([Parameter("speed", Parameter.Type.DOUBLE, 0.75)])
+    assert result.successful and node.get_parameter("speed").value == 0.75
+    assert isinstance(node.create_publisher(mrs.messages.Twist, "/x", 1), Publisher)
+    assert isinstance(node.create_timer(1.0, print), Timer)
+
+
+def test_an_rclpy_that_is_there_is_back_afterwards(monkeypatch):
+    real = ModuleType("rclpy")
+    monkeypatch.setitem(sys.modules, "rclpy", real)
+    with stand_in():
+        import rclpy
+
+        assert rclpy is not real
+    assert sys.modules["rclpy"] is real and "rclpy.node" not in sys.modules
+
+
+def test_parameters_given_to_spawn_come_first_and_private_names_are_below_the_node():
+    class Talker(Node):
+        def __init__(self):
+            super().__init__("talker", parameter_overrides=[Parameter("a", value=1), Parameter("b", value=2)])
+            self.a, self.b = (self.declare_parameter(name).value for name in "ab")
+            self.said = self.create_publisher(mrs.messages.String, "~/said", 1).topic_name
+
+    talker = hall().spawn(Talker, namespace="/robot1", parameters={"b": 3})
+    assert (talker.a, talker.b, talker.said) == (1, 3, "/robot1/talker/said")
