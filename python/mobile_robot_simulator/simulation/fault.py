@@ -8,16 +8,12 @@ import random
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..bus.bus import Bus
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import String
-
-if TYPE_CHECKING:
-    from ..simulation.simulation import Simulation
-
 
 TOPIC = "/faults"
 
@@ -43,7 +39,7 @@ class Fault(Handle, ABC):
         self._random = random.Random(index(seed))  # documented to give the same numbers everywhere
         self._bus: Bus | None = None
 
-    def add_to(self, simulation: Simulation, bus: Bus) -> None:
+    def add_to(self, simulation: Any, bus: Bus) -> None:
         """Begin to act on a simulation. raises: ValueError if it acts on one already, or for what the simulation has not."""
         if self._bus is not None:
             raise ValueError(f"{type(self).__name__} is added already: a fault acts on one simulation, once")
@@ -74,7 +70,7 @@ class Fault(Handle, ABC):
         return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
 
     @abstractmethod
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+    def _prepare(self, simulation: Any, bus: Bus) -> None:
         """Find what there is to act on, and plan when."""
 
     def _note(self, text: str) -> None:

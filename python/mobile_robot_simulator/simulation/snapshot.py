@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from .simulation import Simulation
+from typing import Any
 
 
 @dataclass(frozen=True)
 class Snapshot:
     """What `Simulation.save` saved; only `Simulation.restore` of the same simulation can make use of it."""
 
-    simulation: Simulation = field(repr=False)
+    simulation: object = field(repr=False)
     time: float
     parts: Any = field(repr=False)
 
