@@ -1,4 +1,4 @@
-//! What a footprint can run into nearby: outlines of blocking cells and of obstacles, in the grid's frame.
+//! The pieces of the world near a footprint: edges of blocking cells and outlines of obstacles, in the frame of the grid.
 
 use std::ops::Range;
 
@@ -7,56 +7,65 @@ use glam::DVec2;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
-/// A convex piece, in metres of the grid's frame.
+/// A convex piece of the world, in the frame of the grid \[m\].
 #[derive(Debug, Clone, Copy)]
 pub enum Piece {
-    /// A straight piece of an outline: of an obstacle, or of the blocking cells together.
+    /// A straight edge of an obstacle or of the blocking cells: start and end.
     Edge(DVec2, DVec2),
     /// A disc: centre and radius.
     Disc(DVec2, f64),
 }
 
-/// A piece, and the index of the obstacle that it is of; none for the grid.
+/// A piece, and the index of the obstacle that it belongs to; `None` for the grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Blocker {
     pub piece: Piece,
     pub obstacle: Option<usize>,
 }
 
-/// Everything within some distance of a point.
+/// The pieces of a world within some distance of a point.
 pub struct Blockers<'a> {
     world: World<'a>,
     near: Vec<Blocker>,
 }
 
 impl<'a> Blockers<'a> {
-    /// What lies within `radius` metres of a point of the grid's frame.
+    /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid. A NaN `center` gives no pieces of the grid.
     pub fn around(world: World<'a>, center: DVec2, radius: f64) -> Self {
         let mut blockers = Self { world, near: Vec::new() };
         blockers.gather(center, radius);
         blockers
     }
 
-    /// The same for another point.
+    /// Replaces the pieces by those within `radius` \[m\] of another point. May add pieces that are a little farther away.
     pub fn gather(&mut self, center: DVec2, radius: f64) {
         self.near.clear();
         self.gather_cells(center, radius);
         self.gather_obstacles(center, radius);
     }
 
-    /// The pieces.
+    /// Iterates over the pieces.
     pub fn iter(&self) -> impl Iterator<Item = &Blocker> {
         self.near.iter()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no pieces.
     pub fn is_empty(&self) -> bool {
         self.near.is_empty()
     }
 
-    /// Outlines of the blocking cells.
+    /// Adds the edges between blocking and free cells.
     ///
-    /// As long as they go straight on: at a seam between two cells of a wall there is nothing to be caught at.
+    /// Edges of neighbouring cells in a straight line are merged into one: a footprint that slides along a wall must not be caught
+    /// at the seam between two cells.
+    ///
+    /// ```text
+    ///   +---+---+---+            +-----------+
+    ///   |///|///|///|            |///////////|
+    ///   +---+---+---+   becomes  +---+   +---+   8 edges instead of 10
+    ///       |///|                    |///|
+    ///       +---+                    +---+
+    /// ```
     fn gather_cells(&mut self, center: DVec2, radius: f64) {
         let grid = self.world.grid;
         let (resolution, width, height) = (grid.resolution(), grid.width(), grid.height());
@@ -65,7 +74,7 @@ impl<'a> Blockers<'a> {
         if low.is_nan() || high.x < 0.0 || high.y < 0.0 {
             return;
         }
-        // A float becomes the nearest integer it can: negative ones 0.
+        // `as usize` saturates: negative values become 0.
         let cols = (low.x as usize).min(width)..(high.x as usize).saturating_add(1).min(width);
         let rows = (low.y as usize).min(height)..(high.y as usize).saturating_add(1).min(height);
         let options = grid.options();
@@ -86,6 +95,7 @@ impl<'a> Blockers<'a> {
         }
     }
 
+    /// Adds the outlines of the obstacles whose bounding circle is near.
     fn gather_obstacles(&mut self, center: DVec2, radius: f64) {
         let grid_from_map = self.world.grid.options().origin.inverse();
         let (sin, cos) = libm::sincos(grid_from_map.yaw);
@@ -105,12 +115,12 @@ impl<'a> Blockers<'a> {
         }
     }
 
-    /// Whether a point lies inside of a blocking cell or an obstacle.
+    /// Returns true if a point in the frame of the grid lies inside a blocking cell or an obstacle.
     pub fn holds(&self, point: DVec2) -> bool {
         self.world.grid.block_at(point / self.world.grid.resolution()) || self.obstacle_at(point).is_some()
     }
 
-    /// Index of an obstacle that a point lies inside of.
+    /// Returns the index of the first obstacle that contains a point in the frame of the grid, `None` if there is none.
     pub fn obstacle_at(&self, point: DVec2) -> Option<usize> {
         let bodies = self.world.obstacles.bodies();
         if bodies.is_empty() {
@@ -120,29 +130,29 @@ impl<'a> Blockers<'a> {
         bodies.iter().position(|body| body.contains(in_map))
     }
 
-    /// Whether a footprint overlaps anything: an edge meets a piece, it holds a piece, or a piece holds it.
+    /// Returns true if a footprint overlaps anything: an edge meets a piece, or one of the two is inside the other.
     pub fn overlap(&self, corners: &[DVec2], radius: f64) -> bool {
         corners.iter().any(|&corner| self.holds(corner))
             || self.near.iter().any(|blocker| {
                 let gap = |side| blocker.piece.nearest(side).gap(radius);
-                encloses(corners, blocker.piece.anchor()) || crate::shape::edges(corners).any(|side| gap(side) <= 0.0)
+                encloses(corners, blocker.piece.any_point()) || crate::shape::edges(corners).any(|side| gap(side) <= 0.0)
             })
     }
 }
 
-/// The nearest points of a footprint's edge and of a piece; the same point twice if they meet.
+/// The nearest points of an edge of a footprint and of a piece; the same point twice if they meet.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest {
-    /// On the footprint's edge, or its centre.
+    /// Point on the footprint's edge; its centre for a disc.
     pub own: DVec2,
-    /// On the piece, or its centre.
+    /// Point on the piece; its centre for a disc.
     pub other: DVec2,
-    /// Radius of the piece around `other`.
+    /// Radius of the piece around `other`, 0 for an edge.
     pub radius: f64,
 }
 
 impl Nearest {
-    /// Distance left between the two, where the footprint has a radius too; not positive if they meet.
+    /// Returns the distance \[m\] between piece and footprint, where `radius` is that of the footprint. Zero or less: they meet.
     pub fn gap(&self, radius: f64) -> f64 {
         self.own.distance(self.other) - self.radius - radius
     }
@@ -153,14 +163,14 @@ impl Nearest {
 }
 
 impl Piece {
-    /// Some point of the piece.
-    fn anchor(&self) -> DVec2 {
+    /// Returns a point of the piece, here the start of an edge or the centre of a disc.
+    fn any_point(&self) -> DVec2 {
         match *self {
             Self::Edge(point, _) | Self::Disc(point, _) => point,
         }
     }
 
-    /// Where the piece and a side of a footprint come nearest to each other. The ends of the side may be one point.
+    /// Returns the nearest points of the piece and of a side of a footprint. The side may be a single point.
     pub fn nearest(&self, side: (DVec2, DVec2)) -> Nearest {
         let toward = |own: DVec2, other: DVec2| Nearest { own, other, radius: 0.0 };
         match *self {
@@ -179,7 +189,7 @@ impl Piece {
     }
 }
 
-/// The point of a segment nearest to a point.
+/// Returns the point of a segment nearest to a point.
 fn nearest_on((start, end): (DVec2, DVec2), point: DVec2) -> DVec2 {
     let along = end - start;
     let square = along.length_squared();
@@ -189,7 +199,7 @@ fn nearest_on((start, end): (DVec2, DVec2), point: DVec2) -> DVec2 {
     start + along * ((point - start).dot(along) / square).clamp(0.0, 1.0)
 }
 
-/// The longest runs of indices in a row that something holds for.
+/// Iterates over the maximal runs of successive indices for which `holds` is true.
 fn runs(within: Range<usize>, holds: impl Fn(usize) -> bool) -> impl Iterator<Item = Range<usize>> {
     let Range { mut start, end } = within;
     std::iter::from_fn(move || {

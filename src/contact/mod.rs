@@ -1,4 +1,7 @@
-//! Contact of a robot's footprint with blocking cells and obstacles.
+//! Contact between a robot's footprint and blocking cells or obstacles: overlap, clearance, and motion until contact.
+//!
+//! Internally everything is in the frame of the grid, in metres from its corner. Poses, points and normals that go in or come out
+//! are in the map frame.
 
 mod approach;
 mod blockers;
@@ -18,35 +21,46 @@ use path::Path;
 
 pub use approach::TOLERANCE as CONTACT_TOLERANCE;
 
-/// What contact does to a robot.
+/// How a robot moves after its first contact in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactMode {
-    /// It stops the robot for the rest of the step.
+    /// The robot stands still for the rest of the step.
     #[default]
     Stop,
-    /// The robot goes on along what it met.
+    /// The robot continues along the wall or obstacle, with the part of its velocity that does not press into it.
     Slide,
-    /// Nothing: the robot goes through, and the contact is reported.
+    /// The robot continues through the wall or obstacle as if it were not there. The contact is only reported.
     Report,
 }
 
-/// Where and when a robot met something.
+/// Where and when a footprint first met a blocking cell or an obstacle.
+///
+/// ```text
+///   footprint                 wall or obstacle
+///   +--------+                 |///////
+///   |        |     normal      |///////
+///   |   o    |        <--------x point
+///   |        |                 |///////
+///   +--------+                 |///////
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// On what it met, in the map frame \[m\].
+    /// The point of contact, on the wall or obstacle, in the map frame \[m\].
     pub point: DVec2,
-    /// Unit vector of the map frame from what it met to the robot; zero if the robot's origin is inside of it.
+    /// Unit vector in the map frame from the wall or obstacle towards the footprint. Zero if the robot's origin is inside it.
     pub normal: DVec2,
-    /// Share of the step that was over, 0 to 1.
+    /// Time of the contact as a fraction of the step, from 0 to 1.
     pub fraction: f64,
-    /// Index of the obstacle; none for a wall of the grid.
+    /// Index of the obstacle in [`Obstacles`](crate::Obstacles); `None` for a blocking cell of the grid.
     pub obstacle: Option<usize>,
 }
 
-/// Whether a footprint at a pose shares a point with a blocking cell or an obstacle, all of them with their edges.
+/// Returns true if a footprint at a pose shares a point with a blocking cell or an obstacle.
+///
+/// Edges count: two outlines that only touch share a point. `pose` is that of the footprint's frame in the map frame.
 ///
 /// # Errors
-/// A pose that is not finite.
+/// [`Error::Number`] if the pose is not finite.
 pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -> Result<bool, Error> {
     let (world, mut footprint) = (world.into(), Footprint::new(footprint));
     let pose = world.grid.pose_in_grid(pose.checked()?);
@@ -54,11 +68,13 @@ pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -
     Ok(footprint.overlaps(pose, &blockers))
 }
 
-/// Distance \[m\] from a footprint at a pose to the nearest blocking cell or obstacle: 0 if they share a point, `limit` if there is
-/// none within it.
+/// Returns the distance \[m\] between a footprint at a pose and the nearest blocking cell or obstacle.
+///
+/// The distance is 0 if they share a point, and `limit` \[m\] if nothing is nearer than that. `pose` is that of the footprint's
+/// frame in the map frame.
 ///
 /// # Errors
-/// A pose that is not finite, a limit that is not positive.
+/// [`Error::Number`] if the pose is not finite, or `limit` is not positive and finite.
 pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose, limit: f64) -> Result<f64, Error> {
     let (world, mut footprint) = (world.into(), Footprint::new(footprint));
     let pose = world.grid.pose_in_grid(pose.checked()?);
@@ -67,7 +83,7 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
     if footprint.overlaps(pose, &blockers) {
         return Ok(0.0);
     }
-    // What is near is found without a look at all that is far.
+    // Search near the footprint first and double the distance until something is found: most clearances are short.
     let extent = (world.grid.width() + world.grid.height()) as f64 * world.grid.resolution();
     let mut within = (4.0 * world.grid.resolution()).min(limit);
     loop {
@@ -80,19 +96,58 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
     }
 }
 
-/// Where a robot comes to from `pose` under a constant twist in `dt` seconds, and the first contact on its way.
+/// Moves a robot for `dt` seconds under a constant twist. Returns the pose it reaches and the first contact on its path, if any.
 ///
-/// The way is the exact arc of [`integrate`]; without contact so is the pose. In mode Stop the robot stops within
-/// [`CONTACT_TOLERANCE`] of what it meets, never in it. In mode Slide it goes on for the rest of the step with what is left of its
-/// velocity: the linear part loses as little as it takes for no point of contact to be driven into what it met, and keeps its
-/// direction in the map while the robot turns on; where nothing will do, as in a corner, it stops turning too. In mode Report
-/// nothing holds it.
+/// `pose` is that of the robot in the map frame \[m, rad\]; `twist` is in the robot's own frame \[m/s, rad/s\]. The path is the
+/// exact arc of [`integrate`]. Without contact the result equals that of `integrate`, to the last bit.
 ///
-/// A robot that overlaps something at the start is in contact from the start, and moves as the largest smaller copy of itself,
-/// scaled about its origin, that does not: it may go away, along or out, but no deeper. One whose origin is inside goes free.
+/// ```text
+///        Stop                  Slide                 Report
+///          |//                  ^ |//                   |//
+///          |//                 /  |//                   |//   ,o
+///          |//                 |  |//                   |// ,'
+///        o |//                 o  |//                   |o'//
+///      ,'  |//               ,'   |//                 ,'|//
+///    ,'    |//             ,'     |//               ,'  |//
+/// ```
+///
+/// - [`Stop`](ContactMode::Stop): the robot stops within [`CONTACT_TOLERANCE`] of the wall or obstacle and never overlaps it.
+/// - [`Slide`](ContactMode::Slide): the robot uses the rest of the step to move along it. Its linear velocity becomes the nearest
+///   one that moves no contact point into a wall or obstacle, and is constant in the map frame; the robot keeps turning at the
+///   commanded rate. If no such velocity exists, as in a corner, it stops turning as well.
+/// - [`Report`](ContactMode::Report): the robot reaches the end of the arc.
+///
+/// A robot that overlaps something at the start is in contact at fraction 0. It then moves as the largest copy of itself, scaled
+/// about its origin, that overlaps nothing: it can move away or along, but not deeper. If its origin is inside a blocking cell or
+/// an obstacle there is no such copy; the robot then moves freely, and the contact has a zero normal.
+///
+/// Method: conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996).
+///
+/// ```
+/// use mobile_robot_simulator::{
+///     ContactMode, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Shape, Twist, Unknown, advance,
+/// };
+///
+/// // A row of ten cells of 1 m; the cell from x = 7 m to x = 8 m is occupied.
+/// let mut cells = vec![0; 10];
+/// cells[7] = 100;
+/// let (origin, occupied_threshold) = (Pose::default(), OCCUPIED_THRESHOLD);
+/// let grid =
+///     OccupancyGrid::new(cells, 10, GridOptions { resolution: 1.0, origin, occupied_threshold, unknown: Unknown::Free })?;
+///
+/// // A disc of radius 0.5 m drives ahead from x = 2 m at 1 m/s for 10 s. It stops at x = 6.5 m after 4.5 s.
+/// let (disc, start, ahead) = (Shape::disc(0.5)?, Pose::new(2.0, 0.5, 0.0), Twist::from([1.0, 0.0, 0.0]));
+/// let (end, contact) = advance(&grid, &disc, start, ahead, 10.0, ContactMode::Stop)?;
+/// let contact = contact.expect("a contact with the wall");
+/// assert!((end.position.x - 6.5).abs() <= 1e-6 && (contact.fraction - 0.45).abs() <= 1e-6);
+/// assert_eq!(contact.normal.to_array(), [-1.0, 0.0]);
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 ///
 /// # Errors
-/// A pose, given or reached, or a twist that is not finite, a `dt` that is negative or leads the robot farther than 100000 times its own size.
+/// [`Error::Number`] if `pose`, `twist` or the pose at the end of the arc is not finite, if `dt` is negative or not finite, or if
+/// `dt` is so long that the arc takes more than 100000 sections, each at most as long as the footprint's reach (or four cells, if
+/// that is more) and with a turn of at most 0.5 rad.
 pub fn advance<'a>(
     world: impl Into<World<'a>>,
     footprint: &Shape,
@@ -132,7 +187,7 @@ pub fn advance<'a>(
     Ok((pose, Some(first)))
 }
 
-/// The largest smaller copy of a footprint that overlaps nothing, none if its origin is inside of something.
+/// Returns the largest scaled-down copy of a footprint that overlaps nothing; `None` if its origin is inside something.
 fn shrink(footprint: &mut Footprint, pose: Pose, blockers: &mut Blockers<'_>) -> Option<Footprint> {
     if blockers.holds(pose.position) {
         return None;
@@ -145,15 +200,17 @@ fn shrink(footprint: &mut Footprint, pose: Pose, blockers: &mut Blockers<'_>) ->
     (free > 0.0).then(|| footprint.scaled(free))
 }
 
-/// Halvings of the scale of a footprint that overlaps something: down to a billionth of its size.
+/// Bisection steps for the scale of a footprint that overlaps something: the scale is found to within 2⁻³⁰, about 1e-9.
 const HALVINGS: u32 = 30;
 
+/// Returns a hit as a contact in the map frame.
 fn contact(world: World<'_>, hit: &Hit, fraction: f64) -> Contact {
     let map_from_grid = world.grid.options().origin;
     let point = map_from_grid.transform_point(hit.point);
     Contact { point, normal: rotate(-hit.toward, map_from_grid.yaw), fraction, obstacle: hit.obstacle }
 }
 
+/// Returns the contact of a robot whose origin is inside a blocking cell or an obstacle.
 fn inside(pose: Pose, obstacle: Option<usize>) -> Contact {
     Contact { point: pose.position, normal: DVec2::ZERO, fraction: 0.0, obstacle }
 }

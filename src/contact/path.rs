@@ -1,29 +1,32 @@
-//! How a footprint moves, and how soon a point of it can get somewhere.
+//! Paths of a footprint, and bounds on how soon a point of it can have moved by some distance.
 
 use glam::DVec2;
 
 use crate::motion::{Twist, integrate};
 use crate::pose::{Pose, rotate};
 
-/// Where a footprint goes from where it is.
+/// A path from a start pose, given in an outer frame (here that of the grid).
 #[derive(Debug, Clone, Copy)]
 pub enum Path {
-    /// Along the arc of a twist that is constant in the footprint's own frame.
+    /// The arc of a twist that is constant in the footprint's own frame.
     Arc(Pose, Twist),
-    /// Along a straight line at a velocity that is constant in the outer frame, while it turns.
+    /// A straight line: the linear velocity is constant in the outer frame, and the footprint turns at a constant rate.
     Line(Pose, Twist),
 }
 
-/// How the points of a footprint move at one moment, in the outer frame.
+/// Velocity and acceleration of a footprint at one pose of its path, in the outer frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Moment {
+pub struct Kinematics {
+    /// Velocity of the footprint's origin \[m/s\].
     linear: DVec2,
+    /// Turn rate \[rad/s\].
     angular: f64,
+    /// Acceleration of the footprint's origin \[m/s²\].
     acceleration: DVec2,
 }
 
 impl Path {
-    /// Pose after `time` seconds.
+    /// Returns the pose after `time` seconds.
     pub fn pose_at(self, time: f64) -> Pose {
         match self {
             Self::Arc(start, twist) => integrate(start, twist, time),
@@ -33,41 +36,43 @@ impl Path {
         }
     }
 
-    /// The twist, its linear part in the footprint's frame (arc) or the outer one (line).
+    /// Returns the twist. Its linear part is in the footprint's frame for an arc, and in the outer frame for a line.
     pub fn twist(self) -> Twist {
         let (Self::Arc(_, twist) | Self::Line(_, twist)) = self;
         twist
     }
 
-    /// How the footprint moves at a pose of the path.
-    pub fn moment(self, pose: Pose) -> Moment {
+    /// Returns velocity and acceleration at a pose of the path.
+    pub fn kinematics_at(self, pose: Pose) -> Kinematics {
         match self {
             Self::Arc(_, Twist { linear, angular }) => {
                 let linear = rotate(linear, pose.yaw);
-                Moment { linear, angular, acceleration: angular * linear.perp() }
+                Kinematics { linear, angular, acceleration: angular * linear.perp() }
             }
-            Self::Line(_, Twist { linear, angular }) => Moment { linear, angular, acceleration: DVec2::ZERO },
+            Self::Line(_, Twist { linear, angular }) => Kinematics { linear, angular, acceleration: DVec2::ZERO },
         }
     }
 
-    /// No point within `reach` of the origin moves faster than this.
+    /// Returns a speed \[m/s\] that no point within `reach` of the origin exceeds.
     pub fn top_speed(self, reach: f64) -> f64 {
         let Twist { linear, angular } = self.twist();
         linear.length() + angular.abs() * reach
     }
 }
 
-impl Moment {
-    /// Velocity of the point at `offset` from the origin.
+impl Kinematics {
+    /// Returns the velocity \[m/s\] of the point at `offset` \[m\] from the footprint's origin.
     pub fn velocity(self, offset: DVec2) -> DVec2 {
         self.linear + self.angular * offset.perp()
     }
 
-    /// A time \[s\] before which the point at `offset` has not moved by `distance` along the unit vector `normal`; infinite if it
-    /// will not within `horizon` seconds.
+    /// Returns a lower bound on the time \[s\] that the point at `offset` needs to move by `distance` along the unit vector `normal`.
     ///
-    /// By Taylor's theorem to second order, with the acceleration's largest value over the horizon: every point goes round at
-    /// constant speed, so that its acceleration changes by no more than ω² times that speed a second.
+    /// The bound is infinite if the point cannot get there within `horizon` seconds.
+    ///
+    /// Method: within the horizon the displacement is at most `v·t + a·t²/2` (Taylor's theorem), where v is the current velocity
+    /// along `normal` and a is the largest acceleration along it. The point circles at constant turn rate ω, so its acceleration
+    /// changes at a rate (jerk) of at most ω² times its speed. The bound is the first root of `v·t + a·t²/2 = distance`.
     pub fn earliest(self, offset: DVec2, normal: DVec2, distance: f64, horizon: f64) -> f64 {
         let square = self.angular * self.angular;
         let jerk = square * (self.linear.length() + self.angular.abs() * offset.length());

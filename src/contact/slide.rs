@@ -1,4 +1,4 @@
-//! Motion along what was met.
+//! Slide mode: motion along the walls and obstacles that a footprint meets.
 
 use glam::DVec2;
 
@@ -9,16 +9,21 @@ use crate::motion::Twist;
 use crate::pose::{Pose, rotate};
 use crate::world::World;
 
-/// Contacts that one step takes into account; a robot that meets more stands still for the rest of it.
+/// Largest number of contacts handled in one step. After the next contact the footprint stands still for the rest of the step.
 const MAX_CONTACTS: usize = 8;
 
-/// Pose in the grid's frame after `duration` seconds of a path, from its first contact on along what it meets.
+/// Returns the pose in the frame of the grid after `duration` seconds, where the footprint slides from its `first` contact on.
+///
+/// After each contact the footprint moves on a straight line, at the allowed twist nearest to the wanted one.
+///
+/// # Errors
+/// Those of [`Footprint::first_contact`].
 pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, Error> {
     let mut pose = path.pose_at(first.time);
     let wanted = Twist { linear: rotate(path.twist().linear, pose.yaw), angular: path.twist().angular };
     let (mut hits, mut elapsed) = (vec![first], first.time);
     while hits.len() <= MAX_CONTACTS {
-        let line = Path::Line(pose, allowed(wanted, &hits));
+        let line = Path::Line(pose, allowed_twist(wanted, &hits));
         let Some(hit) = footprint.first_contact(world, line, duration - elapsed)? else {
             return Ok(line.pose_at(duration - elapsed));
         };
@@ -29,30 +34,42 @@ pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit
     Ok(pose)
 }
 
-/// The twist nearest to the one wanted that drives no point of contact into what it met.
-fn allowed(wanted: Twist, hits: &[Hit]) -> Twist {
-    let turning = nearest_allowed(wanted.linear, wanted.angular, hits);
+/// Returns a twist near the wanted one that moves no contact point into the wall or obstacle it touches.
+///
+/// It keeps the wanted turn rate if any linear velocity is allowed with it. Otherwise it does not turn.
+fn allowed_twist(wanted: Twist, hits: &[Hit]) -> Twist {
+    let turning = nearest_allowed_velocity(wanted.linear, wanted.angular, hits);
     match turning {
         Some(linear) => Twist { linear, ..wanted },
-        None => Twist { linear: nearest_allowed(wanted.linear, 0.0, hits).unwrap_or_default(), angular: 0.0 },
+        None => Twist { linear: nearest_allowed_velocity(wanted.linear, 0.0, hits).unwrap_or_default(), angular: 0.0 },
     }
 }
 
-/// The linear velocity nearest to the one wanted: that one, or the nearest on the boundary of one contact or of two.
-fn nearest_allowed(wanted: DVec2, angular: f64, hits: &[Hit]) -> Option<DVec2> {
-    // Contact k allows the velocities v with v · toward ≤ most.
-    let limits: Vec<(DVec2, f64)> =
+/// Returns the allowed linear velocity nearest to the wanted one at a given turn rate, `None` if no velocity is allowed.
+///
+/// A contact point moves at `v + angular · perp(offset)`. It must not move along `toward`, so a contact allows the velocities
+/// with `v · toward <= limit`, a half-plane. The nearest point of the intersection of these half-planes is the wanted velocity,
+/// its projection onto one boundary, or the corner of two boundaries:
+///
+/// ```text
+///   v · toward > limit, not allowed
+///   --------------------*------------ boundary
+///                       ^ nearest allowed velocity
+///   (the wanted velocity lies above it)
+/// ```
+fn nearest_allowed_velocity(wanted: DVec2, angular: f64, hits: &[Hit]) -> Option<DVec2> {
+    let bounds: Vec<(DVec2, f64)> =
         hits.iter().map(|hit| (hit.toward, -angular * hit.toward.dot(hit.offset.perp()))).collect();
-    let slack = 1e-12 * (wanted.length() + limits.iter().map(|limit| limit.1.abs()).fold(0.0, f64::max));
-    let is_allowed = |velocity: &DVec2| limits.iter().all(|&(toward, most)| velocity.dot(toward) <= most + slack);
-    let on_one = |&(toward, most): &(DVec2, f64)| wanted - (wanted.dot(toward) - most) * toward;
-    let on_two = |a: (DVec2, f64), b: (DVec2, f64)| {
+    let slack = 1e-12 * (wanted.length() + bounds.iter().map(|bound| bound.1.abs()).fold(0.0, f64::max));
+    let is_allowed = |velocity: &DVec2| bounds.iter().all(|&(toward, limit)| velocity.dot(toward) <= limit + slack);
+    let projection = |&(toward, limit): &(DVec2, f64)| wanted - (wanted.dot(toward) - limit) * toward;
+    let corner = |a: (DVec2, f64), b: (DVec2, f64)| {
         let sine = a.0.perp_dot(b.0);
         // Parallel boundaries have no corner.
         (sine.abs() > 1e-9).then(|| (a.1 * b.0 - b.1 * a.0).perp() / -sine)
     };
-    let ones = limits.iter().map(on_one);
-    let twos = limits.iter().flat_map(|&a| limits.iter().filter_map(move |&b| on_two(a, b)));
-    let near = |a: &DVec2, b: &DVec2| a.distance_squared(wanted).total_cmp(&b.distance_squared(wanted));
-    std::iter::once(wanted).chain(ones).chain(twos).filter(is_allowed).min_by(near)
+    let projections = bounds.iter().map(projection);
+    let corners = bounds.iter().flat_map(|&a| bounds.iter().filter_map(move |&b| corner(a, b)));
+    let by_distance = |a: &DVec2, b: &DVec2| a.distance_squared(wanted).total_cmp(&b.distance_squared(wanted));
+    std::iter::once(wanted).chain(projections).chain(corners).filter(is_allowed).min_by(by_distance)
 }
