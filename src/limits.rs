@@ -1,11 +1,24 @@
-//! Limits on velocity and acceleration, as a base controller applies them.
+//! Limits on velocity, acceleration and deceleration, as a base controller applies them.
 
 use crate::error::{Error, check_number};
 use crate::motion::Twist;
 
-/// The most that a robot can do along each axis `[vx, vy, wz]`, forwards as backwards; infinite where there is no limit.
+/// Limits on the speed of each axis `[vx, vy, wz]` and on its rate of change. Infinity means no limit.
 ///
-/// Applied to each axis by itself and in the order of `ros2_controllers`' `diff_drive_controller`: acceleration, then velocity.
+/// The limits are the same in both directions of an axis, and each axis is limited independently. Order, as in the
+/// `diff_drive_controller` of `ros2_controllers`: acceleration first, then velocity.
+///
+/// ```
+/// use mobile_robot_simulator::{Limits, Twist};
+///
+/// // At most 1 m/s; 0.5 m/s² to speed up, 2 m/s² to slow down; no sideways motion.
+/// let limits = Limits::new([1.0, 0.0, 1.0], [0.5, 0.0, 1.0], [2.0, 0.0, 1.0])?;
+/// let (still, fast) = (Twist::from([0.0; 3]), Twist::from([3.0, 0.0, 0.0]));
+/// assert_eq!(limits.apply(fast, still, 0.5)?.to_array(), [0.25, 0.0, 0.0]);
+/// assert_eq!(limits.apply(fast, still, 60.0)?.to_array(), [1.0, 0.0, 0.0]);
+/// assert_eq!(limits.apply(still, Twist::from([1.0, 0.0, 0.0]), 0.25)?.to_array(), [0.5, 0.0, 0.0]);
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     velocity: [f64; 3],
@@ -18,10 +31,13 @@ impl Limits {
     pub const NONE: Self =
         Self { velocity: [f64::INFINITY; 3], acceleration: [f64::INFINITY; 3], deceleration: [f64::INFINITY; 3] };
 
-    /// Limits on speed \[m/s, rad/s\], on its growth and on its fall \[m/s², rad/s²\].
+    /// Returns limits on the speed \[m/s, rad/s\], on its increase and on its decrease \[m/s², rad/s²\] of the axes `[vx, vy, wz]`.
+    ///
+    /// A velocity limit of 0 holds an axis still. An acceleration limit of 0 never lets it speed up, a deceleration limit of 0 never
+    /// lets it slow down.
     ///
     /// # Errors
-    /// Limits that are negative or NaN. Zero holds an axis still; a deceleration of zero never lets it stop.
+    /// [`Error::Number`] if a limit is negative or NaN.
     pub fn new(velocity: [f64; 3], acceleration: [f64; 3], deceleration: [f64; 3]) -> Result<Self, Error> {
         let named = [("velocity", velocity), ("acceleration", acceleration), ("deceleration", deceleration)];
         for (name, limits) in named {
@@ -32,38 +48,39 @@ impl Limits {
         Ok(Self { velocity, acceleration, deceleration })
     }
 
-    /// Limits on speed.
+    /// Returns the limits on the speed of `[vx, vy, wz]` \[m/s, m/s, rad/s\].
     #[must_use]
     pub fn velocity(&self) -> [f64; 3] {
         self.velocity
     }
 
-    /// Limits on the growth of speed.
+    /// Returns the limits on the increase of speed \[m/s², m/s², rad/s²\].
     #[must_use]
     pub fn acceleration(&self) -> [f64; 3] {
         self.acceleration
     }
 
-    /// Limits on the fall of speed.
+    /// Returns the limits on the decrease of speed \[m/s², m/s², rad/s²\].
     #[must_use]
     pub fn deceleration(&self) -> [f64; 3] {
         self.deceleration
     }
 
-    /// The velocity that a robot which moves at `current` reaches in `dt` seconds when it is told to move at `wanted`.
+    /// Returns the velocity after `dt` seconds of a robot that moves at `current` and is commanded to move at `wanted`.
     ///
-    /// An axis that changes its direction slows down to zero first, and speeds up in what is left of the time.
+    /// An axis that changes its direction first slows down to 0 at the deceleration limit, then uses the remaining time to speed up
+    /// at the acceleration limit. A speed above the velocity limit becomes the limit at once.
     ///
     /// # Errors
-    /// Velocities that are not finite, a negative `dt`.
+    /// [`Error::Number`] if a velocity is not finite, or `dt` is negative or not finite.
     pub fn apply(&self, wanted: Twist, current: Twist, dt: f64) -> Result<Twist, Error> {
         check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
         let (wanted, mut reached) = (wanted.to_array(), current.to_array());
         for (axis, reached) in reached.iter_mut().enumerate() {
-            check_number("the velocity wanted", wanted[axis], "finite", |_| true)?;
-            check_number("the current velocity", *reached, "finite", |_| true)?;
-            let sped = speed(wanted[axis], *reached, self.acceleration[axis], self.deceleration[axis], dt);
-            *reached = sped.clamp(-self.velocity[axis], self.velocity[axis]);
+            check_number("wanted", wanted[axis], "finite", |_| true)?;
+            check_number("current", *reached, "finite", |_| true)?;
+            let velocity = velocity_after(dt, wanted[axis], *reached, self.acceleration[axis], self.deceleration[axis]);
+            *reached = velocity.clamp(-self.velocity[axis], self.velocity[axis]);
         }
         Ok(Twist::from(reached))
     }
@@ -75,12 +92,12 @@ impl Default for Limits {
     }
 }
 
-/// The velocity of one axis after `dt` seconds.
-fn speed(wanted: f64, current: f64, acceleration: f64, deceleration: f64, dt: f64) -> f64 {
+/// Returns the velocity of one axis after `dt` seconds, limited in acceleration and deceleration.
+fn velocity_after(dt: f64, wanted: f64, current: f64, acceleration: f64, deceleration: f64) -> f64 {
     if dt == 0.0 {
         return current;
     }
-    // Towards `wanted`, so that what is left to do is positive.
+    // Mirror the axis so that the velocity has to increase: start <= goal.
     let sign = if wanted < current { -1.0 } else { 1.0 };
     let (goal, start) = (sign * wanted, sign * current);
     let slowed = if start < 0.0 { (start + deceleration * dt).min(goal.min(0.0)) } else { start };
@@ -88,7 +105,7 @@ fn speed(wanted: f64, current: f64, acceleration: f64, deceleration: f64, dt: f6
         return sign * slowed;
     }
     let left = if start < 0.0 { dt + start / deceleration } else { dt };
-    // Nothing is left of no time, even at an infinite rate.
+    // An infinite acceleration times a remaining time of 0 would be NaN.
     let gained = if left > 0.0 { acceleration * left } else { 0.0 };
     sign * (slowed + gained).min(goal)
 }
@@ -106,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn speed_grows_and_falls_at_its_own_rates_up_to_the_top() {
+    fn speed_increases_and_decreases_at_separate_rates_up_to_the_limit() {
         assert_eq!(apply([1.0, 0.0, 0.0], [0.0; 3], 0.5), [0.25, 0.0, 0.0]);
         assert_eq!(apply([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25), [0.5, 0.0, 0.0]);
         assert_eq!(apply([-0.5, 0.0, 0.0], [-1.0, 0.0, 0.0], 0.125), [-0.75, 0.0, 0.0]);
@@ -123,18 +140,18 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unlimited_is_there_at_once_and_what_is_zero_never() {
+    fn an_infinite_limit_acts_at_once_and_a_zero_limit_holds_still() {
         assert_eq!(apply([0.0, 3.0, 1.5], [0.0; 3], 1e-3), [0.0, 0.0, 1.5]);
         let free = Limits::NONE.apply([7.0, -3.0, 9.0].into(), [-7.0, 3.0, 0.0].into(), 1e-9).unwrap();
         assert_eq!(free.to_array(), [7.0, -3.0, 9.0]);
         assert_eq!(apply([0.0, 0.0, -2.0], [0.0, 0.0, 2.0], 0.0), [0.0, 0.0, 2.0]);
-        // Turning stops within its limit, and turns back at once.
+        // The turn rate decreases at a finite rate, then increases in the other direction at once.
         assert_eq!(apply([0.0, 0.0, -1.0], [0.0, 0.0, 2.0], 0.5), [0.0, 0.0, 0.0]);
         assert_eq!(apply([0.0, 0.0, -1.0], [0.0, 0.0, 2.0], 0.75), [0.0, 0.0, -1.0]);
     }
 
     #[test]
-    fn many_short_steps_end_where_one_long_one_does() {
+    fn many_short_steps_equal_one_long_step() {
         for (wanted, current) in [(1.0, -0.9), (-0.6, 0.8), (0.2, 0.9), (0.9, 0.1)] {
             let mut short = [current, 0.0, 0.0];
             for _ in 0..64 {
@@ -146,11 +163,11 @@ mod tests {
     }
 
     #[test]
-    fn bad_limits_are_refused_by_name() {
+    fn the_error_names_the_bad_limit_or_velocity() {
         let error = Limits::new([1.0; 3], [-1.0; 3], [1.0; 3]).unwrap_err().to_string();
         assert_eq!(error, "acceleration must be at least 0 or inf, got -1");
         assert!(Limits::new([1.0; 3], [1.0; 3], [f64::NAN; 3]).is_err());
         let error = limits().apply([f64::NAN, 0.0, 0.0].into(), [0.0; 3].into(), 1.0).unwrap_err().to_string();
-        assert_eq!(error, "the velocity wanted must be finite, got NaN");
+        assert_eq!(error, "wanted must be finite, got NaN");
     }
 }

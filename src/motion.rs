@@ -1,14 +1,14 @@
-//! Motion of a robot in the plane under a constant twist.
+//! Motion in the plane under a constant twist, integrated exactly.
 
 use glam::DVec2;
 
 use crate::error::{Error, check_number, check_rows};
 use crate::pose::{Pose, rotate, wrap_angle};
 
-/// Velocity of a body in its own frame.
+/// Velocity of a robot in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Twist {
-    /// Forward and leftward velocity \[m/s\].
+    /// Velocity forward (x) and to the left (y) \[m/s\].
     pub linear: DVec2,
     /// Yaw rate \[rad/s\], counter-clockwise.
     pub angular: f64,
@@ -21,13 +21,16 @@ impl From<[f64; 3]> for Twist {
 }
 
 impl Twist {
-    /// The numbers `[vx, vy, wz]`.
+    /// Returns `[vx, vy, wz]` in m/s and rad/s.
     #[must_use]
     pub fn to_array(self) -> [f64; 3] {
         [self.linear.x, self.linear.y, self.angular]
     }
 
-    /// The constant twist that leads from `start` to `end` in `duration` seconds, turning by half a turn at most.
+    /// Returns the constant twist that moves a robot from `start` to `end` in `duration` seconds, with a turn in (-π, π].
+    ///
+    /// The inverse of [`integrate`]: `integrate(start, twist, duration)` is `end` up to rounding and whole turns of yaw. `duration`
+    /// must not be 0.
     #[must_use]
     pub fn between(start: Pose, end: Pose, duration: f64) -> Self {
         let turn = wrap_angle(end.yaw - start.yaw);
@@ -37,9 +40,27 @@ impl Twist {
     }
 }
 
-/// The pose reached from `pose` under a constant `twist` after `duration` seconds: exact, not a step of Euler's.
+/// Returns the pose of a robot that starts at `pose` and moves at a constant `twist` for `duration` seconds.
 ///
-/// The exponential of SE(2): with φ = ω·Δt, `Δp = Δt · sinc(φ/2) · R(θ + φ/2) · v` and `θ' = θ + φ`. The yaw is not wrapped.
+/// `twist` is in the robot's own frame, so the path is an arc of a circle (a straight line without turn). The result is exact up to
+/// rounding for any duration, also a negative one. The yaw is not wrapped.
+///
+/// Formula: the exponential of SE(2). With `φ = ω · Δt` and `sinc(x) = sin(x) / x`:
+///
+/// ```text
+/// Δp = Δt · sinc(φ/2) · R(θ + φ/2) · v
+/// θ' = θ + φ
+/// ```
+///
+/// ```
+/// use mobile_robot_simulator::{Pose, Twist, integrate};
+/// use std::f64::consts::FRAC_PI_2;
+///
+/// // 1 m/s at 1 rad/s is a circle of radius 1 m, to the left: a quarter of it ends at (1, 1), facing +y.
+/// let end = integrate(Pose::default(), Twist::from([1.0, 0.0, 1.0]), FRAC_PI_2);
+/// assert!((end.position.x - 1.0).abs() < 1e-15 && (end.position.y - 1.0).abs() < 1e-15);
+/// assert_eq!(end.yaw, FRAC_PI_2);
+/// ```
 #[must_use]
 pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
     let turn = twist.angular * duration;
@@ -48,19 +69,24 @@ pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
     Pose { position: pose.position + step, yaw: pose.yaw + turn }
 }
 
-/// Where a robot at the origin gets to under a constant twist, and the derivative of that by the turn rate.
+/// Returns the position that a robot at the origin reaches under a constant twist, and the derivative of this position by the turn
+/// rate.
 pub(crate) fn arc(linear: DVec2, angular: f64, duration: f64) -> (DVec2, DVec2) {
     let half = 0.5 * angular * duration;
     let step = rotate(linear, half) * duration;
-    // d/dω of Δt · sinc(φ/2) · R(φ/2) · v, where dφ/2 = Δt/2 · dω.
+    // The derivative of Δt · sinc(φ/2) · R(φ/2) · v by ω, where d(φ/2) = Δt/2 · dω.
     let by_turn = (step * sinc_slope(half) + step.perp() * sinc(half)) * (0.5 * duration);
     (step * sinc(half), by_turn)
 }
 
-/// [`integrate`] for each row of a batch, `poses[i]` under `twists[i]`.
+/// Returns [`integrate`]`(poses[i], twists[i], duration)` for each i.
+///
+/// `poses[i]` is `[x, y, yaw]` \[m, rad\], `twists[i]` is `[vx, vy, wz]` \[m/s, rad/s\], `duration` is in seconds.
 ///
 /// # Errors
-/// Batches of different lengths, rows or a duration that are not finite, poses reached that are not.
+/// - [`Error::Length`]: `poses` and `twists` have different lengths.
+/// - [`Error::Row`]: a pose, a twist or a resulting pose is not finite.
+/// - [`Error::Number`]: `duration` is not finite.
 pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -> Result<Vec<[f64; 3]>, Error> {
     if poses.len() != twists.len() {
         return Err(Error::Length { name: "twists", value: twists.len(), needed: poses.len() });
@@ -70,27 +96,38 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     check_number("dt", duration, "finite", |_| true)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
     let reached: Vec<_> = poses.iter().zip(twists).map(step).collect();
-    check_rows("the poses reached", &reached, Some(1))?;
+    check_rows("the resulting poses", &reached, Some(1))?;
     Ok(reached)
 }
 
-/// The pose on the arc through `start` (at fraction 0) and `end` (at fraction 1); fractions beyond them continue the arc.
+/// Returns the pose at `fraction` of the arc from `start` (fraction 0) to `end` (fraction 1), with its yaw in (-π, π].
+///
+/// The arc is that of the constant twist [`Twist::between`]. Fractions outside of \[0, 1\] continue the arc.
+///
+/// ```
+/// use mobile_robot_simulator::{Pose, interpolate};
+///
+/// let (start, end) = (Pose::default(), Pose::new(2.0, 0.0, 0.0));
+/// assert_eq!(interpolate(start, end, 0.5), Pose::new(1.0, 0.0, 0.0));
+/// assert_eq!(interpolate(start, end, 2.0), Pose::new(4.0, 0.0, 0.0));
+/// ```
 #[must_use]
 pub fn interpolate(start: Pose, end: Pose, fraction: f64) -> Pose {
     integrate(start, Twist::between(start, end, 1.0), fraction).wrapped()
 }
 
-/// sin(x)/x, by its series near zero.
+/// Returns sin(x)/x, computed by its series near 0.
 fn sinc(x: f64) -> f64 {
     let square = x * x;
-    // The first term left out, x⁶/5040, is below 2⁻⁵³ up to here.
+    // Below this limit the first omitted term, x⁶/5040, is smaller than 2⁻⁵³.
     if square < 1e-5 { 1.0 - square / 6.0 * (1.0 - square / 20.0) } else { libm::sin(x) / x }
 }
 
-/// The derivative of sin(x)/x, by its series near zero.
+/// Returns the derivative of sin(x)/x, computed by its series near 0.
 fn sinc_slope(x: f64) -> f64 {
     let square = x * x;
-    // Up to here the first term left out, x⁷/45360, is below 1e-13 of the first; beyond, what cancels costs no more than that.
+    // Below this limit the first omitted term, x⁷/45360, is smaller than 1e-13 of the first one. Above it the cancellation in the
+    // closed form costs no more than that.
     if square < 1e-3 {
         -x / 3.0 * (1.0 - square / 10.0 * (1.0 - square / 28.0))
     } else {
@@ -108,7 +145,7 @@ mod tests {
         assert!((left.yaw - right.yaw).abs() < tolerance, "{left:?} {right:?}");
     }
 
-    /// The exponential of the twist's 3×3 matrix, by its power series: an oracle that knows no trigonometry.
+    /// Position after a constant twist, by the power series of the matrix exponential: an oracle without trigonometry.
     fn by_power_series(pose: Pose, twist: Twist, duration: f64) -> DVec2 {
         let (wx, vx, vy) = (twist.angular * duration, twist.linear.x * duration, twist.linear.y * duration);
         // M = [[0, -w, vx], [w, 0, vy], [0, 0, 0]]; column (x, y) of exp(M) is the sum of Mᵏ⁻¹·v / k!.
@@ -121,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_lines_are_straight() {
+    fn without_turn_the_path_is_straight() {
         let moved = integrate(Pose::new(1.0, 2.0, FRAC_PI_2), [2.0, 1.0, 0.0].into(), 1.5);
         assert_close(moved, Pose::new(1.0 - 1.5, 2.0 + 3.0, FRAC_PI_2), 1e-15);
     }
@@ -133,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_circle_in_any_number_of_steps_closes() {
+    fn a_full_circle_closes_for_any_number_of_steps() {
         for steps in [1, 3, 63, 1000] {
             let mut pose = Pose::new(0.5, -0.5, 0.25);
             for _ in 0..steps {
@@ -156,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_twist_between_two_poses_leads_from_one_to_the_other() {
+    fn the_twist_between_two_poses_inverts_integration() {
         let start = Pose::new(1.0, 2.0, 3.0);
         for twist in [[1.0, 0.0, 0.0], [0.4, -0.2, 1.3], [0.0, 0.0, -2.0], [1.0, 1.0, 1e-9]] {
             let end = integrate(start, twist.into(), 0.5);
@@ -174,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_batches_are_refused_by_name() {
+    fn the_error_names_the_bad_array() {
         let error =
             |poses: &[[f64; 3]], twists: &[[f64; 3]], dt| integrate_batch(poses, twists, dt).unwrap_err().to_string();
         assert_eq!(error(&[[0.0; 3]], &[], 0.1), "twists must have 1 elements, got 0");

@@ -1,4 +1,4 @@
-//! The error of odometry: Thrun, Burgard & Fox, *Probabilistic Robotics* (2006), ch. 5.3, table 5.3.
+//! Odometry noise: the velocity motion model (Thrun, Burgard & Fox, *Probabilistic Robotics*, 2006, sec. 5.3, table 5.3).
 
 use glam::{DMat3, DVec2, DVec3};
 use rand::Rng;
@@ -9,17 +9,45 @@ use crate::motion::{Twist, arc, integrate};
 use crate::pose::{Pose, rotate};
 use crate::random;
 
-/// Parameters α1 to α6 of the velocity motion model; none of them unless said otherwise.
+/// The velocity motion model with parameters α1 to α6. The default has no noise: all parameters are 0.
+///
+/// For a commanded speed v \[m/s\] and turn rate ω \[rad/s\] the noise of one step has three independent normal parts:
+///
+/// | noise of | variance |
+/// |---|---|
+/// | speed v | `α1·v² + α2·ω²` |
+/// | turn rate ω | `α3·v² + α4·ω²` |
+/// | rate γ of the rotation at the end | `α5·v² + α6·ω²` |
+///
+/// The speed is the length of the linear velocity, along its direction; forward for a robot that turns in place. The book has no
+/// robot that moves sideways: for one that does, v is taken along its direction of travel.
+///
+/// The variances are per step, as in the book: a path has less noise if it is split into more steps.
+///
+/// ```
+/// use glam::DMat3;
+/// use mobile_robot_simulator::{MotionNoise, Pose, Twist, integrate};
+///
+/// let (pose, twist) = (Pose::default(), Twist::from([1.0, 0.0, 0.0]));
+/// let no_noise = MotionNoise::default().sample_from(pose, twist, 2.0, 1, 0)?;
+/// assert_eq!(no_noise, integrate(pose, twist, 2.0));
+///
+/// // 1 m/s for 2 s: a speed of variance α1 = 0.01 m²/s² gives a position of variance 0.01 · 2² = 0.04 m² ahead.
+/// let noise = MotionNoise::new([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])?;
+/// let covariance = noise.propagate(DMat3::ZERO, pose, twist, 2.0)?;
+/// assert_eq!(covariance, DMat3::from_diagonal([0.04, 0.0, 0.0].into()));
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotionNoise {
     alpha: [f64; 6],
 }
 
 impl MotionNoise {
-    /// The model with these parameters: variance of speed by speed² and by turn², of turn by the same, and of the final rotation.
+    /// Returns the model with parameters α1 to α6.
     ///
     /// # Errors
-    /// Parameters that are negative or not finite.
+    /// [`Error::Number`] if a parameter is negative or not finite.
     pub fn new(alpha: [f64; 6]) -> Result<Self, Error> {
         let names = ["alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6"];
         for (name, value) in names.into_iter().zip(alpha) {
@@ -28,17 +56,22 @@ impl MotionNoise {
         Ok(Self { alpha })
     }
 
-    /// α1 to α6.
+    /// Returns α1 to α6.
     #[must_use]
     pub fn alpha(&self) -> [f64; 6] {
         self.alpha
     }
 
-    /// A pose reached from `pose` by a robot that was told to move at `twist` for `duration` seconds: `sample_motion_model_velocity`.
+    /// Draws a pose that a robot reaches from `pose` when it is commanded to move at `twist` for `duration` seconds.
     ///
-    /// With speed v and turn rate ω, `v̂ ~ N(v, α1·v² + α2·ω²)`, `ω̂ ~ N(ω, α3·v² + α4·ω²)` and `γ̂ ~ N(0, α5·v² + α6·ω²)`; the robot
-    /// goes along the arc of v̂ and ω̂ and turns by γ̂·Δt at its end. v is along the direction of travel, or forward for a robot
-    /// that turns in place; a base that moves sideways is none of the book's. Three numbers are drawn whatever the twist.
+    /// Source: `sample_motion_model_velocity`, table 5.3. With the variances of [`MotionNoise`]:
+    ///
+    /// ```text
+    /// v̂ ~ N(v, α1·v² + α2·ω²)    ω̂ ~ N(ω, α3·v² + α4·ω²)    γ̂ ~ N(0, α5·v² + α6·ω²)
+    /// ```
+    ///
+    /// The robot moves along the arc of v̂ and ω̂, then turns by γ̂·Δt. Every call draws three normal numbers from `stream`, also for
+    /// a twist of 0. The input is not checked.
     pub fn sample(&self, pose: Pose, twist: Twist, duration: f64, stream: &mut impl Rng) -> Pose {
         let deviations = self.variances(twist).map(f64::sqrt);
         let [speed, turn, last] = deviations.map(|deviation| deviation * normal::sample(stream));
@@ -47,29 +80,37 @@ impl MotionNoise {
         Pose { yaw: moved.yaw + last * duration, ..moved }
     }
 
-    /// [`sample`](Self::sample) from a stream named by `(seed, index)`: the same on every machine, and none that a scan draws from.
+    /// Same as [`sample`](Self::sample), from the random stream named by `(seed, index)`.
+    ///
+    /// The result is the same on every machine. The stream differs from that of a scan with the same seed and index.
     ///
     /// # Errors
-    /// A pose, given or reached, a twist or a duration that is not finite.
+    /// [`Error::Number`] if `pose`, `twist`, `duration` or the resulting pose is not finite.
     pub fn sample_from(&self, pose: Pose, twist: Twist, duration: f64, seed: u64, index: u64) -> Result<Pose, Error> {
         check(pose, twist, duration)?;
         self.sample(pose, twist, duration, &mut random::stream(seed ^ ODOMETRY, index)).checked()
     }
 
-    /// Covariance of (x, y, yaw) after a step, from that before it: `F·P·Fᵀ + V·M·Vᵀ`, to first order in the errors.
+    /// Returns the covariance of (x, y, yaw) \[m, m, rad\] after a step, given that before the step: `F·P·Fᵀ + V·M·Vᵀ`.
     ///
-    /// `pose` is that at the start of the step, true or believed; F and V are the exact derivatives of the arc by the pose and
-    /// by (v, ω, γ), and M the variances of [`sample`](Self::sample). *Probabilistic Robotics*, table 7.2, lines 3 to 7, with γ.
-    /// First order holds while the yaw is known to some 0.2 rad.
+    /// - P is `covariance`, in the frame in which `pose` is given.
+    /// - F is the derivative of the arc by the pose, V its derivative by (v, ω, γ); both are exact.
+    /// - M is the diagonal matrix of the variances in [`MotionNoise`].
+    /// - `pose` is the pose at the start of the step: the true pose, or the one the robot believes in.
+    ///
+    /// The result is symmetric to the last bit. It is of first order in the errors, which is accurate while the standard deviation
+    /// of the yaw is below about 0.2 rad.
+    ///
+    /// Source: *Probabilistic Robotics*, table 7.2, lines 3 to 7, extended by γ.
     ///
     /// # Errors
-    /// A pose, a twist, a duration or a covariance, given or reached, that is not finite.
+    /// [`Error::Number`] if `covariance`, `pose`, `twist`, `duration` or the resulting covariance is not finite.
     pub fn propagate(&self, covariance: DMat3, pose: Pose, twist: Twist, duration: f64) -> Result<DMat3, Error> {
         check(pose, twist, duration)?;
         check_matrix("covariance", covariance)?;
         let (step, by_turn) = arc(twist.linear, twist.angular, duration);
         let step = rotate(step, pose.yaw);
-        // Turning the start turns the step about it.
+        // A change of the start yaw rotates the step about the start position.
         let by_pose = DMat3::from_cols(DVec3::X, DVec3::Y, step.perp().extend(1.0));
         let by_speed = rotate(arc(direction(twist), twist.angular, duration).0, pose.yaw);
         let by_noise = DMat3::from_cols(
@@ -79,11 +120,11 @@ impl MotionNoise {
         );
         let noise = DMat3::from_diagonal(self.variances(twist).into());
         let sum = by_pose * covariance * by_pose.transpose() + by_noise * noise * by_noise.transpose();
-        // Symmetric to the last bit, which rounding does not see to.
-        check_matrix("the covariance reached", (sum + sum.transpose()) * 0.5)
+        // Rounding leaves `sum` slightly asymmetric.
+        check_matrix("the resulting covariance", (sum + sum.transpose()) * 0.5)
     }
 
-    /// Variances of speed, turn rate and final turn rate.
+    /// Returns the variances of v \[m²/s²\], ω and γ \[rad²/s²\].
     fn variances(&self, twist: Twist) -> [f64; 3] {
         let (v, w) = (twist.linear.length_squared(), twist.angular * twist.angular);
         let [a1, a2, a3, a4, a5, a6] = self.alpha;
@@ -91,10 +132,10 @@ impl MotionNoise {
     }
 }
 
-/// Sets the streams of odometry apart from those of scans under the same seed: "odometry" in ASCII.
+/// Combined with the seed, so that odometry and scans with the same seed use different streams: "odometry" in ASCII.
 const ODOMETRY: u64 = 0x6f64_6f6d_6574_7279;
 
-/// Unit vector that a robot's speed is counted along.
+/// Returns the unit vector along the linear velocity, x forward if that is 0.
 fn direction(twist: Twist) -> DVec2 {
     twist.linear.try_normalize().unwrap_or(DVec2::X)
 }
