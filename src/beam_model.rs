@@ -1,12 +1,10 @@
 //! The beam model of a range finder (Thrun, Burgard & Fox, *Probabilistic Robotics*, 2006, sec. 6.3, table 6.1).
 
-pub(crate) mod normal;
-
 use rand::{Rng, RngExt};
 
-use crate::error::{Error, check_number};
+use crate::error::{Error, check_finite, check_number};
+use crate::numeric::{GROUP, normal};
 use crate::random::BeamBits;
-use crate::raycast::GROUP;
 
 /// Parameters of a [`BeamModel`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +76,7 @@ impl BeamModel {
         if sum <= 0.0 {
             return Err(Error::Weights([z_hit, z_short, z_max, z_rand]));
         }
-        check_number("the sum of the weights", sum, "finite", |_| true)?;
+        check_finite("the sum of the weights", sum)?;
         // Weights that sum to 1 up to rounding stay unchanged, so that a model made from `options()` equals the original.
         let sum = if (sum - 1.0).abs() < 1e-14 { 1.0 } else { sum };
         let options = BeamModelOptions {

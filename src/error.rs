@@ -1,7 +1,5 @@
 //! The one error type: what was wrong, what was given, what was needed.
 
-use crate::threads;
-
 /// A value that the simulator cannot work with.
 ///
 /// Constructors and batch entry points check their input, so that nothing behind them can fail.
@@ -120,27 +118,17 @@ pub enum Error {
     },
 }
 
-/// Checks that `value` is finite and that `holds` is true of it.
+/// Checks that `value` is finite and in its domain: `is_valid` is true for it, and `needed` describes the domain.
 pub(crate) fn check_number(
     name: &'static str,
     value: f64,
     needed: &'static str,
-    holds: impl Fn(f64) -> bool,
+    is_valid: impl Fn(f64) -> bool,
 ) -> Result<f64, Error> {
-    if value.is_finite() && holds(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
+    if value.is_finite() && is_valid(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
 }
 
-/// Checks on so many threads that every row is finite, and names the first that is not.
-pub(crate) fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>) -> Result<(), Error> {
-    // All of them first, in a form that vectorises.
-    let are_finite = |rows: &[[f64; 3]]| rows.as_flattened().iter().fold(true, |all, number| all & number.is_finite());
-    if threads::all_chunks(threads, rows, CHUNK, are_finite)? {
-        return Ok(());
-    }
-    let is_finite = |row: &[f64; 3]| row.iter().all(|number| number.is_finite());
-    let row = rows.iter().position(|row| !is_finite(row)).unwrap_or(0);
-    Err(Error::Row { name, row, value: rows[row] })
+/// Checks that `value` is finite.
+pub(crate) fn check_finite(name: &'static str, value: f64) -> Result<f64, Error> {
+    check_number(name, value, "finite", |_| true)
 }
-
-/// Rows that one thread checks at a time.
-const CHUNK: usize = 4096;

@@ -1,14 +1,16 @@
 //! Occupancy grids: the only owner of world ↔ cell.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
-use crate::error::{Error, check_number};
+use crate::batch::is_pool_thread;
+use crate::error::{Error, check_finite, check_number};
+use crate::free_boxes::FreeBoxes;
 use crate::pose::Pose;
 use crate::random;
-use crate::raycast::Clearance;
 
 /// Whether beams pass cells of which nothing is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,7 +53,7 @@ pub struct OccupancyGrid {
     options: GridOptions,
     /// Cosine and sine of the turn from the map frame into the grid's.
     turn: DVec2,
-    clearance: OnceLock<Clearance>,
+    free_boxes: OnceLock<FreeBoxes>,
 }
 
 /// The threshold of a grid unless it says otherwise.
@@ -95,11 +97,11 @@ impl OccupancyGrid {
             (1.0..=100.0).contains(&value)
         })?;
         let origin = options.origin.to_array();
-        check_number("origin x", origin[0], "finite", |_| true)?;
-        check_number("origin y", origin[1], "finite", |_| true)?;
-        check_number("origin yaw", origin[2], "finite", |_| true)?;
+        check_finite("origin x", origin[0])?;
+        check_finite("origin y", origin[1])?;
+        check_finite("origin yaw", origin[2])?;
         let (sin, cos) = libm::sincos(-options.origin.yaw);
-        Ok(Self { cells, width, height, options, turn: DVec2::new(cos, sin), clearance: OnceLock::new() })
+        Ok(Self { cells, width, height, options, turn: DVec2::new(cos, sin), free_boxes: OnceLock::new() })
     }
 
     /// Values of the cells, row by row from the bottom.
@@ -132,17 +134,29 @@ impl OccupancyGrid {
         self.options.resolution
     }
 
-    /// What fast casting needs, built at the first call.
-    pub fn clearance(&self) -> &Clearance {
-        self.prepare(None)
+    /// Builds what fast casting needs, unless it is built already; on `threads` threads (default: all cores).
+    ///
+    /// Casting does this at its first call. It takes 8 bytes a cell.
+    pub fn prepare(&self, threads: Option<usize>) {
+        self.free_boxes_by(threads);
     }
 
-    /// What fast casting needs, built at the first call, by so many threads or as many as there are cores.
-    pub fn prepare(&self, threads: Option<usize>) -> &Clearance {
+    /// The free boxes of the cells, built at the first call on all cores.
+    pub(crate) fn free_boxes(&self) -> &FreeBoxes {
+        self.free_boxes_by(None)
+    }
+
+    fn free_boxes_by(&self, threads: Option<usize>) -> &FreeBoxes {
         let blocks = |&value: &i8| self.options.blocks(value);
-        // A worker that waits for other threads takes up other work, which may wait for this grid in turn.
-        let threads = if rayon::current_thread_index().is_some() { Some(1) } else { threads };
-        self.clearance.get_or_init(|| Clearance::new(&self.cells, self.width, threads, blocks))
+        // A pool thread that waits may take up other work, and that work may need the free boxes of this grid: a deadlock.
+        let threads = if is_pool_thread() { Some(1) } else { threads };
+        self.free_boxes.get_or_init(|| FreeBoxes::new(&self.cells, self.width, threads, blocks))
+    }
+
+    /// True if the free boxes are built.
+    #[cfg(test)]
+    pub(crate) fn is_prepared(&self) -> bool {
+        self.free_boxes.get().is_some()
     }
 
     /// Gives the cells of a rectangle new values: as many columns as `width`, row by row from `corner` on.
@@ -167,9 +181,9 @@ impl OccupancyGrid {
         for (row, values) in values.chunks_exact(width).enumerate() {
             self.cells[(corner.row + row) * self.width + corner.col..][..width].copy_from_slice(values);
         }
-        if let Some(clearance) = self.clearance.get_mut() {
+        if let Some(free_boxes) = self.free_boxes.get_mut() {
             let region = (corner.col..corner.col + width, corner.row..corner.row + height);
-            clearance.update(&self.cells, region, |&value| self.options.blocks(value));
+            free_boxes.update(&self.cells, region, |&value| self.options.blocks(value));
         }
         Ok(())
     }
@@ -181,18 +195,40 @@ impl OccupancyGrid {
         Pose { position: self.turn.rotate(pose.position - origin.position), yaw: pose.yaw - origin.yaw }
     }
 
-    /// A point of the map frame in cells from the grid's corner; its floor names the cell.
-    #[must_use]
-    pub fn to_cells(&self, point: DVec2) -> DVec2 {
-        self.pose_in_grid(Pose { position: point, yaw: 0.0 }).position / self.resolution()
+    /// A point of the grid's frame \[m\], or a length along its axes, in cells.
+    #[inline(always)]
+    pub(crate) fn in_cells(&self, point: DVec2) -> DVec2 {
+        point / self.options.resolution
     }
 
-    /// The cell that a point of the map frame lies in, if that is on the grid.
+    /// A point of the map frame in cells from the grid's corner; its floor is the cell.
+    #[must_use]
+    pub fn to_cells(&self, point: DVec2) -> DVec2 {
+        self.in_cells(self.pose_in_grid(Pose { position: point, yaw: 0.0 }).position)
+    }
+
+    /// The cell that contains a point of the map frame, `None` off the grid.
     #[must_use]
     pub fn cell_at(&self, point: DVec2) -> Option<Cell> {
-        let at = self.to_cells(point).floor();
+        self.cell_around(self.to_cells(point))
+    }
+
+    /// The cell that contains a point, given in cells from the grid's corner; `None` off the grid.
+    #[inline]
+    pub(crate) fn cell_around(&self, at: DVec2) -> Option<Cell> {
+        let at = at.floor();
         let (col, row) = (index_below(at.x, self.width)?, index_below(at.y, self.height)?);
         Some(Cell { col, row })
+    }
+
+    /// Columns and rows of the cells that meet a rectangle; its corners `low` and `high` are in cells from the grid's corner.
+    pub(crate) fn cells_between(&self, low: DVec2, high: DVec2) -> (Range<usize>, Range<usize>) {
+        (span(low.x, high.x, self.width), span(low.y, high.y, self.height))
+    }
+
+    /// The lower-left corner of a cell in the grid's frame \[m\].
+    pub(crate) fn corner(&self, cell: Cell) -> DVec2 {
+        cell.corner() * self.resolution()
     }
 
     /// The centre of a cell in the map frame.
@@ -205,8 +241,7 @@ impl OccupancyGrid {
     }
 
     fn center(&self, cell: Cell) -> DVec2 {
-        let corner = DVec2::new(cell.col as f64, cell.row as f64);
-        self.options.origin.transform_point((corner + 0.5) * self.resolution())
+        self.options.origin.transform_point((cell.corner() + 0.5) * self.resolution())
     }
 
     /// Whether a cell of the grid stops beams.
@@ -226,8 +261,8 @@ impl OccupancyGrid {
     /// # Errors
     /// A centre that is not finite, a radius that is not finite or negative.
     pub fn is_free_disc(&self, center: DVec2, radius: f64) -> Result<bool, Error> {
-        check_number("x", center.x, "finite", |_| true)?;
-        check_number("y", center.y, "finite", |_| true)?;
+        check_finite("x", center.x)?;
+        check_finite("y", center.y)?;
         check_radius(radius)?;
         Ok(self.is_free(center, radius))
     }
@@ -238,10 +273,9 @@ impl OccupancyGrid {
         if self.block_at(center) {
             return false;
         }
-        let (cols, rows) = (span(center.x, radius, self.width), span(center.y, radius, self.height));
+        let (cols, rows) = self.cells_between(center - radius, center + radius);
         rows.flat_map(|row| cols.clone().map(move |col| Cell { col, row })).all(|cell| {
-            let corner = DVec2::new(cell.col as f64, cell.row as f64);
-            let nearest = center.clamp(corner, corner + 1.0);
+            let nearest = center.clamp(cell.corner(), cell.corner() + 1.0);
             nearest.distance_squared(center) >= radius * radius || !self.is_blocking(cell)
         })
     }
@@ -269,13 +303,26 @@ impl OccupancyGrid {
         Err(Error::NoFreePlace { radius })
     }
 
-    /// Whether a point, in cells from the grid's corner, lies in a blocking cell.
+    /// True if a point, given in cells from the grid's corner, lies in a blocking cell.
     pub(crate) fn block_at(&self, at: DVec2) -> bool {
-        let at = at.floor();
-        match (index_below(at.x, self.width), index_below(at.y, self.height)) {
-            (Some(col), Some(row)) => self.is_blocking(Cell { col, row }),
-            _ => false,
-        }
+        self.cell_around(at).is_some_and(|cell| self.is_blocking(cell))
+    }
+
+    /// True if the cell is on the grid and stops beams.
+    pub(crate) fn blocks(&self, Cell { col, row }: Cell) -> bool {
+        col < self.width && row < self.height && self.options.blocks(self.cells[row * self.width + col])
+    }
+
+    /// True if one of these cells of a row stops beams.
+    pub(crate) fn has_blocking(&self, row: usize, cols: Range<usize>) -> bool {
+        self.cells[row * self.width..][cols].iter().any(|&value| self.options.blocks(value))
+    }
+}
+
+impl Cell {
+    /// The lower-left corner in cells from the grid's corner.
+    fn corner(self) -> DVec2 {
+        DVec2::new(self.col as f64, self.row as f64)
     }
 }
 
@@ -305,12 +352,11 @@ fn index_below(whole: f64, count: usize) -> Option<usize> {
     (whole >= 0.0 && whole < count as f64).then_some(whole as usize)
 }
 
-/// The indices in `0..count` of the unit intervals within `radius` of `center`.
-fn span(center: f64, radius: f64, count: usize) -> std::ops::Range<usize> {
-    // A float becomes the nearest integer it can: negative ones 0.
-    let first = (center - radius).floor() as usize;
-    let end = (center + radius).floor() as usize;
-    first.min(count)..if center + radius < 0.0 { 0 } else { end.saturating_add(1).min(count) }
+/// Indices in `0..count` of the unit intervals that meet the interval from `low` to `high`.
+fn span(low: f64, high: f64, count: usize) -> Range<usize> {
+    // The cast saturates: negative numbers become 0.
+    let (first, last) = (low.floor() as usize, high.floor() as usize);
+    first.min(count)..if high < 0.0 { 0 } else { last.saturating_add(1).min(count) }
 }
 
 /// A whole number of `0..count`, each as likely to within 2⁻³³.
@@ -419,7 +465,7 @@ mod tests {
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
         let anew = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
-        assert_eq!(grid.clearance().lengths(), anew.clearance().lengths());
+        assert_eq!(grid.free_boxes().lengths(), anew.free_boxes().lengths());
         let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
             grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()
         };

@@ -27,14 +27,14 @@
 //!   rays, which have polynomials of their own: such a ray and a scan's beam at its angle may differ in the last bits.
 //! - **Motion**: a twist is integrated exactly (the exponential of SE(2)), not by Euler steps.
 
+mod batch;
 mod beam_model;
 mod contact;
-mod elementary;
 mod error;
+mod free_boxes;
 mod grid;
-mod limits;
 mod motion;
-mod motion_noise;
+mod numeric;
 mod obstacles;
 mod pose;
 #[cfg(feature = "python")]
@@ -43,16 +43,13 @@ pub mod random;
 pub mod raycast;
 mod scanner;
 mod shape;
-mod threads;
 mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, touches};
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
-pub use limits::Limits;
-pub use motion::{Twist, integrate, integrate_batch, interpolate};
-pub use motion_noise::MotionNoise;
+pub use motion::{Limits, MotionNoise, Twist, integrate, integrate_batch, interpolate};
 pub use obstacles::Obstacles;
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use scanner::{LaserScanner, MAX_BEAMS, NoReturn, Noise, ScannerOptions};

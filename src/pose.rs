@@ -5,7 +5,7 @@ use std::ops::Mul;
 
 use glam::DVec2;
 
-use crate::error::{Error, check_number};
+use crate::error::{Error, check_finite, check_number};
 
 /// Position \[m\] and yaw \[rad\] of a child frame in its parent frame.
 ///
@@ -42,9 +42,9 @@ impl Pose {
     /// # Errors
     /// [`Error::Number`], which names the first coordinate that is not finite.
     pub fn checked(self) -> Result<Self, Error> {
-        check_number("x", self.position.x, "finite", |_| true)?;
-        check_number("y", self.position.y, "finite", |_| true)?;
-        check_number("yaw", self.yaw, "finite", |_| true)?;
+        check_finite("x", self.position.x)?;
+        check_finite("y", self.position.y)?;
+        check_finite("yaw", self.yaw)?;
         Ok(self)
     }
 

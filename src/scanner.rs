@@ -5,13 +5,14 @@ use std::iter;
 
 use glam::DVec2;
 
+use crate::batch::{check_rows, for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
-use crate::error::{Error, check_number, check_rows};
+use crate::error::{Error, check_finite, check_number};
+use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Caster, Fans, GROUP, Group, Kernel, Sink, Start, UpTo, store};
-use crate::threads;
+use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges, store};
 use crate::world::World;
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
@@ -112,9 +113,9 @@ impl LaserScanner {
         check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
         check_number("max_range", max_range, "greater than min_range", |value| value > min_range)?;
         check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
-        check_number("mount x", mount.position.x, "finite", |_| true)?;
-        check_number("mount y", mount.position.y, "finite", |_| true)?;
-        check_number("mount yaw", mount.yaw, "finite", |_| true)?;
+        check_finite("mount x", mount.position.x)?;
+        check_finite("mount y", mount.position.y)?;
+        check_finite("mount yaw", mount.yaw)?;
         let gaps = if (fov - TAU).abs() < FULL_TURN_TOLERANCE { beam_count } else { beam_count - 1 };
         let (angle_min, angle_increment) = if beam_count == 1 { (0.0, 0.0) } else { (-0.5 * fov, fov / gaps as f64) };
         let groups = beam_count.div_ceil(GROUP);
@@ -193,7 +194,7 @@ impl LaserScanner {
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let (world, max_range) = (world.into(), self.options.max_range);
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
-        self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(UpTo { max_range, ranges }));
+        self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }));
         Ok(())
     }
 
@@ -226,9 +227,9 @@ impl LaserScanner {
         }
         let max_range = self.options.max_range;
         let caster = self.caster(world)?;
-        world.grid.prepare(threads);
-        let at_a_time = caster.at_a_time(poses.len(), self.cos.len(), threads::sharing(threads, readings.len())?);
-        threads::for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
+        caster.prepare(threads);
+        let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
+        for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
             let poses = poses[first..].iter().map(|&pose| Pose::from(pose)).take(readings.len() / beam_count);
             let readings = readings.chunks_exact_mut(beam_count);
@@ -239,7 +240,7 @@ impl LaserScanner {
                 });
                 self.cast(caster, world, poses, sinks);
             } else {
-                self.cast(caster, world, poses, readings.map(|ranges| UpTo { max_range, ranges }));
+                self.cast(caster, world, poses, readings.map(|ranges| StoreRanges { max_range, ranges }));
             }
         })
     }
@@ -315,13 +316,13 @@ impl LaserScanner {
     ) {
         let Self { cos, sin, options: ScannerOptions { beam_count, max_range, mount, .. }, .. } = self;
         let map_from_laser = |map_from_base: Pose| map_from_base * *mount;
-        let mut starts = [Start::default(); Fans::MOST];
+        let mut starts = [Start::default(); Fans::MAX];
         let mut count = 0;
         for (start, map_from_base) in starts.iter_mut().zip(poses.clone()) {
             *start = Start::new(grid, grid.pose_in_grid(map_from_laser(map_from_base)));
             count += 1;
         }
-        debug_assert!(poses.clone().nth(Fans::MOST).is_none(), "too many scans for one call");
+        debug_assert!(poses.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
         let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
             let view = || View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range);
             let view = (!obstacles.is_empty()).then(view).filter(|view| !view.is_empty());

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
+use crate::grid::Cell;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
@@ -68,22 +69,16 @@ impl<'a> Blockers<'a> {
     /// ```
     fn gather_cells(&mut self, center: DVec2, radius: f64) {
         let grid = self.world.grid;
-        let (resolution, width, height) = (grid.resolution(), grid.width(), grid.height());
-        let low = ((center - radius) / resolution).floor();
-        let high = ((center + radius) / resolution).floor();
-        if low.is_nan() || high.x < 0.0 || high.y < 0.0 {
+        let (low, high) = (grid.in_cells(center - radius), grid.in_cells(center + radius));
+        if low.is_nan() {
             return;
         }
-        // `as usize` saturates: negative values become 0.
-        let cols = (low.x as usize).min(width)..(high.x as usize).saturating_add(1).min(width);
-        let rows = (low.y as usize).min(height)..(high.y as usize).saturating_add(1).min(height);
-        let options = grid.options();
-        let blocks = |col: usize, row: usize| col < width && row < height && options.blocks(grid.cells()[row * width + col]);
-        let line = |row: usize| &grid.cells()[row * width..][cols.clone()];
-        if !rows.clone().any(|row| line(row).iter().any(|&value| options.blocks(value))) {
+        let (cols, rows) = grid.cells_between(low, high);
+        if !rows.clone().any(|row| grid.has_blocking(row, cols.clone())) {
             return;
         }
-        let corner = |col: usize, row: usize| DVec2::new(col as f64, row as f64) * resolution;
+        let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
+        let corner = |col: usize, row: usize| grid.corner(Cell { col, row });
         let piece = |start, end| Blocker { piece: Piece::Edge(start, end), obstacle: None };
         for row in rows.start..=rows.end {
             let is_edge = |col| blocks(col, row.wrapping_sub(1)) != blocks(col, row);
@@ -117,7 +112,7 @@ impl<'a> Blockers<'a> {
 
     /// Returns true if a point in the frame of the grid lies inside a blocking cell or an obstacle.
     pub fn holds(&self, point: DVec2) -> bool {
-        self.world.grid.block_at(point / self.world.grid.resolution()) || self.obstacle_at(point).is_some()
+        self.world.grid.block_at(self.world.grid.in_cells(point)) || self.obstacle_at(point).is_some()
     }
 
     /// Returns the index of the first obstacle that contains a point in the frame of the grid, `None` if there is none.

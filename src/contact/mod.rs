@@ -158,9 +158,7 @@ pub fn advance<'a>(
 ) -> Result<(Pose, Option<Contact>), Error> {
     let world = world.into();
     pose.checked()?;
-    for (name, value) in ["vx", "vy", "wz"].into_iter().zip(twist.to_array()) {
-        check_number(name, value, "finite", |_| true)?;
-    }
+    twist.checked()?;
     check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
     let free = integrate(pose, twist, dt).checked()?;
     let start = world.grid.pose_in_grid(pose);

@@ -155,9 +155,7 @@ impl OccupancyGrid {
     /// Builds what casting needs now rather than at the first cast.
     fn prepare(&self, py: Python<'_>) {
         let core = self.core();
-        py.detach(|| {
-            core.clearance();
-        });
+        py.detach(|| core.prepare(None));
     }
 
     /// The cell (row, column) that a point of the map frame lies in, or None off the grid.

@@ -38,7 +38,7 @@ impl Ray {
             // Metres that overflow when counted in cells are beyond any range, and angles that overflow lead nowhere.
             return None;
         }
-        let direction = DVec2::new(still(direction.x), still(direction.y));
+        let direction = DVec2::new(flush_tiny(direction.x), flush_tiny(direction.y));
         let inverse = direction.recip();
         let size = DVec2::new(width as f64, height as f64);
         let floor = origin.floor();
@@ -66,7 +66,7 @@ impl Ray {
 }
 
 #[inline(always)]
-pub(super) fn still(component: f64) -> f64 {
+pub(super) fn flush_tiny(component: f64) -> f64 {
     if component.abs() < NO_MOTION { 0.0 } else { component }
 }
 

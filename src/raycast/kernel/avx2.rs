@@ -10,8 +10,7 @@ use std::arch::x86_64::{
     _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
 
-use super::Work;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Work};
 
 /// Proof that the processor has AVX2, FMA and POPCNT.
 #[derive(Debug, Clone, Copy)]

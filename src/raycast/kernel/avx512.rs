@@ -11,8 +11,7 @@ use std::arch::x86_64::{
     _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
-use super::Work;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Work};
 
 /// Proof that the processor has AVX-512 F, BW, DQ and VL, and POPCNT.
 #[derive(Debug, Clone, Copy)]

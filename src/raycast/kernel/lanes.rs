@@ -1,6 +1,11 @@
 //! Vectors of float32 and of int32, as the march over them needs them of an instruction set.
 
-use super::Work;
+/// Work that is compiled with the instruction set of a kernel.
+pub trait Work {
+    /// Does the work. Must be `#[inline(always)]`, so that it becomes part of the function that enables the instruction set; a
+    /// closure cannot be.
+    fn run(self);
+}
 
 /// An instruction set that the processor has, by its vectors. A value of such a type is proof that it has it.
 ///

@@ -8,13 +8,15 @@
 
 use std::array::from_fn;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Work};
 use super::prefetch::{LINE, prefetch};
-use super::{Sink, Work};
-use crate::raycast::block::{BLOCK, Block, RoughAxis};
-use crate::raycast::source::{GROUP, Group, Places, Source};
+use crate::free_boxes::{FreeBoxes, Sector};
+use crate::numeric::{GROUP, Group};
+use crate::raycast::Ray;
+use crate::raycast::block::{Axis32, BLOCK, Block};
+use crate::raycast::sink::Sink;
+use crate::raycast::source::{RayGroup, Source};
 use crate::raycast::track::{Track, distance};
-use crate::raycast::{Clearance, Ray, Sector};
 
 /// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
 ///
@@ -39,20 +41,20 @@ const BEYOND_CACHES: usize = 1 << 24;
 /// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
 pub fn cast<L: Lanes, S: Source>(
     lanes: L,
-    clearance: &Clearance,
+    free_boxes: &FreeBoxes,
     source: S,
     limit: f64,
     block: &mut Block,
     sink: &mut impl Sink,
 ) {
     // No ray goes farther than this on the grid, and float32 tells it apart from a cell less.
-    let limit = limit.min((clearance.width() + clearance.height()) as f64) as f32;
+    let limit = limit.min((free_boxes.width() + free_boxes.height()) as f64) as f32;
     let (fans, groups) = (source.fans(), source.count().div_ceil(GROUP));
     assert!(fans <= 1 || fans * groups <= BLOCK / GROUP, "{fans} fans of {groups} groups do not fit into a block");
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
         let each = (source.count() - first_group * GROUP).min(BLOCK);
         // One after the other, each function has the registers to itself.
-        lanes.with_features(Trace { march: March { lanes, clearance, source, first_group, each, limit }, block });
+        lanes.with_features(Trace { march: March { lanes, free_boxes, source, first_group, each, limit }, block });
         let distances = &block.distances[..fans * each.div_ceil(GROUP)];
         lanes.with_features(HandOver { first_group, distances, sink });
     }
@@ -90,7 +92,7 @@ impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
 /// What the rays of a block march over.
 struct March<'a, L, S> {
     lanes: L,
-    clearance: &'a Clearance,
+    free_boxes: &'a FreeBoxes,
     source: S,
     /// The first group of each fan that is in the block.
     first_group: usize,
@@ -114,7 +116,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Aims the rays of a block, moves them, and writes down how far they came.
     #[inline(always)]
     fn trace(&self, block: &mut Block) {
-        let Self { clearance, source, first_group, each, .. } = *self;
+        let Self { free_boxes, source, first_group, each, .. } = *self;
         let (fans, groups) = (source.fans(), each.div_ceil(GROUP));
         // What is no more than a block, which the compiler has to see to do without checks.
         let begin = |fan: usize, group: usize| (fan * each + group * GROUP).min(BLOCK);
@@ -122,12 +124,12 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         for fan in 0..fans {
             for group in 0..groups {
                 // Behind the last ray of a fan comes the first one of the next.
-                block.aim(clearance, &source.group(fan, first_group + group), begin(fan, group));
+                block.set_group(free_boxes, &source.group(fan, first_group + group), begin(fan, group));
             }
         }
         debug_assert!((0..count).all(|at| block.start(at) == self.first_place(at)), "a ray does not start where it does");
-        if !S::START_TOGETHER && clearance.lengths().len() > BEYOND_CACHES {
-            (0..count).for_each(|at| prefetch(clearance.lengths(), block.start(at)));
+        if !S::SHARES_START_CELLS && free_boxes.lengths().len() > BEYOND_CACHES {
+            (0..count).for_each(|at| prefetch(free_boxes.lengths(), block.start(at)));
         }
         self.run(block, count);
         for fan in 0..fans {
@@ -138,7 +140,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                 let mut distances = [0.0; GROUP];
                 for (place, found) in distances.iter_mut().enumerate() {
                     let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
-                    *found = distance(clearance, &rays.ray(place), cell);
+                    *found = distance(free_boxes, &rays.ray(place), cell);
                 }
                 block.distances[fan * groups + group] = distances;
             }
@@ -161,7 +163,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Passes over the first rays of a block with so many vectors in flight, until all have ended.
     #[inline(always)]
     fn passes<const IN_FLIGHT: usize>(&self, block: &mut Block, count: usize) {
-        let lengths = self.clearance.lengths();
+        let lengths = self.free_boxes.lengths();
         let upcoming = self.source.upcoming();
         let mut rest = count;
         let (mut ended, mut fetched) = (0, 0);
@@ -257,7 +259,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let far_major = lanes.add(rays.major, along);
         let far_minor = lanes.add(rays.minor, lanes.half_up(along));
         // Where the lines of the far sides are crossed.
-        let crossing = |axis: &RoughAxis, line| {
+        let crossing = |axis: &Axis32, line| {
             lanes.multiply_add(line, lanes.load(&axis.slope, rays.at), lanes.load(&axis.intercept, rays.at))
         };
         let (at_far_major, at_far_minor) = (crossing(&block.major, far_major), crossing(&block.minor, far_minor));
@@ -288,7 +290,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Where in the lengths the first cell of a ray of the block is.
     fn first_place(&self, at: usize) -> usize {
         let ray = self.ray(at);
-        self.clearance.index(ray.col, ray.row, Sector::of(ray.direction))
+        self.free_boxes.index(ray.col, ray.row, Sector::of(ray.direction))
     }
 
     /// Whether the rays that are not of a mask are in the cells they were in.
@@ -309,7 +311,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let bits = self.lanes.bits(active);
         list.iter()
             .enumerate()
-            .all(|(lane, &place)| bits >> lane & 1 == 0 || (place as u32 as usize) < self.clearance.memory())
+            .all(|(lane, &place)| bits >> lane & 1 == 0 || (place as u32 as usize) < self.free_boxes.lengths().len())
     }
 
     /// The cells that the rays step into, those of `ties` by the exact step.
@@ -337,7 +339,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             let ray = self.ray(block.number[rays.at + lane] as usize);
             // The block counts cells from the one after the first.
             let now = (now_major[lane] as i32 + 1, now_minor[lane] as i32 + 1);
-            let next = Track::new(self.clearance, &ray).step(now, length[lane] as i32);
+            let next = Track::new(self.free_boxes, &ray).step(now, length[lane] as i32);
             major[lane] = (next.0 - 1) as f32;
             minor[lane] = (next.1 - 1) as f32;
         }

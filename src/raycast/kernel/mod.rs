@@ -12,12 +12,16 @@ mod scalar;
 
 use std::sync::LazyLock;
 
+use super::Ray;
 use super::block::{Block, fits};
-use super::source::{GROUP, Group, Places, Source};
-use super::{Ray, traverse};
+use super::sink::Sink;
+use super::source::{RayGroup, Source};
+use super::traversal::traverse;
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
+use crate::numeric::GROUP;
 use lanes::Lanes;
+pub use lanes::Work;
 
 /// A way to cast rays. They differ in speed only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,12 +98,17 @@ impl Kernel {
     }
 
     /// The longest box that is no quicker to jump over than to traverse, as measured among cells that block at random.
-    pub(super) fn not_worth_jumping(self) -> i32 {
+    pub(super) fn break_even_length(self) -> i32 {
         match self {
             Self::Traversal | Self::Portable => 6,
             Self::Avx2 => 1,
             Self::Avx512 => 0,
         }
+    }
+
+    /// True if the kernel jumps over free boxes.
+    pub(super) fn uses_free_boxes(self) -> bool {
+        self != Self::Traversal
     }
 
     /// Whether this machine can run it.
@@ -117,48 +126,29 @@ impl Kernel {
     }
 }
 
-/// Work to be compiled with a kernel's instruction set.
-pub trait Work {
-    /// Does it. Has to be `#[inline(always)]`, which a closure cannot be, to become part of the function with that set.
-    fn run(self);
-}
-
-/// What takes the distances of rays, a group at a time. Closures do; a type of its own becomes part of the kernel that calls it.
-pub trait Sink {
-    /// Takes the distances of a group, which behind the last ray of a fan mean nothing.
-    fn take(&mut self, group: usize, distances: &Group);
-}
-
-impl<F: FnMut(usize, &Group)> Sink for F {
-    #[inline(always)]
-    fn take(&mut self, group: usize, distances: &Group) {
-        self(group, distances);
-    }
-}
-
 /// Hands over, group by group and fan by fan, the distances from the origins of rays to the boundaries by which they enter blocking
 /// cells, infinite if there is none; those beyond `limit` are anything beyond it. In cells.
 ///
 /// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
 /// int32 cannot number its bytes to a loop over single rays.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
-    if kernel == Kernel::Traversal || source.is_hemmed_in(grid, kernel.not_worth_jumping()) {
+    if kernel == Kernel::Traversal || source.is_cluttered(grid, kernel.break_even_length()) {
         return kernel.with_features(Walk { grid, source, limit, sink });
     }
-    let clearance = grid.clearance();
-    if !fits(clearance) {
-        return each(source, &mut sink, |ray| scalar::cast(clearance, ray, limit));
+    let free_boxes = grid.free_boxes();
+    if !fits(free_boxes) {
+        return each(source, &mut sink, |ray| scalar::cast(free_boxes, ray, limit));
     }
     #[cfg(target_arch = "x86_64")]
     {
         if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
-            return march::cast(lanes, clearance, source, limit, block, &mut sink);
+            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
         }
         if let (Kernel::Avx2, Some(lanes)) = (kernel, avx2::Avx2::new()) {
-            return march::cast(lanes, clearance, source, limit, block, &mut sink);
+            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
         }
     }
-    march::cast(portable::Portable, clearance, source, limit, block, &mut sink);
+    march::cast(portable::Portable, free_boxes, source, limit, block, &mut sink);
 }
 
 /// Traverses cell by cell.

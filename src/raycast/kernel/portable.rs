@@ -1,8 +1,7 @@
 //! Any processor: 8 rays to an array, in loops that compilers make vectors of, and independent of each other where they do not.
 #![allow(unsafe_code, reason = "conversions to integers that do not saturate")]
 
-use super::Work;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Work};
 
 /// Every processor has what this needs.
 #[derive(Debug, Clone, Copy)]

@@ -1,18 +1,19 @@
 //! The jump loop over single rays, in float64: for grids whose bytes int32 cannot number.
 
+use crate::free_boxes::FreeBoxes;
+use crate::raycast::Ray;
 use crate::raycast::track::Track;
-use crate::raycast::{Clearance, Ray};
 
 /// Distance in cells from a ray's origin to the boundary by which it enters a blocking cell, infinite if there is none; one beyond
 /// `limit` may be infinite.
 ///
 /// A ray in a cell leaves that cell's free box through one of its two far sides.
 #[inline]
-pub fn cast(clearance: &Clearance, ray: &Ray, limit: f64) -> f64 {
-    let track = Track::new(clearance, ray);
-    let lengths = clearance.lengths();
-    let stride = clearance.stride(track.sector);
-    let first = clearance.index(ray.col, ray.row, track.sector);
+pub fn cast(free_boxes: &FreeBoxes, ray: &Ray, limit: f64) -> f64 {
+    let track = Track::new(free_boxes, ray);
+    let lengths = free_boxes.lengths();
+    let stride = free_boxes.stride(track.sector);
+    let first = free_boxes.index(ray.col, ray.row, track.sector);
     let mut cell = (0, 0);
     loop {
         let length = lengths[first + cell.1 as usize * stride + cell.0 as usize];
@@ -26,7 +27,7 @@ pub fn cast(clearance: &Clearance, ray: &Ray, limit: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raycast::traverse;
+    use crate::raycast::traversal::traverse;
     use crate::{GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Unknown, random};
     use glam::DVec2;
     use rand::{Rng, RngExt};
@@ -47,7 +48,7 @@ mod tests {
                 let (sin, cos) = libm::sincos((stream.next_u64() % 64) as f64 * 0.1);
                 if let Some(ray) = Ray::entering(width, height, start, DVec2::new(cos, sin)) {
                     let expected = ray.gap + traverse(&grid, &ray, f64::INFINITY).max(0.0);
-                    assert_eq!(cast(grid.clearance(), &ray, f64::INFINITY).to_bits(), expected.to_bits(), "{ray:?}");
+                    assert_eq!(cast(grid.free_boxes(), &ray, f64::INFINITY).to_bits(), expected.to_bits(), "{ray:?}");
                 }
             }
         }

@@ -2,9 +2,12 @@
 
 use std::sync::Once;
 
+use crate::grid::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
+use crate::numeric::{GROUP, Group};
+use crate::pose::Pose;
+use crate::raycast::rays::{RayColumns, Rays};
+use crate::raycast::{Caster, Kernel, Ray};
 use glam::DVec2;
-use mobile_robot_simulator::raycast::{Caster, GROUP, Group, Kernel, Ray, RayGroup, Rays};
-use mobile_robot_simulator::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Unknown};
 
 /// Start (in cells) and direction (a unit vector) of a ray.
 pub type Start = (DVec2, DVec2);
@@ -27,7 +30,7 @@ pub fn kernels() -> impl Iterator<Item = Kernel> {
 
 /// Distances in cells along rays to the first blocking cell, infinite for no hit.
 pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f64> {
-    let mut groups = vec![RayGroup::ASTRAY; starts.len().div_ceil(GROUP)];
+    let mut groups = vec![RayColumns::MISSES; starts.len().div_ceil(GROUP)];
     for (index, &(origin, direction)) in starts.iter().enumerate() {
         if let Some(ray) = Ray::entering(grid.width(), grid.height(), origin, direction) {
             groups[index / GROUP].set(index % GROUP, &ray);

@@ -1,8 +1,15 @@
 //! Motion in the plane under a constant twist, integrated exactly.
 
+mod limits;
+mod noise;
+
 use glam::DVec2;
 
-use crate::error::{Error, check_number, check_rows};
+pub use limits::Limits;
+pub use noise::MotionNoise;
+
+use crate::batch::check_rows;
+use crate::error::{Error, check_finite};
 use crate::pose::{Pose, rotate, wrap_angle};
 
 /// Velocity of a robot in its own frame.
@@ -25,6 +32,17 @@ impl Twist {
     #[must_use]
     pub fn to_array(self) -> [f64; 3] {
         [self.linear.x, self.linear.y, self.angular]
+    }
+
+    /// Returns the twist itself if all of it is finite.
+    ///
+    /// # Errors
+    /// [`Error::Number`] names the first component that is not finite.
+    pub fn checked(self) -> Result<Self, Error> {
+        check_finite("vx", self.linear.x)?;
+        check_finite("vy", self.linear.y)?;
+        check_finite("wz", self.angular)?;
+        Ok(self)
     }
 
     /// Returns the constant twist that moves a robot from `start` to `end` in `duration` seconds, with a turn in (-π, π].
@@ -93,7 +111,7 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     }
     check_rows("poses", poses, Some(1))?;
     check_rows("twists", twists, Some(1))?;
-    check_number("dt", duration, "finite", |_| true)?;
+    check_finite("dt", duration)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
     let reached: Vec<_> = poses.iter().zip(twists).map(step).collect();
     check_rows("the resulting poses", &reached, Some(1))?;

@@ -1,6 +1,6 @@
 //! Elementary functions in a form that vectorises, with the same bytes on every machine.
 
-use crate::raycast::{GROUP, Group};
+use super::{GROUP, Group};
 
 /// Angles up to here are reduced by multiples of π/2 that leave the first part of it exact.
 const LARGEST: f64 = 1e5;

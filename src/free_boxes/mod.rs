@@ -1,12 +1,14 @@
 //! How far a ray may jump: per cell and sector of directions, a free box.
 
+mod pages;
+mod sector;
+
 use std::ops::Range;
 
-use glam::DVec2;
+pub use sector::{Mirror, Sector};
 
-use super::Sector;
-use super::pages::Pages;
-use crate::threads;
+use crate::batch;
+use pages::Pages;
 
 /// Free boxes around each cell of a grid, one for each [`Sector`] of directions.
 ///
@@ -17,7 +19,7 @@ use crate::threads;
 /// Each sector has a plane of its own, mirrored and swapped as the sector is: a ray moves towards higher columns and rows of its
 /// plane, and the cells it comes by are near each other in memory.
 #[derive(Debug, Clone)]
-pub struct Clearance {
+pub struct FreeBoxes {
     /// Plane by plane, row by row.
     lengths: Pages,
     width: usize,
@@ -37,7 +39,7 @@ pub fn breadth(length: i32) -> i32 {
     (length + 1) >> 1
 }
 
-impl Clearance {
+impl FreeBoxes {
     /// The boxes of a grid whose cells, row by row, block where `blocks` says so; built by so many threads, or as many as there
     /// are cores; but for finding out which cells of each column are free, which takes a byte a cell meanwhile.
     ///
@@ -52,7 +54,7 @@ impl Clearance {
         let shape = Self { lengths: Pages::zeroed(0), width, height };
         let free = Free::new(cells, width, (0..width, 0..height), blocks);
         let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
-        if threads::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
+        if batch::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
             // Without threads to be had, the caller's has to do.
             lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
         }
@@ -73,13 +75,12 @@ impl Clearance {
 
     /// Builds the plane of a sector as far as it depends on the cells of a region.
     fn fill<T>(&self, sector: Sector, lengths: &mut [u8], free: &Free<'_, T, impl Fn(&T) -> bool>) {
-        let (back_along, back_across) = sector.order(sector.is_left(), sector.is_down());
-        let mirrored = |back: bool, range: &Range<usize>, size: usize| {
-            if back { size - range.end..size - range.start } else { range.clone() }
-        };
         let (cols, rows) = &free.region;
+        let (along_mirror, across_mirror) = sector.order(sector.x(), sector.y());
+        let (along_region, across_region) = sector.order(cols, rows);
+        let (along_size, across_size) = sector.order(self.width, self.height);
         let (along, across) =
-            sector.order(mirrored(sector.is_left(), cols, self.width), mirrored(sector.is_down(), rows, self.height));
+            (along_mirror.range(along_region, along_size), across_mirror.range(across_region, across_size));
         let stride = self.stride(sector);
         // No box from farther away reaches the region.
         let reached = along.start.saturating_sub(LONGEST.into())..along.end;
@@ -87,9 +88,9 @@ impl Clearance {
         for row in (across.start.saturating_sub(LONGEST.into())..across.end).rev() {
             let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
             if across.contains(&row) {
-                let row = if back_across { across.end - 1 - row } else { row - across.start };
+                let row = across_mirror.cell(row as i32, across_size as i32) as usize - across_region.start;
                 free.tell(sector.is_steep(), row, &mut line[1 + along.start..=along.end]);
-                if back_along {
+                if along_mirror.is_on() {
                     line[1 + along.start..=along.end].reverse();
                 }
             }
@@ -137,9 +138,7 @@ impl Clearance {
     }
 
     fn index_in_plane(&self, col: i32, row: i32, sector: Sector) -> usize {
-        let col = if sector.is_left() { self.width as i32 - 1 - col } else { col };
-        let row = if sector.is_down() { self.height as i32 - 1 - row } else { row };
-        let (major, minor) = sector.order(col, row);
+        let (major, minor) = sector.order(sector.x().cell(col, self.width as i32), sector.y().cell(row, self.height as i32));
         (minor + 1) as usize * self.stride(sector) + (major + 1) as usize
     }
 
@@ -147,21 +146,6 @@ impl Clearance {
     #[must_use]
     pub fn length(&self, col: i32, row: i32, sector: Sector) -> i32 {
         self.lengths[self.index(col, row, sector)].into()
-    }
-
-    /// The cell that a point is in, counted in cells, if that is on the grid.
-    #[inline]
-    #[must_use]
-    pub fn cell_at(&self, point: DVec2) -> Option<(i32, i32)> {
-        let floor = point.floor();
-        let on_grid = floor.x >= 0.0 && floor.y >= 0.0 && floor.x < self.width as f64 && floor.y < self.height as f64;
-        on_grid.then_some((floor.x as i32, floor.y as i32))
-    }
-
-    /// Bytes held.
-    #[must_use]
-    pub fn memory(&self) -> usize {
-        self.lengths.len()
     }
 }
 
@@ -255,10 +239,11 @@ mod tests {
     use rand::Rng;
 
     /// Sector, cell, and the length found there, of all cells and sectors.
-    fn boxes(clearance: &Clearance) -> impl Iterator<Item = (Sector, (i32, i32), i32)> {
-        let cells = (0..clearance.height() as i32).flat_map(|row| (0..clearance.width() as i32).map(move |col| (col, row)));
+    fn boxes(free_boxes: &FreeBoxes) -> impl Iterator<Item = (Sector, (i32, i32), i32)> {
+        let cells =
+            (0..free_boxes.height() as i32).flat_map(|row| (0..free_boxes.width() as i32).map(move |col| (col, row)));
         cells.flat_map(move |(col, row)| {
-            Sector::all().map(move |sector| (sector, (col, row), clearance.length(col, row, sector)))
+            Sector::all().map(move |sector| (sector, (col, row), free_boxes.length(col, row, sector)))
         })
     }
 
@@ -267,8 +252,8 @@ mod tests {
         let (cols, rows) = sector.order(length, breadth(length));
         let height = blocking.len() / width;
         (0..rows).flat_map(|up| (0..cols).map(move |along| (along, up))).any(|(along, up)| {
-            let col = col + if sector.is_left() { -along } else { along };
-            let row = row + if sector.is_down() { -up } else { up };
+            let col = col + if sector.x().is_on() { -along } else { along };
+            let row = row + if sector.y().is_on() { -up } else { up };
             let on_grid = (0..width as i32).contains(&col) && (0..height as i32).contains(&row);
             !on_grid || blocking[row as usize * width + col as usize]
         })
@@ -279,8 +264,8 @@ mod tests {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
             let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
-            let clearance = Clearance::new(&blocking, width, Some(1), |blocks| *blocks);
-            for (sector, cell, length) in boxes(&clearance) {
+            let free_boxes = FreeBoxes::new(&blocking, width, Some(1), |blocks| *blocks);
+            for (sector, cell, length) in boxes(&free_boxes) {
                 let blocked = |length| is_blocked(&blocking, width, cell, sector, length);
                 assert!(!blocked(length), "{width}x{height} {cell:?} {sector:?}: {length} is too long");
                 assert!(blocked(length + 2), "{width}x{height} {cell:?} {sector:?}: {length} is too short");
@@ -316,20 +301,23 @@ mod tests {
 
     #[test]
     fn lengths_stop_at_what_a_byte_holds() {
-        let clearance = Clearance::new(&[(); 90_000], 300, Some(1), |()| false);
+        let free_boxes = FreeBoxes::new(&[(); 90_000], 300, Some(1), |()| false);
         for sector in Sector::all() {
             let corner = |back: bool| if back { 299 } else { 0 };
-            assert_eq!(clearance.length(corner(sector.is_left()), corner(sector.is_down()), sector), i32::from(LONGEST));
-            assert_eq!(clearance.length(corner(!sector.is_left()), corner(!sector.is_down()), sector), 1);
+            assert_eq!(
+                free_boxes.length(corner(sector.x().is_on()), corner(sector.y().is_on()), sector),
+                i32::from(LONGEST)
+            );
+            assert_eq!(free_boxes.length(corner(!sector.x().is_on()), corner(!sector.y().is_on()), sector), 1);
         }
     }
 
     #[test]
     fn the_border_stops_every_sector() {
-        let clearance = Clearance::new(&[(); 6], 3, Some(1), |()| false);
+        let free_boxes = FreeBoxes::new(&[(); 6], 3, Some(1), |()| false);
         for (col, row) in [(-1, 0), (3, 1), (0, -1), (2, 2), (-1, -1), (3, 2)] {
             for sector in Sector::all() {
-                assert_eq!(clearance.length(col, row, sector), 0);
+                assert_eq!(free_boxes.length(col, row, sector), 0);
             }
         }
     }
@@ -340,16 +328,16 @@ mod tests {
         let mut below = |count: usize| stream.next_u64() as usize % count;
         for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
             let mut blocking: Vec<bool> = (0..width * height).map(|_| below(one_in) == 0).collect();
-            let mut clearance = Clearance::new(&blocking, width, Some(1), |blocks| *blocks);
+            let mut free_boxes = FreeBoxes::new(&blocking, width, Some(1), |blocks| *blocks);
             for _ in 0..20 {
                 let (col, row) = (below(width), below(height));
                 let region = (col..col + 1 + below(width - col), row..row + 1 + below(height - row));
                 for row in region.1.clone() {
                     blocking[row * width..][region.0.clone()].fill_with(|| below(one_in) == 0);
                 }
-                clearance.update(&blocking, region.clone(), |blocks| *blocks);
-                let anew = Clearance::new(&blocking, width, Some(2), |blocks| *blocks);
-                assert!(clearance.lengths() == anew.lengths(), "{width}x{height} {region:?}");
+                free_boxes.update(&blocking, region.clone(), |blocks| *blocks);
+                let anew = FreeBoxes::new(&blocking, width, Some(2), |blocks| *blocks);
+                assert!(free_boxes.lengths() == anew.lengths(), "{width}x{height} {region:?}");
             }
         }
     }

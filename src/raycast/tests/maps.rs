@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec2;
-use mobile_robot_simulator::random;
 use rand::{Rng, RngExt};
 
-use crate::methods::{Start, check_all, toward, unit_grid};
+use super::methods::{Start, check_all, toward, unit_grid};
+use crate::random;
 
 const IMAGES: [&str; 8] = [
     "f1_berlin/berlin.png",

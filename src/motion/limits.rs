@@ -1,7 +1,7 @@
 //! Limits on velocity, acceleration and deceleration, as a base controller applies them.
 
-use crate::error::{Error, check_number};
-use crate::motion::Twist;
+use super::Twist;
+use crate::error::{Error, check_finite, check_number};
 
 /// Limits on the speed of each axis `[vx, vy, wz]` and on its rate of change. Infinity means no limit.
 ///
@@ -77,8 +77,8 @@ impl Limits {
         check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
         let (wanted, mut reached) = (wanted.to_array(), current.to_array());
         for (axis, reached) in reached.iter_mut().enumerate() {
-            check_number("wanted", wanted[axis], "finite", |_| true)?;
-            check_number("current", *reached, "finite", |_| true)?;
+            check_finite("wanted", wanted[axis])?;
+            check_finite("current", *reached)?;
             let velocity = velocity_after(dt, wanted[axis], *reached, self.acceleration[axis], self.deceleration[axis]);
             *reached = velocity.clamp(-self.velocity[axis], self.velocity[axis]);
         }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use rand::Rng;
 
-use crate::elementary::{ln32, sin_cos32};
+use super::elementary::{ln32, sin_cos32};
 
 /// Two independent standard normal numbers from two words of random bits and the two upper bits of a third, to the precision of a
 /// float32; beyond 6.6, where one in 10¹⁰ should be, there are none, and one pair in 2²⁵ is (0, 0).

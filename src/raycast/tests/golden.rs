@@ -2,10 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+use super::methods::{by_every_square, cast, check, drawn_grid, kernels, toward};
+use crate::grid::OccupancyGrid;
 use glam::DVec2;
-use mobile_robot_simulator::OccupancyGrid;
-
-use crate::methods::{by_every_square, cast, check, drawn_grid, kernels, toward};
 
 /// What every method makes of a ray from `(x, y)` at `angle`, the reference first.
 fn expect(grid: &OccupancyGrid, (x, y): (f64, f64), angle: f64, expected: f64) {

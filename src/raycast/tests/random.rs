@@ -3,11 +3,12 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::DVec2;
-use mobile_robot_simulator::{OccupancyGrid, random};
 use proptest::prelude::*;
 use rand::{Rng, RngExt};
 
-use crate::methods::{Start, by_traversal, check, check_all, toward, unit_grid};
+use super::methods::{Start, by_traversal, check, check_all, toward, unit_grid};
+use crate::grid::OccupancyGrid;
+use crate::random;
 
 const SEED: u64 = 20;
 

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec2, DVec3};
 use rand::Rng;
 
-use crate::beam_model::normal;
-use crate::error::{Error, check_number};
-use crate::motion::{Twist, arc, integrate};
+use super::{Twist, arc, integrate};
+use crate::error::{Error, check_finite, check_number};
+use crate::numeric::normal;
 use crate::pose::{Pose, rotate};
 use crate::random;
 
@@ -142,16 +142,14 @@ fn direction(twist: Twist) -> DVec2 {
 
 fn check(pose: Pose, twist: Twist, duration: f64) -> Result<(), Error> {
     pose.checked()?;
-    for (name, value) in ["vx", "vy", "wz"].into_iter().zip(twist.to_array()) {
-        check_number(name, value, "finite", |_| true)?;
-    }
-    check_number("dt", duration, "finite", |_| true)?;
+    twist.checked()?;
+    check_finite("dt", duration)?;
     Ok(())
 }
 
 fn check_matrix(name: &'static str, matrix: DMat3) -> Result<DMat3, Error> {
     for value in matrix.to_cols_array() {
-        check_number(name, value, "finite", |_| true)?;
+        check_finite(name, value)?;
     }
     Ok(matrix)
 }

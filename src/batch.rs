@@ -1,0 +1,116 @@
+//! Batches: the threads that share them, and the check of their rows.
+
+use std::collections::BTreeMap;
+use std::num::NonZero;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use crate::error::Error;
+
+/// Largest number of threads that a caller may ask for.
+pub const MAX_THREADS: usize = 1024;
+
+/// Thread pools started so far, by process and number of threads.
+///
+/// The process is part of the key because a forked process inherits the memory of its parent, but none of its threads.
+static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+
+/// Smallest batch, in elements, that is shared between threads.
+const MIN_SHARED: usize = 4096;
+
+/// Rows that one thread checks at a time.
+const ROWS_PER_CHECK: usize = 4096;
+
+/// Calls `work(index, chunk)` for each chunk of `length` elements, on `threads` threads (default: all cores).
+///
+/// # Errors
+/// If `threads` is 0 or more than 1024, or if the system cannot start them.
+pub fn for_each_chunk<T: Send>(
+    threads: Option<usize>,
+    elements: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) + Sync,
+) -> Result<(), Error> {
+    match pool_for(threads, elements.len())? {
+        None => elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk)),
+        Some(pool) => pool.install(|| {
+            elements.par_chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
+        }),
+    }
+    Ok(())
+}
+
+/// True if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).
+///
+/// # Errors
+/// Those of [`for_each_chunk`].
+pub fn all_chunks<T: Sync>(
+    threads: Option<usize>,
+    elements: &[T],
+    length: usize,
+    holds: impl Fn(&[T]) -> bool + Sync + Send,
+) -> Result<bool, Error> {
+    Ok(match pool_for(threads, elements.len())? {
+        None => holds(elements),
+        Some(pool) => pool.install(|| elements.par_chunks(length).all(holds)),
+    })
+}
+
+/// Checks that every row is finite, on `threads` threads (default: all cores).
+///
+/// # Errors
+/// [`Error::Row`] names the first row that is not finite. Those of [`for_each_chunk`].
+pub fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>) -> Result<(), Error> {
+    // This loop has no early exit, so that it vectorises. The row at fault is searched for only if there is one.
+    let are_finite = |rows: &[[f64; 3]]| rows.as_flattened().iter().fold(true, |all, number| all & number.is_finite());
+    if all_chunks(threads, rows, ROWS_PER_CHECK, are_finite)? {
+        return Ok(());
+    }
+    let is_finite = |row: &[f64; 3]| row.iter().all(|number| number.is_finite());
+    let row = rows.iter().position(|row| !is_finite(row)).unwrap_or(0);
+    Err(Error::Row { name, row, value: rows[row] })
+}
+
+/// Number of threads that work on a batch of this many elements.
+///
+/// # Errors
+/// If `threads` is 0 or more than 1024.
+pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Error> {
+    /// Read once, because the system reads several files to find it.
+    static CORES: LazyLock<usize> =
+        LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
+    if let Some(count @ (0 | 1025..)) = threads {
+        return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" });
+    }
+    Ok(if elements < MIN_SHARED { 1 } else { threads.unwrap_or_else(|| *CORES) })
+}
+
+/// True on a thread of a pool.
+///
+/// Such a thread takes up other work of its pool while it waits, so it must not wait for that work in turn.
+pub fn is_pool_thread() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// The pool that works on a batch of this many elements; `None` if the calling thread does.
+fn pool_for(threads: Option<usize>, elements: usize) -> Result<Option<Arc<ThreadPool>>, Error> {
+    match thread_count(threads, elements)? {
+        1 => Ok(None),
+        threads => pool(threads).map(Some),
+    }
+}
+
+fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let key = (std::process::id(), threads);
+    if let Some(pool) = pools.get(&key) {
+        return Ok(Arc::clone(pool));
+    }
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = builder.build().map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
+    let pool = Arc::new(pool);
+    pools.insert(key, Arc::clone(&pool));
+    Ok(pool)
+}

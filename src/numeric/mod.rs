@@ -1,0 +1,7 @@
+//! Numbers in groups, and functions of them that give the same bytes on every machine.
+
+pub mod elementary;
+mod group;
+pub mod normal;
+
+pub use group::{GROUP, Group};

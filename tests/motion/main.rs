@@ -1,0 +1,3 @@
+//! Motion: odometry noise.
+
+mod noise;
