@@ -1,4 +1,4 @@
-//! Readings against the distribution function of the model (Thrun, Burgard & Fox 2006, ch. 6.3, each part normalised).
+//! Sampled readings compared with the distribution function of the beam model (Thrun, Burgard & Fox 2006, sec. 6.3).
 
 use mobile_robot_simulator::{BeamModel, BeamModelOptions};
 
@@ -10,7 +10,7 @@ const BEAMS: usize = 1000;
 
 const SCANS: u64 = 300;
 
-/// A part each, and mixtures of them; the default among them.
+/// Each part of the model alone, then mixtures of them, the default model last.
 fn models() -> Vec<(&'static str, BeamModelOptions)> {
     let weights = |z_hit, z_short, z_max, z_rand| BeamModelOptions {
         sigma_hit: 0.2,
@@ -37,16 +37,16 @@ fn normal_cdf(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Probability of a reading up to `z`, below the largest range.
+/// Returns the probability of a reading of at most `z`, for `z` below the maximum range.
 fn cdf(model: &BeamModelOptions, range: f64, z: f64) -> f64 {
     let below = |z: f64| normal_cdf((z - range) / model.sigma_hit);
     let hit = if range < MAX_RANGE { (below(z) - below(0.0)) / (below(MAX_RANGE) - below(0.0)) } else { 0.0 };
-    let grown = |z: f64| -libm::expm1(-model.lambda_short * z);
-    let short = if range == 0.0 { 1.0 } else { grown(z.min(range)) / grown(range) };
+    let exponential_cdf = |z: f64| -libm::expm1(-model.lambda_short * z);
+    let short = if range == 0.0 { 1.0 } else { exponential_cdf(z.min(range)) / exponential_cdf(range) };
     model.z_hit * hit + model.z_short * short + model.z_rand * z / MAX_RANGE
 }
 
-/// Sorted readings of a beam of this true range.
+/// Returns sorted readings of beams with this true range.
 fn readings(model: BeamModelOptions, range: f64) -> Vec<f64> {
     let model = BeamModel::new(model).expect("a good model");
     let ranges = vec![if range < MAX_RANGE { range } else { f64::INFINITY }; BEAMS];
@@ -58,7 +58,7 @@ fn readings(model: BeamModelOptions, range: f64) -> Vec<f64> {
     readings
 }
 
-/// Kolmogorov and Smirnov's test, at a level of about 1e-5 each.
+/// Kolmogorov-Smirnov test, with a significance level of about 1e-5 for each model and range.
 #[test]
 fn readings_follow_the_distribution() {
     for (name, options) in models() {
@@ -73,17 +73,20 @@ fn readings_follow_the_distribution() {
             let at_max = readings.iter().filter(|reading| **reading == MAX_RANGE).count() as f64 / count;
             let expected = options.z_max + if range < MAX_RANGE { 0.0 } else { options.z_hit };
             let bound = 2.5 / count.sqrt();
-            // Where the true range is 0, short readings are all 0 and stand at one place.
-            let atom = if range == 0.0 { options.z_short } else { 0.0 };
-            assert!(off < bound + atom, "{name} at {range}: off by {off}, bound {bound}");
-            assert!((at_max - expected).abs() < bound, "{name} at {range}: {at_max} read the maximum, not {expected}");
+            // At a true range of 0 all short readings are 0: a point mass, at which the empirical distribution jumps.
+            let point_mass = if range == 0.0 { options.z_short } else { 0.0 };
+            assert!(off < bound + point_mass, "{name} at {range}: off by {off}, bound {bound}");
+            assert!(
+                (at_max - expected).abs() < bound,
+                "{name} at {range}: {at_max} of the readings are max_range, not {expected}"
+            );
         }
     }
 }
 
-/// The means computed for 5 m in the reference: E[short] = 1.552873, E[z] = 8.155287.
+/// For a true range of 5 m, numerical integration gives E[short] = 1.552873 and E[mixture] = 8.155287.
 #[test]
-fn means_are_those_of_the_reference() {
+fn means_agree_with_numerical_integration() {
     let mean = |name: &str| {
         let options = models().into_iter().find(|model| model.0 == name).expect("a model of that name").1;
         let readings = readings(options, 5.0);
@@ -93,7 +96,7 @@ fn means_are_those_of_the_reference() {
     assert!((mean("mixture") - 8.155_287).abs() < 0.06, "{}", mean("mixture"));
 }
 
-/// Neighbouring beams, beams whose numbers are drawn in one, and neighbouring scans have nothing to do with each other.
+/// Neighbouring beams, the two beams of a pair of normal numbers (16 apart), and successive scans are independent.
 #[test]
 fn readings_are_not_correlated() {
     let options = BeamModelOptions { z_hit: 1.0, z_max: 0.0, ..BeamModelOptions::default() };

@@ -1,6 +1,7 @@
-//! Fifty million beams and more, by every kernel of this machine: all equal to the plain traversal's, to the last bit.
+//! Every kernel of this machine casts more than fifty million beams, and each range equals that of the plain traversal to the
+//! last bit.
 //!
-//! That many are cast by `cargo test --release --test exact`; by `cargo test` a hundredth, with the kernels' bounds asserted.
+//! `cargo test --release --test exact` casts all of them. `cargo test` casts one in a hundred, with debug assertions in the kernels.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -13,10 +14,10 @@ use rand::{Rng, RngExt};
 
 const SEED: u64 = 50;
 
-/// Whether a cell blocks, by its column, row and a number drawn for it.
+/// Returns true if a cell blocks, given its column, its row and a random number for this cell.
 type Kind = fn(usize, usize, u64) -> bool;
 
-/// Grids of every kind and shape; the extreme ones are as long as a side may be.
+/// Name, width, height and pattern of each generated grid. The longest have the largest side that a grid may have.
 const GRIDS: [(&str, usize, usize, Kind); 14] = [
     ("one free cell", 1, 1, |_, _, _| false),
     ("one wall", 1, 1, |_, _, _| true),
@@ -34,7 +35,7 @@ const GRIDS: [(&str, usize, usize, Kind); 14] = [
     ("diagonal walls", 500, 500, |col, row, _| (col + row) % 60 == 0 || (col + 500 - row) % 83 == 0),
 ];
 
-/// Real maps of the folder beside the project, where there is one.
+/// Real maps in the optional folder `../shared/maps`.
 const IMAGES: [&str; 4] = [
     "nav2_depot/depot.pgm",
     "nav2_tb3_sandbox/tb3_sandbox.pgm",
@@ -44,16 +45,17 @@ const IMAGES: [&str; 4] = [
 
 const BEAMS: usize = 541;
 
-/// What is left out where bounds are asserted: all but one in so many.
-const FEWER: usize = if cfg!(debug_assertions) { 100 } else { 1 };
+/// Numbers of scans and rays are divided by this. Debug assertions make casting slow.
+const REDUCTION: usize = if cfg!(debug_assertions) { 100 } else { 1 };
 
-/// Scans of each grid that is made here; with the rays, 50 million beams.
-const SCANS: usize = 6000 / FEWER;
+/// Scans on each generated grid; together with the rays, 50 million beams.
+const SCANS: usize = 6000 / REDUCTION;
 
-/// Scans of each real map.
-const REAL_SCANS: usize = 1500 / FEWER;
+/// Scans on each real map.
+const REAL_SCANS: usize = 1500 / REDUCTION;
 
-const RAYS: usize = 400_000 / FEWER;
+/// Unrelated rays on each grid.
+const RAYS: usize = 400_000 / REDUCTION;
 
 fn grids() -> impl Iterator<Item = (String, OccupancyGrid)> {
     let mut stream = random::stream(SEED, 0);
@@ -63,7 +65,7 @@ fn grids() -> impl Iterator<Item = (String, OccupancyGrid)> {
     });
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
     if !folder.is_dir() {
-        eprintln!("passed over: no real maps in {}", folder.display());
+        eprintln!("skipped: no real maps in {}", folder.display());
     }
     let real = IMAGES.into_iter().filter_map(move |name| {
         let pixels = image::open(folder.join(name)).ok()?.into_luma8();
@@ -80,7 +82,7 @@ fn grid(blocking: impl Iterator<Item = bool>, width: usize) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a grid")
 }
 
-/// Poses on the grid and around it, many on boundaries and corners of cells, many along an axis or a diagonal.
+/// Random poses on and around the grid: one coordinate in four on a grid line, one angle in four a multiple of 45°, some far away.
 fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
     let mut stream = random::stream(SEED, index);
     let one_in = |count: u64, index: u64| random::stream(SEED + 1, index).next_u64().is_multiple_of(count);
@@ -90,7 +92,7 @@ fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
             let mut along = |size: usize, salt: u64| {
                 let at = (stream.random::<f64>() * 1.1 - 0.05) * size as f64;
                 let at = if one_in(4, 8 * pose + salt) { at.round() } else { at };
-                // A hair off the line.
+                // One in eight is 5e-14 cells or less off a grid line.
                 let at =
                     if one_in(8, 8 * pose + salt + 1) { at.round() + 1e-13 * (stream.random::<f64>() - 0.5) } else { at };
                 at * resolution
@@ -104,13 +106,13 @@ fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The kernels but for the plain traversal; says which ones this machine does not have.
+/// Returns the kernels of this machine, without the plain traversal. Prints the names of those that it lacks.
 fn kernels() -> Vec<Kernel> {
-    let (there, missing): (Vec<_>, Vec<_>) = Kernel::ALL.into_iter().skip(1).partition(|kernel| kernel.is_available());
+    let (available, missing): (Vec<_>, Vec<_>) = Kernel::ALL.into_iter().skip(1).partition(|kernel| kernel.is_available());
     for kernel in missing {
-        eprintln!("passed over: this machine has no {}", kernel.name());
+        eprintln!("skipped: this machine cannot run {}", kernel.name());
     }
-    there
+    available
 }
 
 fn check(what: &str, kernel: Kernel, found: &[f32], expected: &[f32], poses: &[[f64; 3]]) {
@@ -143,7 +145,7 @@ fn all_kernels_are_exact() {
             check(&name, kernel, &scan(kernel), &expected, &starts);
         }
 
-        // Unrelated rays, and as far as they go.
+        // Unrelated rays without a range limit.
         let rays = poses(&grid, RAYS, 1000 + index);
         let cast = |kernel| {
             let mut ranges = vec![0.0; RAYS];
@@ -156,5 +158,5 @@ fn all_kernels_are_exact() {
         }
         count += expected.len() + far.len();
     }
-    assert!(count >= 50_000_000 / FEWER, "only {count} beams");
+    assert!(count >= 50_000_000 / REDUCTION, "only {count} beams");
 }

@@ -1,4 +1,4 @@
-//! Rays and obstacles: hand-derived ranges, a reference that solves for every edge, and the grid itself.
+//! Rays and obstacles: ranges worked out by hand, a reference that intersects every edge, and the same scene drawn as cells.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -14,8 +14,8 @@ const SEED: u64 = 40;
 
 const FAR: f64 = 1e6;
 
-/// An L around three unit squares, and an arrow whose tail has a notch.
-const ANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+/// An L made of three unit squares, and an arrow whose tail has a notch.
+const L_SHAPE: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
 const ARROW: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 1.0], [-0.5, 0.0], [-1.0, -1.0]];
 
 fn grid(width: usize, cells: Vec<i8>, resolution: f64, origin: Pose) -> OccupancyGrid {
@@ -33,43 +33,44 @@ fn cast(obstacles: &Obstacles, x: f64, y: f64, angle: f64) -> f64 {
 }
 
 #[test]
-fn ranges_to_a_disc_are_as_derived_by_hand() {
+fn ranges_to_a_disc_worked_out_by_hand() {
     let disc = Obstacles::new([(&Shape::disc(1.0).unwrap(), Pose::new(3.0, 0.0, 2.0))]).unwrap();
     assert_eq!(cast(&disc, 0.0, 0.0, 0.0), 2.0);
     assert_eq!(cast(&disc, 0.0, 0.0, PI), f64::INFINITY);
     assert_eq!(cast(&disc, 3.5, 0.5, 1.0), 0.0);
-    // Off the centre by 0.6, so that it enters 0.8 before the middle.
+    // The ray passes the centre at a distance of 0.6, so it enters 0.8 before the nearest point: 0.6² + 0.8² = 1.
     assert!((cast(&disc, 0.0, 0.6, 0.0) - 2.2).abs() < 1e-15);
     assert!((cast(&disc, 0.0, 3.0, -FRAC_PI_4) - (18f64.sqrt() - 1.0)).abs() < 1e-15);
     assert_eq!(cast(&disc, 0.0, 1.0 + 1e-12, 0.0), f64::INFINITY);
-    // On its edge: in is 0, away is nothing.
+    // From a point on the circle: 0 inwards, no hit outwards.
     assert_eq!(cast(&disc, 2.0, 0.0, 0.0), 0.0);
     assert_eq!(cast(&disc, 2.0, 0.0, PI), f64::INFINITY);
 }
 
 #[test]
-fn ranges_to_a_polygon_are_as_derived_by_hand() {
-    let angle = Obstacles::new([(&Shape::polygon(&ANGLE).unwrap(), Pose::default())]).unwrap();
-    assert_eq!(cast(&angle, -1.0, 0.5, 0.0), 1.0);
-    assert_eq!(cast(&angle, 3.0, 1.5, PI), 2.0);
-    assert_eq!(cast(&angle, 3.0, 0.5, PI), 1.0);
-    assert_eq!(cast(&angle, 0.5, 0.5, 0.3), 0.0);
-    // From within the notch, which is outside.
-    assert_eq!(cast(&angle, 1.5, 1.5, PI), 0.5);
-    assert!((cast(&angle, 1.5, 1.5, -FRAC_PI_2) - 0.5).abs() < 1e-15);
-    assert_eq!(cast(&angle, 1.5, 1.5, FRAC_PI_4), f64::INFINITY);
-    assert!((cast(&angle, 3.0, 3.0, -3.0 * FRAC_PI_4) - 8f64.sqrt()).abs() < 1e-15);
-    // On an edge, and in.
-    assert_eq!(cast(&angle, 0.0, 0.5, 0.0), 0.0);
-    assert_eq!(cast(&angle, 2.0, 0.5, PI), 0.0);
-    // A pose turns and shifts it.
-    let turned = Obstacles::new([(&Shape::polygon(&ANGLE).unwrap(), Pose::new(10.0, 0.0, FRAC_PI_2))]).unwrap();
+fn ranges_to_a_polygon_worked_out_by_hand() {
+    let l_shape = Obstacles::new([(&Shape::polygon(&L_SHAPE).unwrap(), Pose::default())]).unwrap();
+    assert_eq!(cast(&l_shape, -1.0, 0.5, 0.0), 1.0);
+    assert_eq!(cast(&l_shape, 3.0, 1.5, PI), 2.0);
+    assert_eq!(cast(&l_shape, 3.0, 0.5, PI), 1.0);
+    assert_eq!(cast(&l_shape, 0.5, 0.5, 0.3), 0.0);
+    // From the notch, which is outside of the polygon.
+    assert_eq!(cast(&l_shape, 1.5, 1.5, PI), 0.5);
+    assert!((cast(&l_shape, 1.5, 1.5, -FRAC_PI_2) - 0.5).abs() < 1e-15);
+    assert_eq!(cast(&l_shape, 1.5, 1.5, FRAC_PI_4), f64::INFINITY);
+    assert!((cast(&l_shape, 3.0, 3.0, -3.0 * FRAC_PI_4) - 8f64.sqrt()).abs() < 1e-15);
+    // From a point on an edge, inwards.
+    assert_eq!(cast(&l_shape, 0.0, 0.5, 0.0), 0.0);
+    assert_eq!(cast(&l_shape, 2.0, 0.5, PI), 0.0);
+    // The same polygon, rotated and shifted.
+    let turned = Obstacles::new([(&Shape::polygon(&L_SHAPE).unwrap(), Pose::new(10.0, 0.0, FRAC_PI_2))]).unwrap();
     assert!((cast(&turned, 9.5, -1.0, FRAC_PI_2) - 1.0).abs() < 1e-15);
     assert!((cast(&turned, 7.0, 0.5, 0.0) - 1.0).abs() < 1e-15);
 }
 
-/// Distance to the nearest edge or circle, each solved for by itself; 0 from inside, by the sum of the angles the corners are
-/// seen under.
+/// Returns the distance to the nearest edge or circle, each intersected on its own; 0 from inside.
+///
+/// A point is inside a polygon if the angles between successive corners, seen from the point, add up to a full turn.
 fn by_every_edge(shapes: &[(Shape, Pose)], origin: DVec2, direction: DVec2) -> f64 {
     let mut nearest = f64::INFINITY;
     for (shape, pose) in shapes {
@@ -111,7 +112,7 @@ fn shapes(stream: &mut random::Stream, count: usize) -> Vec<(Shape, Pose)> {
             let shape = match index % 4 {
                 0 => Shape::disc(draw(0.05, 1.0)),
                 1 => Shape::rectangle(draw(0.1, 2.0), draw(0.1, 2.0)),
-                2 => Shape::polygon(&ANGLE),
+                2 => Shape::polygon(&L_SHAPE),
                 _ => Shape::polygon(&ARROW),
             };
             (shape.unwrap(), Pose::new(draw(-5.0, 5.0), draw(-5.0, 5.0), draw(-PI, PI)))
@@ -124,7 +125,7 @@ fn set(shapes: &[(Shape, Pose)]) -> Obstacles {
 }
 
 #[test]
-fn rays_agree_with_every_edge() {
+fn rays_agree_with_the_reference() {
     let mut stream = random::stream(SEED, 0);
     let mut met = 0;
     for round in 0..4000 {
@@ -146,9 +147,9 @@ fn rays_agree_with_every_edge() {
     assert!(met > 7000, "{met}");
 }
 
-/// Rays at a corner between two sides that face them go to one side or the other, but never between them.
+/// A ray aimed exactly at a corner hits one of its two edges and never passes between them.
 #[test]
-fn no_ray_slips_through_a_corner() {
+fn no_ray_passes_through_a_corner() {
     let mut stream = random::stream(SEED, 1);
     for _ in 0..20_000 {
         let pose = Pose::new(stream.random::<f64>(), stream.random::<f64>(), stream.random::<f64>() * TAU);
@@ -161,7 +162,7 @@ fn no_ray_slips_through_a_corner() {
 }
 
 #[test]
-fn a_scan_sees_what_each_of_its_rays_sees() {
+fn each_beam_of_a_scan_agrees_with_the_reference() {
     let mut stream = random::stream(SEED, 2);
     let mut met = 0;
     for round in 0..600 {
@@ -187,9 +188,9 @@ fn a_scan_sees_what_each_of_its_rays_sees() {
     assert!(met > 20_000, "{met}");
 }
 
-/// Blocking cells and squares that stand on free ones are the same to a scan.
+/// A scan gives the same ranges whether squares are blocking cells or obstacles on free cells.
 #[test]
-fn obstacles_on_the_grid_are_as_its_cells() {
+fn square_obstacles_equal_blocking_cells() {
     let mut stream = random::stream(SEED, 3);
     let (width, height, resolution) = (40, 30, 0.25);
     for _ in 0..40 {
@@ -222,20 +223,20 @@ fn obstacles_on_the_grid_are_as_its_cells() {
 }
 
 #[test]
-fn unrelated_rays_see_them_too() {
+fn unrelated_rays_hit_obstacles_too() {
     let disc = Obstacles::new([(&Shape::disc(0.5).unwrap(), Pose::new(2.0, 0.0, 0.0))]).unwrap();
     let mut ranges = [0.0; 3];
     let rays = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [2.0, 0.1, 0.0]];
     cast_rays((&empty(), &disc), &rays, 9.0, None, &mut ranges).unwrap();
     assert_eq!(ranges, [1.5, 9.0, 0.0]);
-    // Beyond the maximum there is nothing, and at the maximum nothing either.
+    // An obstacle at max_range or beyond it is not hit.
     cast_rays((&empty(), &disc), &rays[..1], 1.5, None, &mut ranges[..1]).unwrap();
     cast_rays((&empty(), &disc), &rays[..1], 1.0, None, &mut ranges[1..2]).unwrap();
     assert_eq!(ranges[..2], [1.5, 1.0]);
 }
 
 #[test]
-fn batches_are_the_same_for_any_number_of_threads_and_any_split() {
+fn a_batch_does_not_depend_on_threads_or_splits() {
     let mut stream = random::stream(SEED, 4);
     let obstacles = set(&shapes(&mut stream, 20));
     let grid =
@@ -256,7 +257,7 @@ fn batches_are_the_same_for_any_number_of_threads_and_any_split() {
 }
 
 #[test]
-fn obstacles_out_of_sight_change_no_byte() {
+fn obstacles_out_of_sight_do_not_change_a_scan() {
     let grid = grid(40, (0..1600).map(|index| if index % 37 == 0 { 100 } else { 0 }).collect(), 0.25, Pose::default());
     let scanner = LaserScanner::new(ScannerOptions { fov: 2.0, ..ScannerOptions::default() }).unwrap();
     let model = BeamModel::new(BeamModelOptions::default()).unwrap();
@@ -271,7 +272,7 @@ fn obstacles_out_of_sight_change_no_byte() {
 }
 
 #[test]
-fn a_pose_that_is_not_finite_is_refused_by_name() {
+fn the_error_names_the_coordinate_that_is_not_finite() {
     let error = Obstacles::new([(&Shape::disc(1.0).unwrap(), Pose::new(0.0, f64::INFINITY, 0.0))]).unwrap_err();
     assert_eq!(error.to_string(), "y must be finite, got inf");
 }

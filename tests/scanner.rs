@@ -1,4 +1,4 @@
-//! Scanners: beam angles, batches, marking.
+//! Laser scanners: beam angles, single scans, batches, noise, invalid readings.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 const SEED: u64 = 11;
 
-/// A room of 10 m by 6 m with walls one cell of 0.1 m thick and a pillar.
+/// A room of 10 m by 6 m with a pillar. The walls are one cell of 0.1 m thick.
 fn room() -> OccupancyGrid {
     let (width, height) = (100, 60);
     let wall = |col, row| col == 0 || row == 0 || col == width - 1 || row == height - 1;
@@ -39,7 +39,7 @@ fn poses(count: usize) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn beams_spread_over_the_field_of_view_ends_included() {
+fn the_first_and_last_beam_are_at_the_ends_of_the_field_of_view() {
     let laser = scanner(ScannerOptions { fov: PI, beam_count: 5, ..ScannerOptions::default() });
     let angles: Vec<f64> = (0..5).map(|beam| laser.angle(beam)).collect();
     assert_eq!(angles, [-FRAC_PI_2, -FRAC_PI_2 / 2.0, 0.0, FRAC_PI_2 / 2.0, FRAC_PI_2]);
@@ -47,7 +47,7 @@ fn beams_spread_over_the_field_of_view_ends_included() {
 }
 
 #[test]
-fn a_full_turn_repeats_no_beam() {
+fn in_a_full_turn_no_two_beams_point_in_the_same_direction() {
     for fov in [TAU, TAU - 1e-7, TAU + 1e-7] {
         let laser = scanner(ScannerOptions { fov, beam_count: 8, ..ScannerOptions::default() });
         assert_eq!(laser.angle_increment(), fov / 8.0);
@@ -58,13 +58,13 @@ fn a_full_turn_repeats_no_beam() {
 }
 
 #[test]
-fn one_beam_looks_along_the_middle() {
+fn a_single_beam_points_straight_ahead() {
     let laser = scanner(ScannerOptions { beam_count: 1, ..ScannerOptions::default() });
     assert_eq!((laser.angle_min(), laser.angle_max(), laser.angle_increment()), (0.0, 0.0, 0.0));
 }
 
 #[test]
-fn the_mount_moves_the_scanner() {
+fn a_mounted_scanner_sees_what_a_robot_at_its_pose_would_see() {
     let grid = room();
     let mount = Pose::new(0.4, -0.2, 1.1);
     let base = Pose::new(2.0, 4.5, -0.4);
@@ -75,21 +75,21 @@ fn the_mount_moves_the_scanner() {
 }
 
 #[test]
-fn a_range_leads_to_a_wall() {
+fn end_points_lie_on_walls() {
     let grid = room();
     let laser = scanner(ScannerOptions::default());
     for pose in poses(20) {
         let mut ranges = vec![0.0; 541];
         laser.scan(&grid, pose.into(), &mut ranges).expect("a kernel");
         for [x, y] in laser.end_points(pose.into(), &ranges).expect("as many ranges as beams") {
-            // The end is on the wall's surface to within a float32; a hair around it there is a wall.
+            // The end point is on the surface of a wall up to float32 rounding, so a disc of 0.01 mm around it is not free.
             assert_eq!(grid.is_free_disc([x, y].into(), 1e-5), Ok(false), "({x}, {y})");
         }
     }
 }
 
 #[test]
-fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
+fn a_batch_does_not_depend_on_threads_or_chunks() {
     let (grid, laser, poses) = (room(), scanner(ScannerOptions::default()), poses(64));
     let model = BeamModelOptions { z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1, ..BeamModelOptions::default() };
     let model = BeamModel::new(model).expect("a good model");
@@ -119,9 +119,9 @@ fn a_batch_is_its_scans_whatever_the_threads_and_chunks() {
 }
 
 #[test]
-fn scans_that_share_a_block_are_as_if_alone() {
+fn scans_of_a_batch_equal_scans_cast_alone() {
     let (room, disc) = (room(), Shape::disc(0.4).expect("a good disc"));
-    // Where the portable kernel and AVX2 find all scans hemmed in.
+    // On a checkerboard every scan starts in a dense area, where the portable and AVX2 kernels use another method.
     let cells =
         (0..room.cells().len()).map(|index| if (index % room.width() + index / room.width()) % 2 == 0 { 100 } else { 0 });
     let checkerboard = OccupancyGrid::new(cells.collect(), room.width(), room.options()).expect("a checkerboard");
@@ -165,7 +165,7 @@ fn scans_that_share_a_block_are_as_if_alone() {
 }
 
 #[test]
-fn noise_is_named_by_seed_and_index() {
+fn noise_depends_on_seed_and_index_alone() {
     let (grid, laser, pose) = (room(), scanner(ScannerOptions::default()), poses(1));
     let model = BeamModel::new(BeamModelOptions::default()).expect("a good model");
     let scan = |seed, first_index| {
@@ -179,7 +179,7 @@ fn noise_is_named_by_seed_and_index() {
 }
 
 #[test]
-fn readings_that_are_no_return_are_marked() {
+fn readings_that_are_not_valid_returns_are_marked() {
     let laser = scanner(ScannerOptions { beam_count: 4, min_range: 0.5, max_range: 8.0, ..ScannerOptions::default() });
     let mut readings = [0.499, 0.5, 7.999, 8.0];
     laser.mark_invalid(&mut readings, NoReturn::Inf);
@@ -190,7 +190,7 @@ fn readings_that_are_no_return_are_marked() {
 }
 
 #[test]
-fn angles_that_overflow_lead_nowhere() {
+fn a_yaw_that_overflows_has_no_returns() {
     let mut grid = room();
     let options = GridOptions { origin: Pose::new(-1.0, 2.0, -1.7e308), ..grid.options() };
     grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), options).expect("a room");
@@ -212,11 +212,11 @@ fn angles_that_overflow_lead_nowhere() {
 }
 
 #[test]
-fn scans_may_run_on_the_threads_of_others() {
+fn scans_work_on_the_threads_of_a_rayon_pool() {
     let laser = scanner(ScannerOptions::default());
     let (grid, starts) = (room(), poses(64));
     let expected: Vec<_> = starts.iter().map(|&start| scan(&laser, &room(), start)).collect();
-    // Each of them would build what casting needs.
+    // All of them start at once on a grid whose data for casting is not built yet.
     let found: Vec<_> = starts.par_iter().map(|&start| scan(&laser, &grid, start)).collect();
     assert!(found == expected);
 }
@@ -228,7 +228,7 @@ fn scan(laser: &LaserScanner, grid: &OccupancyGrid, start: [f64; 3]) -> Vec<f32>
 }
 
 #[test]
-fn bad_scanners_and_batches_are_refused_by_name() {
+fn the_error_names_the_bad_option_or_argument() {
     let good = ScannerOptions::default();
     let error = |options| LaserScanner::new(options).unwrap_err().to_string();
     assert_eq!(error(ScannerOptions { fov: 0.0, ..good }), "fov must be in (0, 2π], got 0");

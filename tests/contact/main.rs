@@ -1,4 +1,4 @@
-//! Contact: worked cases, and drives at random against small steps of an oracle.
+//! Contact: cases worked out by hand, and random drives compared with an oracle that takes small steps.
 
 mod motion;
 mod oracle;

@@ -1,4 +1,4 @@
-//! Drives at random: footprints of every kind among walls and obstacles, against small steps of the oracle.
+//! Random drives of footprints of every kind among walls and obstacles, compared with an oracle that takes small steps.
 
 use std::f64::consts::TAU;
 
@@ -9,25 +9,26 @@ use mobile_robot_simulator::{
 };
 use rand::RngExt;
 
-use crate::oracle::{Part, Parted, angle, disc, distance, grid, rectangle, squares, triangle};
+use crate::oracle::{CompositeShape, Part, blocking_squares, disc, distance, grid, l_shape, rectangle, triangle};
 
 const SEED: u64 = 50;
 
-/// Steps that the oracle takes along a way.
+/// Number of steps that the oracle takes along a path.
 const STEPS: u32 = 200;
 
-/// What rounding may do to a distance.
+/// Largest rounding error of a distance \[m\].
 const ROUNDING: f64 = 1e-12;
 
 struct Scene {
     grid: OccupancyGrid,
     obstacles: Obstacles,
-    /// Both of them, for the oracle.
+    /// Convex parts of the grid and the obstacles, for the oracle.
     parts: Vec<Part>,
-    /// Parts of each obstacle.
-    standing: Vec<Vec<Part>>,
+    /// Convex parts of each obstacle.
+    obstacle_parts: Vec<Vec<Part>>,
 }
 
+/// Draws random scenes, shapes, poses and twists.
 struct Draw(random::Stream);
 
 impl Draw {
@@ -39,11 +40,11 @@ impl Draw {
         Pose::new(self.between(-0.5, 3.9), self.between(-0.5, 3.2), self.between(0.0, TAU))
     }
 
-    fn shape(&mut self) -> Parted {
+    fn shape(&mut self) -> CompositeShape {
         match self.between(0.0, 4.0) as usize {
             0 => disc(self.between(0.05, 0.4)),
             1 => rectangle(self.between(0.1, 0.8), self.between(0.1, 0.5)),
-            2 => angle(self.between(0.05, 0.3)),
+            2 => l_shape(self.between(0.05, 0.3)),
             _ => triangle(self.between(0.05, 0.3)),
         }
     }
@@ -54,12 +55,12 @@ impl Draw {
         let origin = Pose::new(0.1, -0.2, [0.0, 0.4][self.between(0.0, 2.0) as usize]);
         let walls: Vec<bool> = (0..width * height).map(|_| self.between(0.0, 1.0) < share).collect();
         let grid = grid(&walls, width, 0.25, origin);
-        let shapes: Vec<(Parted, Pose)> =
+        let shapes: Vec<(CompositeShape, Pose)> =
             (0..self.between(0.0, 4.0) as usize).map(|_| (self.shape(), self.pose())).collect();
-        let obstacles = Obstacles::new(shapes.iter().map(|(parted, pose)| (&parted.shape, *pose))).unwrap();
-        let standing: Vec<Vec<Part>> = shapes.iter().map(|(parted, pose)| parted.at(*pose, 1.0)).collect();
-        let parts = squares(&grid).into_iter().chain(standing.iter().flatten().cloned()).collect();
-        Scene { grid, obstacles, parts, standing }
+        let obstacles = Obstacles::new(shapes.iter().map(|(composite, pose)| (&composite.shape, *pose))).unwrap();
+        let obstacle_parts: Vec<Vec<Part>> = shapes.iter().map(|(composite, pose)| composite.at(*pose, 1.0)).collect();
+        let parts = blocking_squares(&grid).into_iter().chain(obstacle_parts.iter().flatten().cloned()).collect();
+        Scene { grid, obstacles, parts, obstacle_parts }
     }
 
     fn twist(&mut self) -> Twist {
@@ -69,17 +70,24 @@ impl Draw {
 }
 
 impl Scene {
-    fn distance(&self, footprint: &Parted, pose: Pose, scale: f64) -> f64 {
+    fn distance(&self, footprint: &CompositeShape, pose: Pose, scale: f64) -> f64 {
         distance(&footprint.at(pose, scale), &self.parts)
     }
 
-    fn advance(&self, footprint: &Parted, start: Pose, twist: Twist, dt: f64, mode: ContactMode) -> (Pose, Option<Contact>) {
+    fn advance(
+        &self,
+        footprint: &CompositeShape,
+        start: Pose,
+        twist: Twist,
+        dt: f64,
+        mode: ContactMode,
+    ) -> (Pose, Option<Contact>) {
         advance((&self.grid, &self.obstacles), &footprint.shape, start, twist, dt, mode).unwrap()
     }
 }
 
 #[test]
-fn clearance_is_the_distance_to_the_nearest_part() {
+fn clearance_agrees_with_the_oracle() {
     let mut draw = Draw(random::stream(SEED, 0));
     let mut overlaps = 0;
     for _ in 0..4000 {
@@ -96,9 +104,9 @@ fn clearance_is_the_distance_to_the_nearest_part() {
     assert!((400..3000).contains(&overlaps), "{overlaps}");
 }
 
-/// The way to where a footprint stops is free, and where it stops it is near to what the contact says.
+/// The path up to the stop is free, and at the stop the footprint is within the tolerance of the point of contact.
 #[test]
-fn a_footprint_stops_where_it_first_meets_something() {
+fn a_footprint_stops_at_its_first_contact() {
     let mut draw = Draw(random::stream(SEED, 1));
     let (mut stopped, mut passed) = (0, 0);
     while stopped < 500 {
@@ -133,12 +141,12 @@ fn a_footprint_stops_where_it_first_meets_something() {
     assert!(passed > 100, "{passed}");
 }
 
-/// The point is on what was met and near to the footprint, and the normal leads from the one to the other.
-fn check_contact(scene: &Scene, footprint: &Parted, pose: Pose, contact: Contact) {
+/// The point is on the wall or obstacle and near the footprint; the normal points from there towards the footprint.
+fn check_contact(scene: &Scene, footprint: &CompositeShape, pose: Pose, contact: Contact) {
     let point = |point: DVec2| [Part { corners: vec![point], radius: 0.0 }];
     let met = match contact.obstacle {
-        Some(index) => scene.standing[index].clone(),
-        None => squares(&scene.grid),
+        Some(index) => scene.obstacle_parts[index].clone(),
+        None => blocking_squares(&scene.grid),
     };
     assert!(distance(&point(contact.point), &met) < 1e-9, "{contact:?}");
     assert!(distance(&point(contact.point), &footprint.at(pose, 1.0)) <= CONTACT_TOLERANCE + 1e-9, "{contact:?}");
@@ -149,9 +157,9 @@ fn check_contact(scene: &Scene, footprint: &Parted, pose: Pose, contact: Contact
     assert!((gained - 1e-7).abs() < 1e-9, "{contact:?} {gained}");
 }
 
-/// Step after step, whatever the commands, nothing is ever entered; and what a robot can do it does.
+/// A robot never overlaps anything under a sequence of random commands, and covers a fair part of the commanded distance.
 #[test]
-fn no_drive_enters_anything() {
+fn a_random_drive_never_overlaps_anything() {
     for mode in [ContactMode::Stop, ContactMode::Slide] {
         let mut draw = Draw(random::stream(SEED, 2));
         let (mut contacts, mut moved, mut commanded) = (0, 0.0, 0.0);
@@ -178,9 +186,9 @@ fn no_drive_enters_anything() {
     }
 }
 
-/// From within something, a footprint moves as its largest smaller copy that is free.
+/// A footprint that overlaps something moves as its largest scaled-down copy that overlaps nothing.
 #[test]
-fn an_overlap_never_deepens() {
+fn an_overlap_never_gets_deeper() {
     let mut draw = Draw(random::stream(SEED, 3));
     let (mut tried, mut moved) = (0, 0);
     while tried < 400 {

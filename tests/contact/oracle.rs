@@ -1,18 +1,18 @@
-//! Contact too simple to be wrong: every pair of convex parts, by the separating axis theorem and corner by corner.
+//! A simple oracle for contact: the distance of every pair of convex parts, by the separating axis theorem and all corners.
 
 use glam::DVec2;
 use mobile_robot_simulator::{Cell, GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, Shape, Unknown};
 
-/// A convex part: a polygon, or a point with a radius around it.
+/// A convex part: a polygon, or a disc given by its centre and radius.
 #[derive(Debug, Clone)]
 pub struct Part {
     pub corners: Vec<DVec2>,
     pub radius: f64,
 }
 
-/// A shape, and the convex parts that it is made of.
+/// A shape and the convex parts that it consists of.
 #[derive(Debug, Clone)]
-pub struct Parted {
+pub struct CompositeShape {
     pub shape: Shape,
     pub parts: Vec<Part>,
 }
@@ -21,32 +21,35 @@ fn polygon(corners: &[[f64; 2]]) -> Part {
     Part { corners: corners.iter().copied().map(DVec2::from).collect(), radius: 0.0 }
 }
 
-pub fn disc(radius: f64) -> Parted {
-    Parted { shape: Shape::disc(radius).unwrap(), parts: vec![Part { corners: vec![DVec2::ZERO], radius }] }
+pub fn disc(radius: f64) -> CompositeShape {
+    CompositeShape { shape: Shape::disc(radius).unwrap(), parts: vec![Part { corners: vec![DVec2::ZERO], radius }] }
 }
 
-pub fn rectangle(length: f64, width: f64) -> Parted {
+pub fn rectangle(length: f64, width: f64) -> CompositeShape {
     let (x, y) = (0.5 * length, 0.5 * width);
-    Parted { shape: Shape::rectangle(length, width).unwrap(), parts: vec![polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]])] }
+    CompositeShape {
+        shape: Shape::rectangle(length, width).unwrap(),
+        parts: vec![polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]])],
+    }
 }
 
-/// An L, its origin at the inner corner of its outside.
-pub fn angle(scale: f64) -> Parted {
+/// An L shape of three squares with sides of `scale`; its origin is the centre of the corner square.
+pub fn l_shape(scale: f64) -> CompositeShape {
     let scaled = |corners: &[[f64; 2]]| corners.iter().map(|&[x, y]| [scale * x, scale * y]).collect::<Vec<_>>();
     let whole = scaled(&[[-0.5, -0.5], [1.5, -0.5], [1.5, 0.5], [0.5, 0.5], [0.5, 1.5], [-0.5, 1.5]]);
-    let feet = polygon(&scaled(&[[-0.5, -0.5], [1.5, -0.5], [1.5, 0.5], [-0.5, 0.5]]));
-    let back = polygon(&scaled(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 1.5], [-0.5, 1.5]]));
-    Parted { shape: Shape::polygon(&whole).unwrap(), parts: vec![feet, back] }
+    let horizontal = polygon(&scaled(&[[-0.5, -0.5], [1.5, -0.5], [1.5, 0.5], [-0.5, 0.5]]));
+    let vertical = polygon(&scaled(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 1.5], [-0.5, 1.5]]));
+    CompositeShape { shape: Shape::polygon(&whole).unwrap(), parts: vec![horizontal, vertical] }
 }
 
-/// A triangle that does not hold its origin, with a nose.
-pub fn triangle(scale: f64) -> Parted {
+/// A pointed triangle that does not contain its origin.
+pub fn triangle(scale: f64) -> CompositeShape {
     let corners = [[0.2, -1.0], [2.0, 0.1], [0.2, 1.0]].map(|[x, y]| [scale * x, scale * y]);
-    Parted { shape: Shape::polygon(&corners).unwrap(), parts: vec![polygon(&corners)] }
+    CompositeShape { shape: Shape::polygon(&corners).unwrap(), parts: vec![polygon(&corners)] }
 }
 
-impl Parted {
-    /// The parts at a pose, `scale` times as large.
+impl CompositeShape {
+    /// Returns the parts at a pose, scaled by `scale` about the origin.
     pub fn at(&self, pose: Pose, scale: f64) -> Vec<Part> {
         let place = |part: &Part| Part {
             corners: part.corners.iter().map(|&corner| pose.transform_point(scale * corner)).collect(),
@@ -56,8 +59,8 @@ impl Parted {
     }
 }
 
-/// Squares of the blocking cells, in the map frame.
-pub fn squares(grid: &OccupancyGrid) -> Vec<Part> {
+/// Returns the squares of the blocking cells, in the map frame.
+pub fn blocking_squares(grid: &OccupancyGrid) -> Vec<Part> {
     let cells = (0..grid.width() * grid.height()).map(|index| Cell { col: index % grid.width(), row: index / grid.width() });
     let square = |cell: Cell| {
         let half = 0.5 * grid.resolution();
@@ -69,7 +72,7 @@ pub fn squares(grid: &OccupancyGrid) -> Vec<Part> {
     cells.filter(|&cell| grid.is_blocking(cell)).map(square).collect()
 }
 
-/// Distance between two sets of parts, 0 if they overlap.
+/// Returns the distance between two sets of parts, 0 if they overlap.
 pub fn distance(a: &[Part], b: &[Part]) -> f64 {
     a.iter().flat_map(|a| b.iter().map(move |b| part_distance(a, b))).fold(f64::INFINITY, f64::min)
 }
@@ -84,7 +87,7 @@ fn part_distance(a: &Part, b: &Part) -> f64 {
     }
 }
 
-/// Whether a line along an edge of `a` has all of `b` on its far side; for two single points, whether they are apart.
+/// Returns true if the line through some edge of `a` separates it from `b`. Two single points always count as separated.
 fn is_separated(a: &Part, b: &Part) -> bool {
     if a.corners.len() == 1 {
         return b.corners.len() == 1;
@@ -95,6 +98,7 @@ fn is_separated(a: &Part, b: &Part) -> bool {
     })
 }
 
+/// Returns the distance from a point to the nearest edge of a part.
 fn to_outline(point: DVec2, part: &Part) -> f64 {
     let count = part.corners.len();
     let to_edge = |index: usize| {
@@ -105,7 +109,7 @@ fn to_outline(point: DVec2, part: &Part) -> f64 {
     (0..count).map(to_edge).fold(f64::INFINITY, f64::min)
 }
 
-/// A grid of square cells, `blocking` row by row from the bottom.
+/// Returns a grid, given whether each cell blocks, row by row from the bottom.
 pub fn grid(blocking: &[bool], width: usize, resolution: f64, origin: Pose) -> OccupancyGrid {
     let cells = blocking.iter().map(|&blocks| if blocks { 100 } else { 0 }).collect();
     let options = GridOptions { resolution, origin, occupied_threshold: OCCUPIED_THRESHOLD, unknown: Unknown::Free };
@@ -113,7 +117,7 @@ pub fn grid(blocking: &[bool], width: usize, resolution: f64, origin: Pose) -> O
 }
 
 #[test]
-fn the_oracle_knows_what_is_plain() {
+fn the_oracle_gives_distances_known_by_hand() {
     let square = |x: f64, y: f64| rectangle(1.0, 1.0).at(Pose::new(x, y, 0.0), 1.0);
     assert_eq!(distance(&square(0.0, 0.0), &square(3.0, 0.2)), 2.0);
     assert!((distance(&square(0.0, 0.0), &square(2.0, 2.0)) - 2f64.sqrt()).abs() < 1e-15);
@@ -121,6 +125,6 @@ fn the_oracle_knows_what_is_plain() {
     assert_eq!(distance(&square(0.0, 0.0), &disc(0.5).at(Pose::new(3.0, 0.0, 1.0), 1.0)), 2.0);
     assert_eq!(distance(&square(0.0, 0.0), &disc(0.1).at(Pose::default(), 1.0)), 0.0);
     assert_eq!(distance(&disc(1.0).at(Pose::default(), 1.0), &disc(0.5).at(Pose::new(0.0, 4.0, 0.0), 1.0)), 2.5);
-    // Into the notch of an L.
-    assert_eq!(distance(&angle(1.0).at(Pose::default(), 1.0), &disc(0.25).at(Pose::new(1.0, 1.0, 0.0), 1.0)), 0.25);
+    // A disc in the notch of the L.
+    assert_eq!(distance(&l_shape(1.0).at(Pose::default(), 1.0), &disc(0.25).at(Pose::new(1.0, 1.0, 0.0), 1.0)), 0.25);
 }

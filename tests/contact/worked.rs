@@ -1,4 +1,4 @@
-//! Cases whose answer can be worked out by hand, on a grid with one straight wall.
+//! Contacts worked out by hand, most of them on a grid with one straight wall.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,7 +10,7 @@ use mobile_robot_simulator::{
 
 use crate::oracle::grid;
 
-/// 10 m by 10 m in cells of 0.1 m, with a wall from x = 8 to x = 9.
+/// A grid of 10 m by 10 m in cells of 0.1 m, with a wall from x = 8 m to x = 9 m.
 fn walled() -> OccupancyGrid {
     let blocking: Vec<bool> = (0..10_000).map(|index| (80..90).contains(&(index % 100))).collect();
     grid(&blocking, 100, 0.1, Pose::default())
@@ -25,7 +25,7 @@ fn near(found: f64, expected: f64) -> bool {
 }
 
 #[test]
-fn clearances_are_as_derived_by_hand() {
+fn clearances_worked_out_by_hand() {
     let grid = walled();
     let at = |footprint: &Shape, x, yaw| clearance(&grid, footprint, Pose::new(x, 5.0, yaw), 3.0).unwrap();
     let (disc, plank) = (Shape::disc(0.5).unwrap(), Shape::rectangle(2.0, 1.0).unwrap());
@@ -34,7 +34,7 @@ fn clearances_are_as_derived_by_hand() {
     assert_eq!((at(&disc, 2.0, 0.0), at(&disc, 7.6, 0.0), at(&disc, 8.5, 0.0)), (3.0, 0.0, 0.0));
     assert!((at(&plank, 6.0, 0.0) - 1.0).abs() < 1e-12);
     assert!((at(&plank, 6.0, FRAC_PI_2) - 1.5).abs() < 1e-12);
-    // Deep in the wall no outline is near, and off the grid nothing at all.
+    // Deep inside a wall no edge is near, yet the footprint overlaps. Far off the grid nothing is near.
     let thick = crate::oracle::grid(&[true; 2500], 50, 0.1, Pose::default());
     assert!(touches(&thick, &Shape::disc(0.05).unwrap(), Pose::new(2.5, 2.5, 0.0)).unwrap());
     assert_eq!(clearance(&thick, &disc, Pose::new(1e300, 0.0, 0.0), 1.0), Ok(1.0));
@@ -53,7 +53,7 @@ fn a_disc_stops_at_the_wall() {
 
 #[test]
 fn a_quarter_turn_stops_where_the_corner_meets_the_wall() {
-    // Of a plank two metres long, 0.8 m before the wall, the end of its half-diagonal meets it.
+    // A plank 2 m long turns with its centre 0.8 m from the wall. The corner at the end of its half-diagonal meets the wall.
     let plank = Shape::rectangle(2.0, 0.2).unwrap();
     let (end, contact) = drive(&plank, Pose::new(7.2, 5.0, FRAC_PI_2), [0.0, 0.0, -1.0], 1.5, ContactMode::Stop);
     let expected = (0.8 / 1.01f64.sqrt()).acos() + 0.1f64.atan();
@@ -62,7 +62,7 @@ fn a_quarter_turn_stops_where_the_corner_meets_the_wall() {
 }
 
 #[test]
-fn without_contact_the_way_is_the_arc_to_the_last_bit() {
+fn without_contact_the_end_equals_that_of_integrate() {
     let (start, twist) = (Pose::new(3.0, 4.0, 1.0), [0.7, 0.1, -0.6]);
     for mode in [ContactMode::Stop, ContactMode::Slide, ContactMode::Report] {
         let free = (integrate(start, Twist::from(twist), 0.37), None);
@@ -71,7 +71,7 @@ fn without_contact_the_way_is_the_arc_to_the_last_bit() {
 }
 
 #[test]
-fn in_contact_there_is_a_way_along_away_and_round() {
+fn a_disc_in_contact_can_move_along_move_away_and_turn() {
     let disc = Shape::disc(0.25).unwrap();
     let (start, _) = drive(&disc, Pose::new(5.0, 5.0, 0.0), [1.0, 0.0, 0.0], 4.0, ContactMode::Stop);
     for (twist, free) in [
@@ -85,7 +85,7 @@ fn in_contact_there_is_a_way_along_away_and_round() {
         assert_eq!(contact.is_none(), free, "{twist:?}");
         assert_eq!(end, integrate(start, twist.into(), if free { 0.5 } else { 0.0 }), "{twist:?}");
     }
-    // Pressed on for long, it stays where it is.
+    // Pressing against the wall for many steps does not move it.
     let mut pose = start;
     for _ in 0..2000 {
         let (next, contact) = drive(&disc, pose, [1.0, 0.0, 0.0], 0.02, ContactMode::Stop);
@@ -96,13 +96,13 @@ fn in_contact_there_is_a_way_along_away_and_round() {
 }
 
 #[test]
-fn a_disc_slides_along_the_wall_as_far_as_its_speed_along_it_goes() {
+fn a_disc_slides_at_the_component_of_its_velocity_along_the_wall() {
     let disc = Shape::disc(0.25).unwrap();
-    // 0.6 m/s along the wall for two seconds; the seams between cells do not show.
+    // 0.6 m/s along the wall for two seconds; seams between cells have no effect.
     let (end, contact) = drive(&disc, Pose::new(7.5, 3.0, 0.0), [0.8, 0.6, 0.0], 2.0, ContactMode::Slide);
     assert!(near(end.position.x, 7.75) && (end.position.y - 4.2).abs() < 1e-9, "{end:?}");
     assert!(near(contact.unwrap().fraction, 0.25 / 0.8 / 2.0));
-    // While it turns too, which is nothing to a disc; its velocity keeps its direction in the map.
+    // The same while it turns. Turning does not move the contact point of a disc.
     let mut pose = Pose::new(7.5, 3.0, 0.0);
     for _ in 0..100 {
         pose = drive(&disc, pose, [0.8, 0.6, 0.1], 0.02, ContactMode::Slide).0;
@@ -111,13 +111,13 @@ fn a_disc_slides_along_the_wall_as_far_as_its_speed_along_it_goes() {
 }
 
 #[test]
-fn a_robot_that_turns_against_a_wall_is_pushed_off() {
+fn a_robot_that_turns_against_a_wall_is_pushed_away() {
     let plank = Shape::rectangle(1.0, 0.2).unwrap();
     let mut pose = Pose::new(7.85, 5.0, FRAC_PI_2);
     for _ in 0..200 {
         pose = drive(&plank, pose, [0.0, 0.0, 1.0], FRAC_PI_2 / 200.0, ContactMode::Slide).0;
     }
-    // It ends across, and off the wall by its half-diagonal at least, which it had to turn past.
+    // It ends facing away from the wall, and at least its half-diagonal away: the corner had to pass.
     let widest = 8.0 - 0.5 * 1.04f64.sqrt();
     assert!((pose.yaw - PI).abs() < 1e-9 && pose.position.x <= widest + 1e-9 && pose.position.x > widest - 2e-3, "{pose:?}");
 }
@@ -146,22 +146,22 @@ fn a_robot_that_turns_in_a_corner_is_pushed_out_of_it() {
         let twist = Twist::from([0.0, 0.0, PI / 4.0]);
         pose = advance(&grid, &plank, pose, twist, 0.01, ContactMode::Slide).unwrap().0;
     }
-    // On its corners at last, and off the walls by what it had to turn past: its half-diagonal on the right.
+    // It ends at 45°. Its largest extent during the turn sets the distance: its half-diagonal from the wall on the right.
     assert!((pose.yaw - PI / 4.0).abs() < 1e-9, "{pose:?}");
     let (right, top) = (8.0 - 0.3f64.hypot(0.2), 8.0 - 0.5 * 0.5f64.sqrt());
     assert!(pose.position.x <= right + 1e-9 && pose.position.x > right - 1e-2, "{pose:?}");
     assert!(pose.position.y <= top && pose.position.y > top - 1e-2, "{pose:?}");
 }
 
-/// Rounding turns motion along a wall a little into it, which must not hold the robot.
+/// Rounding makes motion along a wall point slightly into it. This must not stop the robot.
 #[test]
-fn there_is_a_way_along_walls_at_any_angle() {
+fn a_robot_can_move_along_a_wall_at_any_angle() {
     let blocking: Vec<bool> = (0..10_000).map(|index| index % 100 >= 80).collect();
     let disc = Shape::disc(0.25).unwrap();
     for degrees in 0..360 {
         let yaw = f64::from(degrees).to_radians();
         let grid = grid(&blocking, 100, 0.1, Pose::new(3.0, -7.0, yaw));
-        // Across and along, for a robot that looks anywhere.
+        // The robot has an arbitrary yaw; its twists are perpendicular to the wall and along it.
         let (sin, cos) = (1.7 * yaw).sin_cos();
         let start = grid.options().origin * Pose::new(7.0, 2.0, 1.7 * yaw);
         let (across, along) = (Twist::from([cos, -sin, 0.0]), Twist::from([sin, cos, 0.0]));
@@ -177,10 +177,10 @@ fn there_is_a_way_along_walls_at_any_angle() {
 }
 
 #[test]
-fn a_robot_in_a_wall_gets_out_but_no_deeper() {
+fn a_robot_in_a_wall_can_get_out_but_not_deeper() {
     let disc = Shape::disc(0.5).unwrap();
     let start = Pose::new(7.8, 5.0, 0.0);
-    // Deeper is refused, along is as it was, and away is free.
+    // It cannot move deeper, but along the wall and away from it.
     let (end, contact) = drive(&disc, start, [1.0, 0.0, 0.0], 1.0, ContactMode::Stop);
     assert!((end.position.x - 7.8).abs() < 1e-6 && contact.unwrap().fraction == 0.0, "{end:?}");
     let (end, _) = drive(&disc, start, [0.0, 1.0, 0.0], 1.0, ContactMode::Stop);
@@ -188,13 +188,13 @@ fn a_robot_in_a_wall_gets_out_but_no_deeper() {
     let (end, contact) = drive(&disc, start, [-1.0, 0.0, 0.0], 1.0, ContactMode::Stop);
     assert_eq!(end, Pose::new(6.8, 5.0, 0.0));
     assert!(contact.unwrap().normal.distance(DVec2::NEG_X) < 1e-9);
-    // With its origin inside it goes free, and says so.
+    // With its origin inside the wall it moves freely, and the contact has a zero normal.
     let (end, contact) = drive(&disc, Pose::new(8.55, 5.0, 0.0), [1.0, 0.0, 0.0], 3.0, ContactMode::Stop);
     assert_eq!((end, contact.unwrap().normal, contact.unwrap().fraction), (Pose::new(11.55, 5.0, 0.0), DVec2::ZERO, 0.0));
 }
 
 #[test]
-fn obstacles_are_met_by_name() {
+fn a_contact_gives_the_index_of_the_obstacle() {
     let grid = walled();
     let (disc, post) = (Shape::disc(0.25).unwrap(), Shape::disc(0.5).unwrap());
     let obstacles = Obstacles::new([
@@ -216,7 +216,7 @@ fn obstacles_are_met_by_name() {
 }
 
 #[test]
-fn bad_input_is_refused_by_name() {
+fn the_error_names_the_bad_argument() {
     let (grid, disc) = (walled(), Shape::disc(0.25).unwrap());
     let error = |pose: Pose, twist: [f64; 3], dt| {
         advance(&grid, &disc, pose, twist.into(), dt, ContactMode::Stop).unwrap_err().to_string()

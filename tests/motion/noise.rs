@@ -1,11 +1,11 @@
-//! Odometry noise: the book's table, derivatives by differences, and covariances that agree with the samples.
+//! Odometry noise: variances of the book's table, derivatives against differences, covariances against samples.
 
 use glam::{DMat3, DVec3};
 use mobile_robot_simulator::{MotionNoise, Pose, Twist, integrate, random, wrap_angle};
 
 const SEED: u64 = 60;
 
-/// A drive in which everything varies: straight on, bends, sideways, a turn in place, backwards.
+/// Twist and number of steps of each part of a drive: straight ahead, bends, a turn in place, sideways, backwards.
 const DRIVE: [([f64; 3], u32); 6] = [
     ([0.5, 0.0, 0.0], 40),
     ([0.5, 0.0, 0.4], 40),
@@ -21,7 +21,7 @@ fn noise() -> MotionNoise {
     MotionNoise::new([0.02, 0.01, 0.005, 0.01, 0.002, 0.003]).unwrap()
 }
 
-/// Poses and twists of the drive without noise.
+/// Returns the pose before each step of the drive without noise, and the twist of the step.
 fn drive() -> Vec<(Pose, Twist)> {
     let mut pose = Pose::new(1.0, -2.0, 0.5);
     let twists = DRIVE.iter().flat_map(|&(twist, steps)| (0..steps).map(move |_| Twist::from(twist)));
@@ -34,13 +34,13 @@ fn drive() -> Vec<(Pose, Twist)> {
         .collect()
 }
 
-/// (x, y, yaw) between two poses.
-fn error(believed: Pose, real: Pose) -> DVec3 {
-    (believed.position - real.position).extend(wrap_angle(believed.yaw - real.yaw))
+/// Returns the difference (x, y, yaw) of two poses.
+fn difference(noisy: Pose, exact: Pose) -> DVec3 {
+    (noisy.position - exact.position).extend(wrap_angle(noisy.yaw - exact.yaw))
 }
 
 #[test]
-fn without_noise_the_sample_is_the_arc() {
+fn without_noise_a_sample_is_the_end_of_the_arc() {
     let (pose, twist) = (Pose::new(1.0, 2.0, 3.0), Twist::from([0.5, -0.1, 0.7]));
     let sample = MotionNoise::default().sample_from(pose, twist, 0.3, SEED, 0).unwrap();
     assert_eq!(sample, integrate(pose, twist, 0.3));
@@ -49,19 +49,19 @@ fn without_noise_the_sample_is_the_arc() {
 }
 
 #[test]
-fn a_draw_is_named_by_seed_and_index() {
+fn a_sample_depends_on_seed_and_index_and_never_changes() {
     let sample = |seed, index| noise().sample_from(Pose::default(), [1.0, 0.0, 0.5].into(), 0.1, seed, index).unwrap();
     assert_eq!(sample(1, 2), sample(1, 2));
     assert!(sample(1, 2) != sample(1, 3) && sample(1, 2) != sample(2, 2));
-    // The bytes are part of the promise.
+    // These bits must not change between versions.
     assert_eq!(sample(7, 0).to_array().map(f64::to_bits), BYTES);
 }
 
 const BYTES: [u64; 3] = [4_591_108_198_738_614_313, 4_567_048_458_422_381_726, 4_586_087_938_714_051_914];
 
-/// Variances of v̂, ω̂ and γ̂, got back from where the samples end: lines 2 to 4 of the table.
+/// Computes v̂, ω̂ and γ̂ from the end of each sample and compares their variances with lines 2 to 4 of table 5.3.
 #[test]
-fn samples_are_spread_as_the_table_says() {
+fn samples_have_the_variances_of_the_table() {
     let (v, w, dt) = (0.8, -0.5, 0.25);
     let [a1, a2, a3, a4, a5, a6] = noise().alpha();
     let mut stream = random::stream(SEED, 1);
@@ -69,7 +69,7 @@ fn samples_are_spread_as_the_table_says() {
     let mut sums = [[0.0; 2]; 3];
     for _ in 0..draws {
         let end = noise().sample(Pose::default(), [v, 0.0, w].into(), dt, &mut stream);
-        // On the circle through the origin along x, the chord points along half of the turn.
+        // The arc starts at the origin along x, so its chord points in the direction of half the turn.
         let turn = 2.0 * libm::atan2(end.position.y, end.position.x);
         let chord = end.position.length();
         let found = [chord * turn / (2.0 * libm::sin(0.5 * turn)) / dt, turn / dt, (end.yaw - turn) / dt];
@@ -80,15 +80,15 @@ fn samples_are_spread_as_the_table_says() {
     let expected = [a1 * v * v + a2 * w * w, a3 * v * v + a4 * w * w, a5 * v * v + a6 * w * w];
     for (sum, variance) in sums.iter().zip(expected) {
         let (mean, found) = (sum[0] / f64::from(draws), sum[1] / f64::from(draws));
-        // Four standard deviations of either, which for the variance is √(2/n) of it.
+        // Four standard errors: that of the mean is √(variance/n), the relative one of the variance is √(2/n).
         assert!(mean.abs() < 4.0 * (variance / f64::from(draws)).sqrt(), "{mean}");
         assert!((found / variance - 1.0).abs() < 4.0 * (2.0 / f64::from(draws)).sqrt(), "{found} {variance}");
     }
 }
 
-/// `F·P·Fᵀ + V·M·Vᵀ` with F and V by central differences of the motion itself.
+/// Compares with `F·P·Fᵀ + V·M·Vᵀ`, where F and V are central differences of `integrate`.
 #[test]
-fn covariances_agree_with_differences() {
+fn covariances_agree_with_central_differences() {
     let prior =
         DMat3::from_cols(DVec3::new(0.04, 0.01, 0.002), DVec3::new(0.01, 0.09, -0.003), DVec3::new(0.002, -0.003, 0.01));
     let [a1, a2, a3, a4, a5, a6] = noise().alpha();
@@ -119,10 +119,11 @@ fn covariances_agree_with_differences() {
     }
 }
 
-/// The squared error of the pose at the end of the drive, normalised by its covariance: on average over n drives it is 3, and n
-/// times that is distributed as χ² with 3n degrees of freedom, whose 99 % band is taken (Bar-Shalom 2001, sec. 5.4).
+/// Tests the normalised squared error of the pose at the end of the drive, `eᵀ·P⁻¹·e` (NEES, Bar-Shalom 2001, sec. 5.4).
+///
+/// Its mean over n drives is 3. Its sum follows χ² with 3n degrees of freedom and must lie in the middle 99 % of it.
 #[test]
-fn errors_are_as_large_as_their_covariance_says() {
+fn errors_agree_with_the_propagated_covariance() {
     let drive = drive();
     let end = {
         let (pose, twist) = drive[drive.len() - 1];
@@ -132,30 +133,30 @@ fn errors_are_as_large_as_their_covariance_says() {
     let covariance = drive
         .iter()
         .fold(DMat3::ZERO, |covariance, &(pose, twist)| noise().propagate(covariance, pose, twist, STEP).unwrap());
-    let (mut sum, mut by_own) = (0.0, 0.0);
+    let (mut sum, mut sum_estimated) = (0.0, 0.0);
     let mut outside = 0;
     for seed in 0..drives {
-        let (mut believed, mut own) = (drive[0].0, DMat3::ZERO);
+        let (mut noisy, mut estimated) = (drive[0].0, DMat3::ZERO);
         for (index, &(_, twist)) in drive.iter().enumerate() {
-            // As a robot has to: along the way that it believes it went.
-            own = noise().propagate(own, believed, twist, STEP).unwrap();
-            believed = noise().sample_from(believed, twist, STEP, seed, index as u64).unwrap();
+            // A robot does not know its true pose, so it has to propagate the covariance along its noisy poses.
+            estimated = noise().propagate(estimated, noisy, twist, STEP).unwrap();
+            noisy = noise().sample_from(noisy, twist, STEP, seed, index as u64).unwrap();
         }
-        let error = error(believed, end);
+        let error = difference(noisy, end);
         let squared = error.dot(covariance.inverse() * error);
         sum += squared;
-        by_own += error.dot(own.inverse() * error);
+        sum_estimated += error.dot(estimated.inverse() * error);
         // The 99th percentile of χ² with 3 degrees of freedom.
         outside += u32::from(squared > 11.345);
     }
-    for mean in [sum, by_own].map(|sum| sum / drives as f64) {
+    for mean in [sum, sum_estimated].map(|sum| sum / drives as f64) {
         let (low, high) = band(3.0 * drives as f64);
-        assert!((low..high).contains(&(mean * drives as f64)), "{mean} not in {low}..{high} over {drives}");
+        assert!((low..high).contains(&(mean * drives as f64)), "{drives} times {mean} is not in {low}..{high}");
     }
-    assert!((6..36).contains(&outside), "{outside} of {drives} beyond the 99th percentile");
+    assert!((6..36).contains(&outside), "{outside} of {drives} errors are beyond the 99th percentile");
 }
 
-/// The middle 99 % of χ² with many degrees of freedom (Wilson & Hilferty 1931).
+/// Returns the ends of the middle 99 % of χ² with many degrees of freedom (Wilson & Hilferty 1931).
 fn band(freedom: f64) -> (f64, f64) {
     let quantile = |normal: f64| {
         let third = 2.0 / (9.0 * freedom);
@@ -165,7 +166,7 @@ fn band(freedom: f64) -> (f64, f64) {
 }
 
 #[test]
-fn bad_input_is_refused_by_name() {
+fn the_error_names_the_bad_argument() {
     let error = MotionNoise::new([0.0, 0.0, -1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string();
     assert_eq!(error, "alpha3 must be at least 0, got -1");
     let error = noise().sample_from(Pose::default(), [f64::NAN, 0.0, 0.0].into(), 1.0, 0, 0).unwrap_err().to_string();
