@@ -5,14 +5,14 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from ._core import Limits, Shape
+from ._core import BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
 
 T = TypeVar("T", bound="Parameters")
 
@@ -162,6 +162,11 @@ class RobotParameters(Parameters):
         limits = {name: triple for name, triple in given.items() if triple is not None}
         return Limits(**limits) if limits else None
 
+    @property
+    def motion_noise(self) -> MotionNoise | None:
+        """Noise model of the odometry, built from `odometry_alphas`; None if they are not given."""
+        return None if self.odometry_alphas is None else motion_noise(self.odometry_alphas)
+
 
 class LaserParameters(Parameters):
     """Parameters of `LaserScannerSimulator`; the defaults are roughly a SICK S300's."""
@@ -212,6 +217,33 @@ class LaserParameters(Parameters):
             raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")
         return self
 
+    @property
+    def beam_model(self) -> BeamModel:
+        """Noise model of the ranges, with its weights normalised to a sum of 1."""
+        return BeamModel(
+            sigma_hit=self.sigma_hit,
+            lambda_short=self.lambda_short,
+            z_hit=self.z_hit,
+            z_short=self.z_short,
+            z_max=self.z_max,
+            z_rand=self.z_rand,
+        )
+
+    def scanner(self, mount: Pose | None = None) -> LaserScanner:
+        """Returns the scanner that these parameters describe.
+
+        Args:
+            mount: Pose of the scanner in the robot's frame. Default: `laser_mount`, or the identity if that is not given.
+
+        """
+        return LaserScanner(
+            fov=self.laser_fov,
+            beam_count=self.laser_beam_count,
+            min_range=self.laser_min_range,
+            max_range=self.laser_max_range,
+            mount=mount or Pose(*(self.laser_mount or (0.0, 0.0, 0.0))),
+        )
+
 
 class MapParameters(Parameters):
     """Parameters of `MapFileServer`, under the names of nav2_map_server."""
@@ -222,6 +254,11 @@ class MapParameters(Parameters):
     topic_name: Topic = Field("/map", description="topic of the map")
     service_name: Topic = Field("/static_map", description="service that hands out the map")
     frame_id: Name = Field("map", description="frame of the map")
+
+
+def motion_noise(alphas: Sequence[float]) -> MotionNoise:
+    """Returns the noise model of the odometry with the parameters alpha1 to alpha6."""
+    return MotionNoise(**{f"alpha{number}": alpha for number, alpha in enumerate(alphas, start=1)})
 
 
 NODES: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)

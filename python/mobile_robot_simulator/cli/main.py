@@ -171,13 +171,11 @@ def scan(
     ros_args: RosArgs = False,
 ) -> None:
     """Scan a map once, as the laser node does; range_max means no return."""
-    from ..nodes.laser import noise_of, scanner_of
-
     values = _values(param, params_file)
     grid = _load(map_file, values)
     parameters = for_node(LaserParameters, values)
-    scanner = scanner_of(parameters)
-    noise = noise_of(parameters) if parameters.apply_noise else None
+    scanner = parameters.scanner()
+    noise = parameters.beam_model if parameters.apply_noise else None
     ranges = scanner.scan_batch(grid, np.array([pose]), noise=noise, seed=_seed(seed, values))[0]
     points = scanner.end_points(pose, ranges)
     if plot is not None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
-from ..nodes.robot import noise_of
+from ..parameters import motion_noise
 from ..simulation.fault import Fault
 from ..simulation.robots import SimulatedRobot
 from ..simulation.simulation import Simulation
@@ -62,7 +62,7 @@ class OdometryDrift(Fault):
         super().__init__(seed=seed, **options)
         if len(alphas) != 6:
             raise ValueError(f"alphas must be six numbers, got {len(alphas)}")
-        self.noise, self.robot, self._seed = noise_of(alphas), robot, seed
+        self.noise, self.robot, self._seed = motion_noise(alphas), robot, seed
 
     def _prepare(self, simulation: Simulation, bus: Bus) -> None:
         robot = simulation.named(self.robot)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import messages
-from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose
+from .._core import LaserScanner, OccupancyGrid, Pose
 from ..handle import Handle, Handles
 from ..messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
 from ..parameters import LaserParameters
@@ -36,23 +36,6 @@ SET_UP = (
     "base_link_frame",
 )
 """Parameters that what `start` sets up hangs on."""
-
-
-def scanner_of(parameters: LaserParameters, mount: Pose | None = None) -> LaserScanner:
-    """The scanner of these parameters, mounted as they say or as given."""
-    return LaserScanner(
-        fov=parameters.laser_fov,
-        beam_count=parameters.laser_beam_count,
-        min_range=parameters.laser_min_range,
-        max_range=parameters.laser_max_range,
-        mount=mount or Pose(*(parameters.laser_mount or (0.0, 0.0, 0.0))),
-    )
-
-
-def noise_of(parameters: LaserParameters) -> BeamModel:
-    """The noise of these parameters, weights normalised."""
-    weights = {name: getattr(parameters, name) for name in WEIGHTS}
-    return BeamModel(sigma_hit=parameters.sigma_hit, lambda_short=parameters.lambda_short, **weights)
 
 
 class LaserScannerSimulator(Handle):
@@ -177,7 +160,7 @@ class LaserScannerSimulator(Handle):
         self.start()
 
     def _use(self, parameters: LaserParameters) -> None:
-        scanner, noise = scanner_of(parameters), noise_of(parameters)
+        scanner, noise = parameters.scanner(), parameters.beam_model
         self._parameters, self._scanner, self._noise = parameters, scanner, noise
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
@@ -222,7 +205,7 @@ class LaserScannerSimulator(Handle):
             return
         mount = self._transforms.lookup(base, frame, now) if frame != base else None
         if mount is not None and mount != self._scanner.mount:
-            self._scanner = scanner_of(parameters, mount)
+            self._scanner = parameters.scanner(mount)
         scanner = self._scanner
         readings = scanner.scan_batch(
             self._grid,

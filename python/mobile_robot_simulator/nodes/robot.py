@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from .. import messages
@@ -139,9 +138,9 @@ class MobileRobotSimulator(Handle):
         self._motion = self._motion_from(now, *frames)
         if self._slipping:
             self._motion.slip(self._slipping, now)
-        alphas, (noise, seed) = parameters.odometry_alphas, self._drifting
-        if noise is None and alphas is not None:
-            noise, seed = noise_of(alphas), parameters.odometry_seed
+        noise, seed = self._drifting
+        if noise is None:
+            noise, seed = parameters.motion_noise, parameters.odometry_seed
         self._odometer = Odometer(frames[1], now, noise=noise, seed=seed)
         self._believed = frames[1]
         self._world.changed()
@@ -341,8 +340,3 @@ class MobileRobotSimulator(Handle):
             transform = Transform.from_planar(map_from_odom)
             transforms.insert(0, TransformStamped(map_header, parameters.odom_frame_id, transform))
         self._transforms.publish(TFMessage(transforms))
-
-
-def noise_of(alphas: Sequence[float]) -> MotionNoise:
-    """The error of odometry of these six numbers."""
-    return MotionNoise(**{f"alpha{number}": alpha for number, alpha in enumerate(alphas, start=1)})
