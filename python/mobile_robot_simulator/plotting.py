@@ -7,6 +7,7 @@ nothing of pyplot is used.
 from __future__ import annotations
 
 import errno
+import io
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -30,12 +31,12 @@ try:
 except ImportError as error:
     raise ImportError("pictures need matplotlib: pip install 'mobile-robot-simulator[plotting]'") from error
 
-__all__ = ["plot_drive", "plot_scan"]
+__all__ = ["grid_png", "plot_drive", "plot_grid", "plot_scan"]
 
 _Points: TypeAlias = NDArray[np.float64]
 _PoseLike: TypeAlias = Pose | Sequence[float]
 
-_DPI = 150
+_DPI, _NOTEBOOK_DPI = 150, 80
 _LONGEST_SIDE, _SHORTEST_SIDE = 9.0, 3.0  # of the axes [in]
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.65, 0.25, 0.85, 0.25  # around them [in]
 _TITLE, _LEGEND = 0.25, 0.48  # what a title adds above; how far below the axes the legend is [in]
@@ -152,6 +153,35 @@ def plot_scan(
         _save(figure, picture)
 
 
+def plot_grid(grid: OccupancyGrid, ax: Axes | None = None) -> Axes:
+    """Draw a whole grid and return its axes: what `OccupancyGrid.plot` does.
+
+    Args:
+        grid: Grid to draw, down-sampled to the pixels of the axes. Walls stay visible.
+        ax: Axes to draw in. None opens a new pyplot figure.
+    """
+    if ax is None:
+        from matplotlib import pyplot
+
+        _, ax = pyplot.subplots()
+    low, high = _view(_corners(grid), margin=0.02)
+    ax.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    ax.apply_aspect()
+    _draw_map(ax, grid)
+    return ax
+
+
+def grid_png(grid: OccupancyGrid) -> bytes:
+    """Return a PNG image of a whole grid, at most about 800 pixels a side: what notebooks show for a grid."""
+    with style.context(["default", _STYLE]):
+        figure, axes = _figure(_view(_corners(grid), margin=0.02), None)
+        figure.set_dpi(_NOTEBOOK_DPI)
+        _draw_map(axes, grid)
+        image = io.BytesIO()
+        figure.savefig(image, format="png", dpi=_NOTEBOOK_DPI, metadata=_METADATA[".png"])
+    return image.getvalue()
+
+
 # --- What is drawn ---
 
 
@@ -236,6 +266,13 @@ def _draw_robot(axes: Axes, pose: _Points, *, label: str = "_") -> None:
 def _map_from_cells(grid: OccupancyGrid) -> Affine2D:
     x, y, yaw = grid.origin
     return Affine2D().scale(grid.resolution).rotate(yaw).translate(x, y)
+
+
+def _corners(grid: OccupancyGrid) -> _Points:
+    """Returns the corners of a grid in the map frame, (4, 2)."""
+    height, width = grid.shape
+    corners: _Points = _map_from_cells(grid).transform([(0, 0), (width, 0), (width, height), (0, height)])
+    return corners
 
 
 def _known_around(grid: OccupancyGrid, drive: _Points) -> _Points:
