@@ -2,6 +2,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from typing_extensions import Never, Self
 
@@ -63,8 +64,8 @@ class OccupancyGrid:
         cells: NDArray[np.int8],
         *,
         resolution: float,
-        origin: _PoseLike = ...,
-        occupied_threshold: int | None = None,
+        origin: _PoseLike = (0.0, 0.0, 0.0),
+        occupied_threshold: int | None = 60,
         unknown: Literal["free", "occupied"] = "free",
     ) -> Self: ...
     @property
@@ -87,6 +88,8 @@ class OccupancyGrid:
     def center(self, row: int, col: int) -> tuple[float, float]: ...
     def is_free_disc(self, x: float, y: float, radius: float) -> bool: ...
     def draw_free_pose(self, *, radius: float, seed: int) -> Pose: ...
+    def plot(self, ax: Axes | None = None) -> Axes: ...
+    def _repr_png_(self) -> bytes | None: ...
     def __getnewargs_ex__(self) -> tuple[tuple[NDArray[np.int8]], dict[str, Any]]: ...
 
 @final
@@ -94,12 +97,12 @@ class BeamModel:
     def __new__(
         cls,
         *,
-        sigma_hit: float = ...,
-        lambda_short: float = ...,
-        z_hit: float = ...,
-        z_short: float = ...,
-        z_max: float = ...,
-        z_rand: float = ...,
+        sigma_hit: float = 0.005,
+        lambda_short: float = 2.0,
+        z_hit: float = 0.995,
+        z_short: float = 0.0,
+        z_max: float = 0.005,
+        z_rand: float = 0.0,
     ) -> Self: ...
     @property
     def sigma_hit(self) -> float: ...
@@ -123,11 +126,11 @@ class LaserScanner:
     def __new__(
         cls,
         *,
-        fov: float = ...,
-        beam_count: int | None = None,
-        min_range: float = ...,
-        max_range: float = ...,
-        mount: _PoseLike = ...,
+        fov: float = 4.71,
+        beam_count: int | None = 541,
+        min_range: float = 0.05,
+        max_range: float = 30.0,
+        mount: _PoseLike = (0.0, 0.0, 0.0),
     ) -> Self: ...
     @property
     def fov(self) -> float: ...
@@ -147,13 +150,13 @@ class LaserScanner:
     def angle_increment(self) -> float: ...
     @property
     def angles(self) -> NDArray[np.float64]: ...
-    def scan(self, grid: OccupancyGrid, pose: _PoseLike, *, obstacles: _Obstacles = ...) -> NDArray[np.float32]: ...
+    def scan(self, grid: OccupancyGrid, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> NDArray[np.float32]: ...
     def scan_batch(
         self,
         grid: OccupancyGrid,
         poses: NDArray[np.float64],
         *,
-        obstacles: _Obstacles = ...,
+        obstacles: _Obstacles = (),
         noise: BeamModel | None = None,
         seed: int | None = None,
         first_index: int | None = None,
@@ -220,12 +223,12 @@ class MotionNoise:
     def __new__(
         cls,
         *,
-        alpha1: float = ...,
-        alpha2: float = ...,
-        alpha3: float = ...,
-        alpha4: float = ...,
-        alpha5: float = ...,
-        alpha6: float = ...,
+        alpha1: float = 0.0,
+        alpha2: float = 0.0,
+        alpha3: float = 0.0,
+        alpha4: float = 0.0,
+        alpha5: float = 0.0,
+        alpha6: float = 0.0,
     ) -> Self: ...
     @property
     def alpha(self) -> tuple[float, float, float, float, float, float]: ...
@@ -237,9 +240,9 @@ class MotionNoise:
     def __ne__(self, other: object, /) -> bool: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
 
-def touches(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, obstacles: _Obstacles = ...) -> bool: ...
+def touches(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> bool: ...
 def clearance(
-    grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, limit: float, obstacles: _Obstacles = ...
+    grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, limit: float, obstacles: _Obstacles = ()
 ) -> float: ...
 def advance(
     grid: OccupancyGrid,
@@ -249,14 +252,14 @@ def advance(
     dt: float,
     *,
     mode: Literal["stop", "slide", "report"] = "stop",
-    obstacles: _Obstacles = ...,
+    obstacles: _Obstacles = (),
 ) -> tuple[Pose, Contact | None]: ...
 def cast_rays(
     grid: OccupancyGrid,
     rays: NDArray[np.float64],
     max_range: float,
     *,
-    obstacles: _Obstacles = ...,
+    obstacles: _Obstacles = (),
     threads: int | None = None,
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]: ...

@@ -1,4 +1,4 @@
-//! NumPy arrays as the core takes them, and errors that say what an array should have been.
+//! The conversion of NumPy arrays to core values, with errors that say what was needed and what was given.
 
 use std::ops::Deref;
 
@@ -13,7 +13,7 @@ use pyo3::types::PyTuple;
 
 use crate::Error;
 
-/// A batch `(N, 3)` of `float64`: the caller's memory, or a copy where that cannot be read as it is.
+/// A batch `(N, 3)` of `float64`: the caller's array, or a copy if the array is not in C order.
 pub enum Rows<'py> {
     Borrowed(PyReadonlyArrayDyn<'py, f64>),
     Copied(Vec<[f64; 3]>),
@@ -30,7 +30,7 @@ impl Deref for Rows<'_> {
     }
 }
 
-/// A batch, from an array of `float64` with three columns.
+/// Returns a batch from a `float64` array of shape `(N, 3)`.
 pub fn rows<'py>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<Rows<'py>> {
     let array = typed::<f64>(name, array)?;
     let view = array.as_array();
@@ -43,7 +43,7 @@ pub fn rows<'py>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<Rows<'py>> {
     Ok(Rows::Copied(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect()))
 }
 
-/// A matrix `(3, 3)` of `float64`, row by row.
+/// Returns the rows of a `float64` array of shape `(3, 3)`.
 pub fn matrix(name: &str, array: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
     let array = typed::<f64>(name, array)?;
     let rows = array.as_array();
@@ -53,31 +53,32 @@ pub fn matrix(name: &str, array: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
     Ok([0, 1, 2].map(|row| [0, 1, 2].map(|col| rows[[row, col]])))
 }
 
-/// Points, from an array `(N, 2)` or a sequence of pairs of numbers.
+/// Returns points from an array of shape `(N, 2)` or a sequence of number pairs.
 pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     if let Ok(array) = value.cast::<PyUntypedArray>()
         && !matches!(array.shape(), [_, 2])
     {
         return Err(PyValueError::new_err(format!("{name} must have shape (N, 2), got {}", shape(array.shape()))));
     }
-    let needed = |_| PyTypeError::new_err(format!("{name} must be (N, 2) numbers, got {}", type_name(value)));
+    let needed =
+        |_| PyTypeError::new_err(format!("{name} must be an (N, 2) array or number pairs, got {}", type_name(value)));
     value.extract().map_err(needed)
 }
 
-/// An array of this element type, checked by name.
+/// Returns a view of an array with element type `T`. An array that is not aligned is copied.
 pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let array = check_dtype::<T>(name, array)?;
     if is_aligned(array)? { array.extract() } else { array.call_method0("copy")?.extract() }
 }
 
-/// The result of `work` on a float32 array of this shape: a new one, or `out` if the caller gave one.
+/// Runs `work` on a `float32` array of the given shape and returns the array: `out`, or a new one if `out` is `None`.
 pub fn fill<'py>(
     py: Python<'py>,
     out: Option<Bound<'py, PyAny>>,
     dimensions: &[usize],
     work: impl FnOnce(&mut [f32]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    // NumPy's own memory comes with an error where there is none, and as huge pages where it is large.
+    // NumPy raises MemoryError if memory runs out, and uses huge pages for large arrays.
     static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<f32>(py)));
     let out = out.map_or_else(new, Ok)?;
@@ -92,35 +93,37 @@ pub fn fill<'py>(
     if !is_aligned(array)? {
         return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
     }
-    let mut array = out.cast::<numpy::PyArrayDyn<f32>>()?.try_readwrite().map_err(|_| {
-        PyValueError::new_err("out must be writeable, got a read-only array or one that is read or written already")
-    })?;
+    let mut array = out
+        .cast::<numpy::PyArrayDyn<f32>>()?
+        .try_readwrite()
+        .map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one that is already in use"))?;
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)
 }
 
-/// Whether every element lies where its type may lie; fields of packed records do not.
+/// True if all elements are aligned in memory. Fields of packed records are not.
 fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> PyResult<bool> {
     array.getattr("flags")?.getattr("aligned")?.extract()
 }
 
-/// A new array of one dimension.
+/// Returns a new one-dimensional array.
 pub fn vector<T: Element>(py: Python<'_>, elements: Vec<T>) -> Bound<'_, PyArray1<T>> {
     elements.into_pyarray(py)
 }
 
-/// The shape of an array, as Python writes it.
+/// Formats the shape of an array as a Python tuple.
 pub fn shape(shape: &[usize]) -> String {
     let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
     if let [size] = &sizes[..] { format!("({size},)") } else { format!("({})", sizes.join(", ")) }
 }
 
-/// The name of a value's type.
+/// Returns the name of a value's type.
 pub fn type_name(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "another type".to_owned(), |name| name.to_string())
 }
 
+/// Checks that a value is an array with element type `T`.
 fn check_dtype<'a, 'py, T: Element>(name: &str, array: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
     let needed = dtype::<T>(array.py());
     let Ok(array) = array.cast::<PyUntypedArray>() else {

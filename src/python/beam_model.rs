@@ -1,4 +1,4 @@
-//! `BeamModel` for Python.
+//! The Python class `BeamModel`.
 
 use numpy::PyArrayMethods;
 use pyo3::exceptions::PyValueError;
@@ -9,12 +9,32 @@ use crate::BeamModelOptions;
 
 /// Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
 ///
-/// sigma_hit: standard deviation of a range [m]. lambda_short: rate of unexpected objects [1/m].
-/// z_hit, z_short, z_max, z_rand: weights of correct ranges, unexpected objects, failures (readings of the maximum) and
-/// unexplained readings; scaled to sum to 1. The hit part is truncated to [0, max_range], the short part to [0, true range].
-/// A beam that hits nothing reads max_range where others read a correct range; short and random readings can still befall it.
+/// A reading is drawn from a mixture of four parts:
 ///
-/// raises: ValueError for a sigma or lambda that is not positive, a negative weight, or no positive weight.
+/// - hit: normal around the true range, truncated to [0, max_range];
+/// - short: exponential, for unexpected objects, truncated to [0, true range];
+/// - max: exactly max_range, for failures;
+/// - random: uniform over [0, max_range), for unexplained readings.
+///
+/// A beam that hits nothing reads exactly max_range in the hit part; its short and random readings are drawn with a true
+/// range of max_range. The defaults are those of the ROS package mobile_robot_simulator.
+///
+/// Args:
+///     sigma_hit: Standard deviation of the hit part [m].
+///     lambda_short: Rate of the short part [1/m].
+///     z_hit: Weight of the hit part. The four weights are scaled to sum to 1.
+///     z_short: Weight of the short part.
+///     z_max: Weight of the max part.
+///     z_rand: Weight of the random part.
+///
+/// Raises:
+///     ValueError: `sigma_hit` or `lambda_short` is not positive, a weight is negative, no weight is positive, or a number
+///         is not finite.
+///
+/// Examples:
+///     >>> from mobile_robot_simulator import BeamModel
+///     >>> BeamModel(z_hit=3.0, z_max=1.0).z_hit
+///     0.75
 #[pyclass(frozen, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy)]
 pub struct BeamModel(pub crate::BeamModel);
@@ -26,61 +46,84 @@ fn default() -> BeamModelOptions {
 #[pymethods]
 impl BeamModel {
     #[new]
-    #[pyo3(signature = (
-        *,
-        sigma_hit = default().sigma_hit,
-        lambda_short = default().lambda_short,
-        z_hit = default().z_hit,
-        z_short = default().z_short,
-        z_max = default().z_max,
-        z_rand = default().z_rand,
-    ))]
+    // The text repeats the core's defaults for `help()`; a test compares the two.
+    #[pyo3(
+        text_signature = "(*, sigma_hit=0.005, lambda_short=2.0, z_hit=0.995, z_short=0.0, z_max=0.005, z_rand=0.0)",
+        signature = (
+            *,
+            sigma_hit = default().sigma_hit,
+            lambda_short = default().lambda_short,
+            z_hit = default().z_hit,
+            z_short = default().z_short,
+            z_max = default().z_max,
+            z_rand = default().z_rand,
+        )
+    )]
     fn new(sigma_hit: f64, lambda_short: f64, z_hit: f64, z_short: f64, z_max: f64, z_rand: f64) -> PyResult<Self> {
         let options = BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand };
         Ok(Self(crate::BeamModel::new(options)?))
     }
 
-    /// Standard deviation of a measured range [m].
+    /// Standard deviation of the hit part [m].
     #[getter]
     fn sigma_hit(&self) -> f64 {
         self.0.options().sigma_hit
     }
 
-    /// Rate of unexpected objects [1/m].
+    /// Rate of the short part [1/m].
     #[getter]
     fn lambda_short(&self) -> f64 {
         self.0.options().lambda_short
     }
 
-    /// Weight of correct ranges with local noise.
+    /// Weight of the hit part, after scaling.
     #[getter]
     fn z_hit(&self) -> f64 {
         self.0.options().z_hit
     }
 
-    /// Weight of unexpected objects.
+    /// Weight of the short part, after scaling.
     #[getter]
     fn z_short(&self) -> f64 {
         self.0.options().z_short
     }
 
-    /// Weight of failures.
+    /// Weight of the max part, after scaling.
     #[getter]
     fn z_max(&self) -> f64 {
         self.0.options().z_max
     }
 
-    /// Weight of unexplained readings.
+    /// Weight of the random part, after scaling.
     #[getter]
     fn z_rand(&self) -> f64 {
         self.0.options().z_rand
     }
 
-    /// Likelihood of readings given true ranges.
+    /// Returns the likelihood of each reading, given the true range of its beam.
     ///
-    /// readings, true_ranges: float32 arrays of one shape [m]; a true range of max_range means a beam that hits nothing.
-    /// returns: (size,) float64: the density [1/m] of readings in [0, max_range), the probability of those of max_range, else 0.
-    /// raises: ValueError for shapes that differ or a max_range that is not positive; TypeError for dtypes.
+    /// Args:
+    ///     readings: float32 of any shape, measured ranges [m].
+    ///     true_ranges: float32 of the same shape, true ranges [m]. A true range of `max_range` or more means that the beam
+    ///         hits nothing.
+    ///     max_range: Maximum range of the scanner [m].
+    ///
+    /// Returns:
+    ///     float64 of the same shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
+    ///         `max_range` a probability, and any other reading 0.
+    ///
+    /// Raises:
+    ///     ValueError: The shapes differ, `max_range` is not positive and finite, or a true range is negative or NaN.
+    ///     TypeError: An array is not float32.
+    ///
+    /// Examples:
+    ///     The probability of reading the maximum, for a beam that hits a wall and for one that hits nothing:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> from mobile_robot_simulator import BeamModel
+    ///     >>> model = BeamModel(z_hit=0.9, z_max=0.1)
+    ///     >>> model.likelihood(np.array([30, 30], np.float32), np.array([5, 30], np.float32), max_range=30.0)
+    ///     array([0.1, 1. ])
     fn likelihood<'py>(
         &self,
         py: Python<'py>,
@@ -106,7 +149,7 @@ impl BeamModel {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
         let keywords = pyo3::types::PyDict::new(py);
         let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand } = self.0.options();

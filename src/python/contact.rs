@@ -1,4 +1,4 @@
-//! `touches`, `clearance`, `advance` and `Contact` for Python.
+//! The Python functions `touches`, `clearance` and `advance`, and the class `Contact`.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -9,32 +9,34 @@ use super::pose::{Pose, PoseArgument};
 use super::shape::Shape;
 use crate::ContactMode;
 
-/// Where and when a robot met a wall or an obstacle.
+/// Where and when a robot touched a wall or an obstacle. `advance` returns it.
 #[pyclass(frozen, eq, module = "mobile_robot_simulator")]
 #[derive(PartialEq)]
 pub struct Contact(crate::Contact);
 
 #[pymethods]
 impl Contact {
-    /// Where, (x, y) in the map frame [m]: on what was met.
+    /// Point of contact (x, y) in the map frame [m], on the surface of the wall or obstacle.
     #[getter]
     fn point(&self) -> (f64, f64) {
         self.0.point.into()
     }
 
-    /// Unit vector (x, y) of the map frame from what was met to the robot; (0, 0) if the robot's origin is inside of it.
+    /// Unit vector (x, y) in the map frame that points from the wall or obstacle to the robot.
+    ///
+    /// It is (0, 0) if the robot's origin is inside the wall or obstacle.
     #[getter]
     fn normal(&self) -> (f64, f64) {
         self.0.normal.into()
     }
 
-    /// Share of the step that was over, 0 to 1.
+    /// Share of the step before the contact, 0 to 1.
     #[getter]
     fn fraction(&self) -> f64 {
         self.0.fraction
     }
 
-    /// Index of the obstacle that was met; None for a wall of the grid.
+    /// Index in `obstacles` of the obstacle that was touched; None for a wall of the grid.
     #[getter]
     fn obstacle(&self) -> Option<usize> {
         self.0.obstacle
@@ -50,13 +52,33 @@ impl Contact {
     }
 }
 
-/// Whether a footprint at a pose shares a point with a blocking cell or an obstacle, all of them with their edges.
+/// Returns True if a footprint shares a point with a blocking cell or an obstacle.
 ///
-/// footprint: Shape in the robot's frame. pose: (x, y, yaw) of the robot in the map frame.
-/// obstacles: sequence of (Shape, pose), poses in the map frame.
-/// raises: ValueError if a pose is not finite.
+/// Edges belong to footprints, cells and obstacles, so a shared edge or corner is a contact.
+///
+/// Args:
+///     grid: Map that the robot moves in. Outside the grid is free.
+///     footprint: Outline of the robot in its own frame.
+///     pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+///     obstacles: Pairs (Shape, pose), with poses in the map frame.
+///
+/// Raises:
+///     ValueError: A pose is not finite.
+///
+/// Examples:
+///     The only wall covers x from 2 m to 3 m:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+///     >>> robot = mrs.Shape.disc(0.5)
+///     >>> mrs.touches(grid, robot, (1.4, 0.5, 0.0)), mrs.touches(grid, robot, (1.6, 0.5, 0.0))
+///     (False, True)
 #[pyfunction]
-#[pyo3(signature = (grid, footprint, pose, *, obstacles = ObstaclesArgument::none()))]
+#[pyo3(
+    text_signature = "(grid, footprint, pose, *, obstacles=())",
+    signature = (grid, footprint, pose, *, obstacles = ObstaclesArgument::none())
+)]
 pub fn touches(
     py: Python<'_>,
     grid: &Bound<'_, OccupancyGrid>,
@@ -68,14 +90,34 @@ pub fn touches(
     Ok(py.detach(|| crate::touches((&*grid, &obstacles.0), footprint, pose.0))?)
 }
 
-/// Distance [m] from a footprint at a pose to the nearest blocking cell or obstacle, exactly.
+/// Returns the exact distance [m] from a footprint to the nearest blocking cell or obstacle.
 ///
-/// footprint: Shape in the robot's frame. pose: (x, y, yaw) of the robot in the map frame. limit: metres; cost grows with
-/// its square where the map is empty. obstacles: sequence of (Shape, pose), poses in the map frame.
-/// returns: 0 if they share a point, ``limit`` if there is nothing within it.
-/// raises: ValueError if a pose is not finite or the limit not positive.
+/// Args:
+///     grid: Map that the robot moves in. Outside the grid is free.
+///     footprint: Outline of the robot in its own frame.
+///     pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+///     limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
+///     obstacles: Pairs (Shape, pose), with poses in the map frame.
+///
+/// Returns:
+///     The distance [m]: 0 if the footprint touches something, `limit` if there is nothing within `limit`.
+///
+/// Raises:
+///     ValueError: A pose is not finite, or `limit` is not positive and finite.
+///
+/// Examples:
+///     The only wall covers x from 2 m to 3 m:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+///     >>> mrs.clearance(grid, mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), limit=9.0)
+///     1.0
 #[pyfunction]
-#[pyo3(signature = (grid, footprint, pose, *, limit, obstacles = ObstaclesArgument::none()))]
+#[pyo3(
+    text_signature = "(grid, footprint, pose, *, limit, obstacles=())",
+    signature = (grid, footprint, pose, *, limit, obstacles = ObstaclesArgument::none())
+)]
 pub fn clearance(
     py: Python<'_>,
     grid: &Bound<'_, OccupancyGrid>,
@@ -88,22 +130,51 @@ pub fn clearance(
     Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
 }
 
-/// Where a robot comes to under a constant twist in ``dt`` seconds, and the first contact on its way, if any.
+/// Returns the pose of a robot after `dt` seconds at a constant twist, and its first contact on the way.
 ///
-/// footprint: Shape in the robot's frame. pose: (x, y, yaw) of the robot in the map frame. twist: (vx, vy, wz) in the robot's
-/// frame [m/s, rad/s]. obstacles: sequence of (Shape, pose), poses in the map frame, that stand still meanwhile.
-/// mode: "stop", the robot stops within 1e-6 m of what it meets, never in it; "slide", it goes on for the rest of the step with
-/// what is left of its velocity, its linear part losing what would drive a point of contact into what it met; "report", it goes on
-/// through everything.
-/// returns: (Pose, Contact or None). The way is the exact arc; without contact the pose is that of ``pose.integrate(twist, dt)``.
-/// A robot that overlaps something at the start is in contact from the start, and moves as the largest smaller copy of itself,
-/// scaled about its origin, that does not: it may go away, along or out, but no deeper. One whose origin is inside goes free.
-/// raises: ValueError for numbers that are not finite, a negative dt or one that leads farther than 100000 times the robot's
-/// size, another mode.
-/// method: conservative advancement (Mirtich 1996, sec. 2.3), with bounds of second order.
+/// The robot follows the exact arc of `Pose.integrate`. Contacts are found by conservative advancement (Mirtich 1996,
+/// section 2.3) with second-order bounds. `mode` says what a contact does:
+///
+/// - "stop": The robot stops at most 1e-6 m before the wall or obstacle, never inside it.
+/// - "slide": The robot continues for the rest of the step. Its linear velocity loses the part that would push a point of
+///   contact into the wall or obstacle.
+/// - "report": The robot passes through everything; the contact is only reported.
+///
+/// A robot that overlaps something at the start has a contact with fraction 0. It then moves with a smaller footprint: the
+/// largest copy, scaled about its origin, that overlaps nothing. It can move away, along or out, but not deeper. A robot
+/// whose origin is inside a wall or obstacle moves freely.
+///
+/// Args:
+///     grid: Map that the robot moves in. Outside the grid is free.
+///     footprint: Outline of the robot in its own frame.
+///     pose: Pose (x, y, yaw) of the robot in the map frame at the start [m, m, rad].
+///     twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+///     dt: Duration of the step [s].
+///     mode: What a contact does: "stop", "slide" or "report".
+///     obstacles: Pairs (Shape, pose), with poses in the map frame. They stand still during the step.
+///
+/// Returns:
+///     The pose reached, and the first contact or None. Without a contact, the pose equals `pose.integrate(twist, dt)`.
+///
+/// Raises:
+///     ValueError: A number, given or reached, is not finite, `dt` is negative or so long that the robot would move more
+///         than 100000 times its own size, or the mode is unknown.
+///
+/// Examples:
+///     The only wall covers x from 2 m to 3 m. The robot stops half way, when its edge reaches the wall:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+///     >>> pose, contact = mrs.advance(grid, mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), (1.0, 0.0, 0.0), dt=2.0)
+///     >>> round(pose.x, 3), round(contact.fraction, 3), contact.obstacle
+///     (1.5, 0.5, None)
 #[pyfunction]
-#[pyo3(signature = (grid, footprint, pose, twist, dt, *, mode = "stop", obstacles = ObstaclesArgument::none()))]
-#[allow(clippy::too_many_arguments, reason = "what a step is made of")]
+#[pyo3(
+    text_signature = "(grid, footprint, pose, twist, dt, *, mode='stop', obstacles=())",
+    signature = (grid, footprint, pose, twist, dt, *, mode = "stop", obstacles = ObstaclesArgument::none())
+)]
+#[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn advance(
     py: Python<'_>,
     grid: &Bound<'_, OccupancyGrid>,

@@ -1,10 +1,10 @@
-//! `OccupancyGrid` for Python.
+//! The Python class `OccupancyGrid`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec2;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyImportError, PyValueError};
 use pyo3::prelude::*;
 
 use super::arrays::{shape, typed, vector};
@@ -12,27 +12,43 @@ use super::pose::{Pose, PoseArgument};
 use super::{stream_number, whole_number};
 use crate::{Cell, GridOptions, Unknown};
 
-/// Occupancy of the plane in square cells, as nav_msgs/OccupancyGrid has it.
+/// A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
 ///
-/// cells: (H, W) int8, row 0 at the bottom; -1 unknown, 0..100 occupancy. Copied.
-/// resolution: side of a cell [m]. origin: pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
-/// occupied_threshold: cells of this value and above block beams, 1..100. unknown: "free" or "occupied", what unknown cells
-/// are to beams. Off the grid is free.
-/// What casting needs is built at the first cast, 8 bytes a cell, and kept.
+/// Row 0 is at the bottom. A cell contains its lower and left edges. Outside the grid is free. The first scan builds a
+/// lookup table of 8 bytes per cell, which the grid keeps; `prepare` builds it earlier.
 ///
-/// raises: ValueError for a value out of its range; TypeError for cells that are not int8.
+/// Args:
+///     cells: (H, W) int8, -1 for unknown cells, otherwise the occupancy 0 to 100. The array is copied. A side has at most
+///         65535 cells, the grid at most 2000000000.
+///     resolution: Side of a cell [m].
+///     origin: Pose (x, y, yaw) of the lower-left corner of cell (0, 0) in the map frame [m, m, rad], yaw included.
+///     occupied_threshold: Cells with this value or more block beams and robots, 1 to 100. None means the default.
+///     unknown: Whether unknown cells are "free" or "occupied", which means that they block.
+///
+/// Raises:
+///     ValueError: The array has another shape or no cells, or a value is outside its range or not finite.
+///     TypeError: The cells are not int8, or another argument has the wrong type.
+///
+/// Examples:
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=0.5)
+///     >>> grid
+///     OccupancyGrid(3x1 cells, 0.5 m, origin=(0.0, 0.0, 0.0), occupied_threshold=60, unknown='free')
+///     >>> grid.cell_at(1.2, 0.1)
+///     (0, 2)
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct OccupancyGrid {
-    /// The grid itself. Casts that began before cells were changed go on with the grid they began with.
+    /// The grid itself. A cast keeps the grid that it started with, even if cells change during the cast.
     core: Mutex<Arc<crate::OccupancyGrid>>,
-    /// The array handed out, until cells change.
+    /// The array that `cells` returns, cached until cells change.
     cells: Mutex<Option<Py<PyArray2<i8>>>>,
 }
 
 impl OccupancyGrid {
-    /// The grid as it is now.
+    /// Returns the current grid.
     pub fn core(&self) -> Arc<crate::OccupancyGrid> {
-        // A grid is whole even where somebody who held it panicked.
+        // A panic cannot leave the grid half changed, so a poisoned lock is safe to use.
         Arc::clone(&self.core.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -40,7 +56,18 @@ impl OccupancyGrid {
 #[pymethods]
 impl OccupancyGrid {
     #[new]
-    #[pyo3(signature = (cells, *, resolution, origin = PoseArgument(crate::Pose::default()), occupied_threshold = None, unknown = "free"))]
+    // The text repeats the core's defaults for `help()`; a test compares the two.
+    #[pyo3(
+        text_signature = "(cells, *, resolution, origin=(0.0, 0.0, 0.0), occupied_threshold=60, unknown='free')",
+        signature = (
+            cells,
+            *,
+            resolution,
+            origin = PoseArgument(crate::Pose::default()),
+            occupied_threshold = None,
+            unknown = "free",
+        )
+    )]
     fn new(
         py: Python<'_>,
         cells: &Bound<'_, PyAny>,
@@ -68,7 +95,9 @@ impl OccupancyGrid {
         Ok(Self { core: Mutex::new(Arc::new(core)), cells: Mutex::new(None) })
     }
 
-    /// Values of the cells, (H, W) int8, row 0 at the bottom. Read-only.
+    /// Values of the cells: (H, W) int8, row 0 at the bottom, read-only.
+    ///
+    /// The array does not change when `set_cells` changes the grid.
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
         let mut cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
@@ -77,18 +106,36 @@ impl OccupancyGrid {
         }
         let core = self.core();
         let flat = vector(py, core.cells().to_vec());
-        // Before a view is made, or the view could be made writeable again.
+        // Done before the reshape: a view of a writeable array could be made writeable again.
         flat.readwrite().make_nonwriteable();
         let array = flat.reshape([core.height(), core.width()])?;
         *cells = Some(array.clone().unbind());
         Ok(array)
     }
 
-    /// Gives the cells of a rectangle new values; what casting needs is kept, but for what the rectangle changes.
+    /// Sets the cells of a rectangle.
     ///
-    /// row, col: the rectangle's lowest row and column. cells: (H, W) int8, -1 unknown, 0..100 occupancy. Copied.
-    /// Scans of other threads that are under way go on with the old values, and arrays got from `cells` keep them.
-    /// raises: ValueError for values out of range and for a rectangle that is not on the grid; TypeError for another dtype.
+    /// Only the part of the lookup table that the rectangle affects is rebuilt. Scans that run in other threads during the
+    /// call still see the old values, and so do arrays that `cells` returned before.
+    ///
+    /// Args:
+    ///     row: Lowest row of the rectangle.
+    ///     col: Lowest column of the rectangle.
+    ///     cells: (H, W) int8, -1 for unknown cells, otherwise the occupancy 0 to 100. The array is copied.
+    ///
+    /// Raises:
+    ///     ValueError: The array has another shape or no cells, a value is out of range, or the rectangle is not on the
+    ///         grid.
+    ///     TypeError: The cells are not int8, or the row or column is not an integer.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+    ///     >>> grid.set_cells(0, 1, np.array([[100, 50]], np.int8))
+    ///     >>> grid.cells
+    ///     array([[  0, 100,  50],
+    ///            [  0,   0,   0]], dtype=int8)
     fn set_cells(
         &self,
         py: Python<'_>,
@@ -110,7 +157,7 @@ impl OccupancyGrid {
         Ok(())
     }
 
-    /// Number of rows and columns.
+    /// Number of rows and columns (H, W).
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.core().height(), self.core().width())
@@ -122,19 +169,19 @@ impl OccupancyGrid {
         self.core().resolution()
     }
 
-    /// Pose of the lower-left corner of cell (0, 0) in the map frame.
+    /// Pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
     #[getter]
     fn origin(&self) -> Pose {
         Pose(self.core().options().origin)
     }
 
-    /// Cells of this value and above block beams.
+    /// Cells with this value or more block beams and robots.
     #[getter]
     fn occupied_threshold(&self) -> i8 {
         self.core().options().occupied_threshold
     }
 
-    /// What unknown cells are to beams, "free" or "occupied".
+    /// Whether unknown cells are "free" or "occupied", which means that they block.
     #[getter]
     fn unknown(&self) -> &'static str {
         match self.core().options().unknown {
@@ -144,7 +191,7 @@ impl OccupancyGrid {
     }
 
     fn __copy__(&self) -> Self {
-        // Cells are shared until one of the two changes them.
+        // Both grids share their cells until one of them changes.
         Self { core: Mutex::new(self.core()), cells: Mutex::new(None) }
     }
 
@@ -152,53 +199,151 @@ impl OccupancyGrid {
         self.__copy__()
     }
 
-    /// Builds what casting needs now rather than at the first cast.
+    /// Builds the lookup table for scans now instead of at the first scan.
     fn prepare(&self, py: Python<'_>) {
         let core = self.core();
         py.detach(|| core.prepare(None));
     }
 
-    /// The cell (row, column) that a point of the map frame lies in, or None off the grid.
+    /// Returns the cell (row, column) that contains a point, or None if the point is outside the grid.
+    ///
+    /// Args:
+    ///     x: Position along x in the map frame [m].
+    ///     y: Position along y in the map frame [m].
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+    ///     >>> grid.cell_at(2.5, 0.5), grid.cell_at(2.5, 2.5)
+    ///     ((0, 2), None)
     fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
         self.core().cell_at(DVec2::new(x, y)).map(|cell| (cell.row, cell.col))
     }
 
-    /// Centre (x, y) of a cell in the map frame [m].
+    /// Returns the centre (x, y) of a cell in the map frame [m].
     ///
-    /// raises: ValueError for a cell that the grid does not have.
+    /// Args:
+    ///     row: Row of the cell, 0 at the bottom.
+    ///     col: Column of the cell, 0 at the left.
+    ///
+    /// Raises:
+    ///     ValueError: The cell is not on the grid.
+    ///     TypeError: The row or column is not an integer.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+    ///     >>> grid.center(0, 2)
+    ///     (2.5, 0.5)
     fn center(&self, row: &Bound<'_, PyAny>, col: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
         let (row, col) = (whole_number("row", row, "at least 0")?, whole_number("col", col, "at least 0")?);
         Ok(self.core().checked_center(Cell { col, row })?.into())
     }
 
-    /// Whether no blocking cell reaches into a disc around a point of the map frame [m], exactly. Off the grid is free.
+    /// Returns True if no blocking cell reaches into a disc.
     ///
-    /// raises: ValueError for numbers that are not finite or a negative radius.
+    /// The test is exact. A cell that only touches the edge of the disc does not count. Outside the grid is free.
+    ///
+    /// Args:
+    ///     x: Centre of the disc along x in the map frame [m].
+    ///     y: Centre of the disc along y in the map frame [m].
+    ///     radius: Radius of the disc [m]. With 0, the point itself is tested.
+    ///
+    /// Raises:
+    ///     ValueError: A number is not finite, or the radius is negative.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> grid.is_free_disc(0.5, 0.5, 1.5), grid.is_free_disc(0.5, 0.5, 1.6)
+    ///     (True, False)
     fn is_free_disc(&self, x: f64, y: f64, radius: f64) -> PyResult<bool> {
         Ok(self.core().is_free_disc(DVec2::new(x, y), radius)?)
     }
 
-    /// A pose drawn from the known free cells' centres, where a disc of this radius [m] is free.
+    /// Returns a random pose at which a disc is free.
     ///
-    /// The draw is named by the seed alone: the same on every machine.
-    /// raises: ValueError if there is no such place.
+    /// The position is the centre of a known free cell, and all suitable cells are equally likely. The yaw is uniform over
+    /// [-π, π). The same seed gives the same pose on every machine.
+    ///
+    /// Args:
+    ///     radius: Radius of the disc [m], for example that of the robot.
+    ///     seed: Seed of the draw, 0 to 2**64 - 1.
+    ///
+    /// Raises:
+    ///     ValueError: No cell is suitable, the radius is negative or not finite, or the seed is out of range.
+    ///     TypeError: The seed is not an integer.
+    ///
+    /// Examples:
+    ///     Only the first cell is free:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 100, -1]], np.int8), resolution=1.0)
+    ///     >>> x, y, yaw = grid.draw_free_pose(radius=0.2, seed=1)
+    ///     >>> x, y
+    ///     (0.5, 0.5)
     #[pyo3(signature = (*, radius, seed))]
     fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
         let seed = stream_number("seed", Some(seed))?;
         Ok(Pose(py.detach(|| self.core().draw_free_pose(radius, seed))?))
     }
 
+    /// Draws the grid in Matplotlib axes and returns the axes.
+    ///
+    /// Walls are dark, free cells white and unknown cells grey. The axes are in metres in the map frame. A grid with more
+    /// cells than the axes have pixels is down-sampled so that walls stay visible.
+    ///
+    /// Args:
+    ///     ax: Matplotlib axes to draw in, which then show the whole grid. None opens a new pyplot figure.
+    ///
+    /// Returns:
+    ///     The Matplotlib axes.
+    ///
+    /// Raises:
+    ///     ImportError: Matplotlib is not installed. The extra `plotting` installs it.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> from matplotlib.figure import Figure
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> ax = grid.plot(Figure().add_subplot())
+    ///     >>> ax.get_xlabel(), ax.get_ylabel()
+    ///     ('x [m]', 'y [m]')
+    #[pyo3(signature = (ax = None))]
+    fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("mobile_robot_simulator.plotting")?.call_method1("plot_grid", (slf, ax))
+    }
+
+    /// Returns a PNG image of the grid for notebooks, or None without Matplotlib: the notebook then shows the repr.
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        match slf.py().import("mobile_robot_simulator.plotting") {
+            Ok(plotting) => plotting.call_method1("grid_png", (slf,)).map(Some),
+            Err(error) if error.is_instance_of::<PyImportError>(slf.py()) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     fn __repr__(&self) -> String {
-        let [x, y, yaw] = self.core().options().origin.to_array();
+        let core = self.core();
+        let (width, height, options) = (core.width(), core.height(), core.options());
+        let [x, y, yaw] = options.origin.to_array();
         format!(
-            "<OccupancyGrid {}x{} cells of {} m, origin ({x}, {y}, {yaw})>",
-            self.core().width(),
-            self.core().height(),
-            self.core().resolution()
+            "OccupancyGrid({width}x{height} cells, {} m, origin=({x:?}, {y:?}, {yaw:?}), occupied_threshold={}, \
+             unknown='{}')",
+            options.resolution,
+            options.occupied_threshold,
+            self.unknown()
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((Bound<'py, PyAny>,), Bound<'py, pyo3::types::PyDict>)> {
         let keywords = pyo3::types::PyDict::new(py);
         keywords.set_item("resolution", self.resolution())?;

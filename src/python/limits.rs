@@ -1,13 +1,28 @@
-//! `Limits` for Python.
+//! The Python class `Limits`.
 
 use pyo3::prelude::*;
 
-/// The most that a robot can do along each axis (vx, vy, wz), forwards as backwards; infinite where there is no limit.
+/// Limits on velocity and acceleration along each axis (vx, vy, wz) of a robot.
 ///
-/// velocity: speed [m/s, m/s, rad/s]. acceleration, deceleration: growth and fall of speed [m/s², m/s², rad/s²].
-/// Each axis by itself, acceleration before velocity, as in ros2_controllers' diff_drive_controller.
+/// A limit holds in both directions, and `inf` means no limit. The axes are independent. As in the `diff_drive_controller`
+/// of ros2_controllers, the acceleration limits are applied first, then the velocity limits.
 ///
-/// raises: ValueError for limits that are negative or NaN.
+/// Args:
+///     velocity: Largest speeds [m/s, m/s, rad/s]. No limits by default. 0 holds an axis still.
+///     acceleration: Largest increases of speed [m/s², m/s², rad/s²]. No limits by default.
+///     deceleration: Largest decreases of speed [m/s², m/s², rad/s²]. No limits by default. With 0, a moving axis never
+///         stops.
+///
+/// Raises:
+///     ValueError: A limit is negative or NaN.
+///
+/// Examples:
+///     >>> import mobile_robot_simulator as mrs
+///     >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 2.0))
+///     >>> limits.acceleration
+///     (0.5, 0.5, 2.0)
+///     >>> limits.velocity
+///     (inf, inf, inf)
 #[pyclass(frozen, eq, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct Limits(pub crate::Limits);
@@ -17,34 +32,54 @@ const NONE: crate::Limits = crate::Limits::NONE;
 #[pymethods]
 impl Limits {
     #[new]
-    #[pyo3(signature = (*, velocity = NONE.velocity(), acceleration = NONE.acceleration(), deceleration = NONE.deceleration()))]
+    #[pyo3(signature = (
+        *,
+        velocity = NONE.velocity(),
+        acceleration = NONE.acceleration(),
+        deceleration = NONE.deceleration(),
+    ))]
     fn new(velocity: [f64; 3], acceleration: [f64; 3], deceleration: [f64; 3]) -> PyResult<Self> {
         Ok(Self(crate::Limits::new(velocity, acceleration, deceleration)?))
     }
 
-    /// Limits on speed [m/s, m/s, rad/s].
+    /// Largest speeds along (vx, vy, wz) [m/s, m/s, rad/s].
     #[getter]
     fn velocity(&self) -> (f64, f64, f64) {
         self.0.velocity().into()
     }
 
-    /// Limits on the growth of speed [m/s², m/s², rad/s²].
+    /// Largest increases of speed along (vx, vy, wz) [m/s², m/s², rad/s²].
     #[getter]
     fn acceleration(&self) -> (f64, f64, f64) {
         self.0.acceleration().into()
     }
 
-    /// Limits on the fall of speed [m/s², m/s², rad/s²].
+    /// Largest decreases of speed along (vx, vy, wz) [m/s², m/s², rad/s²].
     #[getter]
     fn deceleration(&self) -> (f64, f64, f64) {
         self.0.deceleration().into()
     }
 
-    /// The velocity that a robot reaches in ``dt`` seconds when it is told to move at ``wanted`` and moves at ``current``.
+    /// Returns the velocity that a robot reaches in `dt` seconds.
     ///
-    /// wanted, current: (vx, vy, wz) [m/s, rad/s]. returns: the same. An axis that changes its direction slows down to zero
-    /// first, and speeds up in what is left of the time.
-    /// raises: ValueError for velocities that are not finite or a negative dt.
+    /// An axis that reverses its direction first slows down to zero, then speeds up in the remaining time.
+    ///
+    /// Args:
+    ///     wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     current: Velocity at the start, in the same form.
+    ///     dt: Duration [s]. With 0, only the velocity limits apply, to the current velocity.
+    ///
+    /// Returns:
+    ///     The velocity (vx, vy, wz) after `dt` seconds [m/s, m/s, rad/s].
+    ///
+    /// Raises:
+    ///     ValueError: A velocity or `dt` is not finite, or `dt` is negative.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 2.0))
+    ///     >>> limits.apply((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=0.5)
+    ///     (0.25, 0.0, 0.0)
     fn apply(&self, wanted: [f64; 3], current: [f64; 3], dt: f64) -> PyResult<(f64, f64, f64)> {
         Ok(self.0.apply(wanted.into(), current.into(), dt)?.to_array().into())
     }
@@ -54,7 +89,7 @@ impl Limits {
         format!("Limits(velocity={velocity:?}, acceleration={acceleration:?}, deceleration={deceleration:?})")
     }
 
-    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
         let keywords = pyo3::types::PyDict::new(py);
         keywords.set_item("velocity", self.velocity())?;

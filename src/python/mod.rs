@@ -1,6 +1,9 @@
-//! The Python module `mobile_robot_simulator._core`: arrays in, the core's call without the GIL, arrays out.
-#![allow(clippy::doc_markdown, reason = "documentation of classes and functions is Python's docstrings")]
-#![allow(clippy::needless_pass_by_value, clippy::unused_self, reason = "the shapes that PyO3 calls")]
+//! The Python module `mobile_robot_simulator._core`.
+//!
+//! Each function converts its arguments, calls the core without the GIL and converts the result. Doc comments of Python
+//! classes and functions are Python docstrings, in Google style.
+#![allow(clippy::doc_markdown, reason = "the doc comments are Python docstrings")]
+#![allow(clippy::needless_pass_by_value, clippy::unused_self, reason = "PyO3 needs these signatures")]
 
 mod arrays;
 mod beam_model;
@@ -29,7 +32,7 @@ impl From<Error> for PyErr {
     }
 }
 
-/// A Python integer as a Rust one; `needed` says which ones will do.
+/// Converts a Python integer; `needed` describes the valid range in the error message.
 fn whole_number<'py, T: FromPyObjectOwned<'py>>(name: &str, value: &Bound<'py, PyAny>, needed: &str) -> PyResult<T> {
     let number = value
         .call_method0("__index__")
@@ -37,14 +40,17 @@ fn whole_number<'py, T: FromPyObjectOwned<'py>>(name: &str, value: &Bound<'py, P
     number.extract().map_err(|_| PyValueError::new_err(format!("{name} must be {needed}, got {number}")))
 }
 
+/// Converts a seed or an index of a random stream; `None` means 0.
 fn stream_number(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
     value.map_or(Ok(0), |value| whole_number(name, value, "in 0..2**64 - 1"))
 }
 
+/// Converts a number of threads; `None` means one per core.
 fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     threads.map(|value| whole_number("threads", value, "in 1..1024")).transpose()
 }
 
+/// Compiled core of mobile_robot_simulator: grids, scanners, noise, contact and motion.
 #[pymodule]
 mod _core {
     use pyo3::prelude::*;

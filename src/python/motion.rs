@@ -1,4 +1,4 @@
-//! `integrate_twist` for Python.
+//! The Python function `integrate_twist`.
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
@@ -6,12 +6,27 @@ use pyo3::prelude::*;
 use super::arrays::rows;
 use crate::integrate_batch;
 
-/// Poses reached under constant twists after ``dt`` seconds: exact, not a step of Euler's.
+/// Returns the pose that each robot of a batch reaches after `dt` seconds at a constant twist.
 ///
-/// poses: (N, 3) float64, x y [m] and yaw [rad]. twists: (N, 3) float64, vx vy [m/s] and wz [rad/s] in the robot's frame.
-/// returns: (N, 3) float64; the yaw is not wrapped.
-/// raises: ValueError for shapes that differ and numbers that are not finite; TypeError for another dtype.
-/// method: the exponential of SE(2).
+/// The arcs are exact, not Euler steps: the exponential map of SE(2). `Pose.integrate` gives the formula.
+///
+/// Args:
+///     poses: (N, 3) float64, one row (x, y, yaw) per robot [m, m, rad].
+///     twists: (N, 3) float64, one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s].
+///     dt: Duration [s]. A negative one goes backwards in time.
+///
+/// Returns:
+///     (N, 3) float64, one row (x, y, yaw) per robot. The yaw is not wrapped.
+///
+/// Raises:
+///     ValueError: A shape is wrong, the lengths differ, or a number, given or reached, is not finite.
+///     TypeError: An array is not float64.
+///
+/// Examples:
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> mrs.integrate_twist(np.array([[1.0, 2.0, 0.0]]), np.array([[0.5, 0.0, 0.0]]), dt=4.0)
+///     array([[3., 2., 0.]])
 #[pyfunction]
 pub fn integrate_twist<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! `MotionNoise` for Python.
+//! The Python class `MotionNoise`.
 
 use glam::DMat3;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
@@ -8,13 +8,28 @@ use super::arrays::matrix;
 use super::pose::{Pose, PoseArgument};
 use super::{stream_number, whole_number};
 
-/// The error of odometry: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
+/// Odometry noise: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
 ///
-/// alpha1, alpha2: variance of the speed by speed² and turn rate². alpha3, alpha4: that of the turn rate.
-/// alpha5, alpha6: that of the final turn rate. As in the book, each step draws anew and all of it scales with the step's length:
-/// the error of a drive depends on how long its steps are.
+/// At speed v and turn rate ω, a step has three independent normal errors: of the speed, with variance alpha1·v² +
+/// alpha2·ω²; of the turn rate, with variance alpha3·v² + alpha4·ω²; and of an extra turn rate, with variance alpha5·v² +
+/// alpha6·ω², that turns the robot at the end of the step. As in the book, each step draws new errors, which hold for the
+/// whole step. The error of a drive therefore depends on the length of its steps. All parameters are 0 by default: no noise.
 ///
-/// raises: ValueError for parameters that are negative or not finite.
+/// Args:
+///     alpha1: Variance of the speed per v² [1].
+///     alpha2: Variance of the speed per ω² [m²/rad²].
+///     alpha3: Variance of the turn rate per v² [rad²/m²].
+///     alpha4: Variance of the turn rate per ω² [1].
+///     alpha5: Variance of the extra turn rate per v² [rad²/m²].
+///     alpha6: Variance of the extra turn rate per ω² [1].
+///
+/// Raises:
+///     ValueError: A parameter is negative or not finite.
+///
+/// Examples:
+///     >>> from mobile_robot_simulator import MotionNoise
+///     >>> MotionNoise(alpha1=0.01, alpha4=0.02).alpha
+///     (0.01, 0.0, 0.0, 0.02, 0.0, 0.0)
 #[pyclass(frozen, eq, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct MotionNoise(pub crate::MotionNoise);
@@ -26,31 +41,54 @@ fn default() -> [f64; 6] {
 #[pymethods]
 impl MotionNoise {
     #[new]
-    #[pyo3(signature = (
-        *,
-        alpha1 = default()[0],
-        alpha2 = default()[1],
-        alpha3 = default()[2],
-        alpha4 = default()[3],
-        alpha5 = default()[4],
-        alpha6 = default()[5],
-    ))]
+    // The text repeats the core's defaults for `help()`; a test compares the two.
+    #[pyo3(
+        text_signature = "(*, alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0, alpha5=0.0, alpha6=0.0)",
+        signature = (
+            *,
+            alpha1 = default()[0],
+            alpha2 = default()[1],
+            alpha3 = default()[2],
+            alpha4 = default()[3],
+            alpha5 = default()[4],
+            alpha6 = default()[5],
+        )
+    )]
     fn new(alpha1: f64, alpha2: f64, alpha3: f64, alpha4: f64, alpha5: f64, alpha6: f64) -> PyResult<Self> {
         Ok(Self(crate::MotionNoise::new([alpha1, alpha2, alpha3, alpha4, alpha5, alpha6])?))
     }
 
-    /// The parameters alpha1 to alpha6.
+    /// The parameters (alpha1, ..., alpha6).
     #[getter]
     fn alpha(&self) -> (f64, f64, f64, f64, f64, f64) {
         self.0.alpha().into()
     }
 
-    /// A pose reached in ``dt`` seconds by a robot that was told to move at a twist.
+    /// Returns a random pose that a robot may reach in `dt` seconds when it is commanded to move at a twist.
     ///
-    /// pose: (x, y, yaw). twist: (vx, vy, wz) in the robot's frame [m/s, rad/s]; the speed's error is along the direction of
-    /// travel, or forward for a robot that turns in place. seed, index: name the draw, index being that of the step.
-    /// returns: Pose, its yaw not wrapped. raises: ValueError for numbers that are not finite.
-    /// method: sample_motion_model_velocity, Probabilistic Robotics, table 5.3; the arc is exact for any turn rate.
+    /// This is `sample_motion_model_velocity` of Probabilistic Robotics, table 5.3, with an arc that is exact at every turn
+    /// rate. The speed error points along the direction of travel, or forward if the robot turns in place.
+    ///
+    /// Args:
+    ///     pose: Pose (x, y, yaw) at the start of the step [m, m, rad].
+    ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     dt: Duration of the step [s].
+    ///     seed: Seed of the random stream, 0 to 2**64 - 1.
+    ///     index: Index of the step, 0 to 2**64 - 1. The same seed and index give the same errors on every machine.
+    ///
+    /// Returns:
+    ///     The pose reached. Its yaw is not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: A number, given or reached, is not finite, or the seed or index is out of range.
+    ///     TypeError: The seed or index is not an integer.
+    ///
+    /// Examples:
+    ///     Without noise, the pose is exact:
+    ///
+    ///     >>> from mobile_robot_simulator import MotionNoise
+    ///     >>> MotionNoise().sample((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 2.0, seed=1, index=0)
+    ///     Pose(2.0, 0.0, 0.0)
     #[pyo3(signature = (pose, twist, dt, *, seed, index))]
     fn sample(
         &self,
@@ -65,12 +103,34 @@ impl MotionNoise {
         Ok(Pose(self.0.sample_from(pose.0, twist.into(), dt, seed, index)?))
     }
 
-    /// Covariance of (x, y, yaw) after a step, from that before it, to first order in the errors.
+    /// Returns the covariance of (x, y, yaw) after a step, given the covariance before it.
     ///
-    /// covariance: (3, 3) float64 before the step [m², m rad, rad²]. pose: (x, y, yaw) at the start of the step. twist, dt: as in
-    /// ``sample``. returns: (3, 3) float64, symmetric.
-    /// raises: ValueError for another shape and numbers that are not finite; TypeError for another dtype.
-    /// method: F P Fᵀ + V M Vᵀ with the exact derivatives of the arc, Probabilistic Robotics, table 7.2, and M from table 5.3.
+    /// The result is F·P·Fᵀ + V·M·Vᵀ, to first order in the errors (Probabilistic Robotics, table 7.2, lines 3 to 7). F and
+    /// V are the exact derivatives of the arc with respect to the pose and to the three errors; M holds the variances of the
+    /// errors (table 5.3). First order is accurate while the standard deviation of the yaw is below about 0.2 rad.
+    ///
+    /// Args:
+    ///     covariance: (3, 3) float64, covariance of (x, y, yaw) before the step [m², m·rad, rad²].
+    ///     pose: True or estimated pose (x, y, yaw) at the start of the step [m, m, rad].
+    ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     dt: Duration of the step [s].
+    ///
+    /// Returns:
+    ///     (3, 3) float64, the covariance after the step. It is exactly symmetric.
+    ///
+    /// Raises:
+    ///     ValueError: The covariance has another shape, or a number, given or reached, is not finite.
+    ///     TypeError: The covariance is not float64.
+    ///
+    /// Examples:
+    ///     At 2 m/s, the variance of the speed is 0.01 · 2²:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> from mobile_robot_simulator import MotionNoise
+    ///     >>> MotionNoise(alpha1=0.01).propagate(np.zeros((3, 3)), (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), dt=1.0)
+    ///     array([[0.04, 0.  , 0.  ],
+    ///            [0.  , 0.  , 0.  ],
+    ///            [0.  , 0.  , 0.  ]])
     fn propagate<'py>(
         &self,
         py: Python<'py>,
@@ -89,7 +149,7 @@ impl MotionNoise {
         format!("MotionNoise(alpha1={a1:?}, alpha2={a2:?}, alpha3={a3:?}, alpha4={a4:?}, alpha5={a5:?}, alpha6={a6:?})")
     }
 
-    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
         let keywords = pyo3::types::PyDict::new(py);
         let names = ["alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6"];

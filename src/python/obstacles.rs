@@ -1,4 +1,4 @@
-//! Obstacles from Python: a sequence of `(Shape, pose)`.
+//! The conversion of obstacle arguments.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -8,11 +8,11 @@ use super::pose::PoseArgument;
 use super::shape::Shape;
 use crate::Obstacles;
 
-/// A sequence of `(Shape, pose)`, poses in the map frame.
+/// An obstacle argument: an iterable of `(Shape, pose)` pairs, with poses in the map frame.
 pub struct ObstaclesArgument(pub Obstacles);
 
 impl ObstaclesArgument {
-    /// No obstacles.
+    /// The default of every `obstacles` argument.
     pub fn none() -> Self {
         Self(Obstacles::default())
     }

@@ -1,4 +1,4 @@
-//! `Pose` for Python.
+//! The Python class `Pose`, and the conversion of pose arguments.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -8,13 +8,26 @@ use super::arrays::type_name;
 use crate::error::check_number;
 use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
 
-/// Position [m] and heading [rad] of one frame in another; unpacks as ``x, y, yaw``.
+/// Position [m] and heading [rad] of one frame in another frame.
 ///
-/// Wherever a pose is asked for, a tuple ``(x, y, yaw)`` will do.
-/// Named target first, so that neighbours match: ``map_from_laser = map_from_base * base_from_laser``.
+/// A pose unpacks as `x, y, yaw`, and NumPy reads it as a row of three numbers. Every function that takes a pose also takes
+/// a sequence of three numbers `(x, y, yaw)`. The product of two poses composes them. Name a transform target first, so
+/// that neighbouring names match: `map_from_laser = map_from_base * base_from_laser`.
 ///
-/// raises: ValueError if a coordinate is not finite.
-// A sequence, so that NumPy makes arrays of its numbers.
+/// Args:
+///     x: Position along x [m].
+///     y: Position along y [m].
+///     yaw: Heading [rad], counter-clockwise from the x axis. It is stored as given, not wrapped.
+///
+/// Raises:
+///     ValueError: A coordinate is not finite.
+///
+/// Examples:
+///     >>> from mobile_robot_simulator import Pose
+///     >>> Pose(1.0, 2.0, 0.0) * Pose(3.0, 0.5, 0.25)
+///     Pose(4.0, 2.5, 0.25)
+///     >>> x, y, yaw = Pose(1.0, 2.0, 0.5)
+// `sequence` makes NumPy read a pose as an array of its three numbers.
 #[pyclass(frozen, eq, sequence, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct Pose(pub crate::Pose);
@@ -27,9 +40,28 @@ impl Pose {
         Ok(Self(crate::Pose::new(x, y, yaw).checked()?))
     }
 
-    /// The pose at (x, y) whose heading is that of a quaternion of any length but zero; roll and pitch are passed over.
+    /// Returns the pose at (x, y) with the heading of a quaternion.
     ///
-    /// raises: ValueError for a quaternion of length zero and numbers that are not finite.
+    /// The quaternion need not have length 1. Its roll and pitch are ignored.
+    ///
+    /// Args:
+    ///     x: Position along x [m].
+    ///     y: Position along y [m].
+    ///     qx: Quaternion component x.
+    ///     qy: Quaternion component y.
+    ///     qz: Quaternion component z.
+    ///     qw: Quaternion component w, the scalar part.
+    ///
+    /// Returns:
+    ///     The pose, with its yaw in [-π, π].
+    ///
+    /// Raises:
+    ///     ValueError: The quaternion has length zero, or a number is not finite.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose.from_quaternion(1.0, 2.0, qx=0.0, qy=0.0, qz=1.0, qw=0.0)
+    ///     Pose(1.0, 2.0, 3.141592653589793)
     #[staticmethod]
     #[pyo3(signature = (x, y, *, qx, qy, qz, qw))]
     fn from_quaternion(x: f64, y: f64, qx: f64, qy: f64, qz: f64, qw: f64) -> PyResult<Self> {
@@ -54,37 +86,109 @@ impl Pose {
         self.0.yaw
     }
 
-    /// The heading as the parts ``(z, w)`` of a quaternion whose x and y are zero.
+    /// The heading as the components `(z, w)` of a unit quaternion; its x and y are zero.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose(1.0, 2.0, 0.0).quaternion
+    ///     (0.0, 1.0)
     #[getter]
     fn quaternion(&self) -> (f64, f64) {
         self.0.to_quaternion()
     }
 
-    /// The pose of the parent frame in this one.
+    /// Returns the inverse transform: the pose of the parent frame in this frame.
+    ///
+    /// Raises:
+    ///     ValueError: A coordinate of the result is not finite.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> pose = Pose(2.0, 1.0, 0.0)
+    ///     >>> pose * pose.inverse()
+    ///     Pose(0.0, 0.0, 0.0)
     fn inverse(&self) -> PyResult<Self> {
         Ok(Self(self.0.inverse().checked()?))
     }
 
-    /// The same pose with its yaw in (-π, π].
+    /// Returns the same pose with its yaw in (-π, π].
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose(0.0, 0.0, 7.0).wrapped().yaw  # 7 - 2π
+    ///     0.7168146928204138
     fn wrapped(&self) -> Self {
         Self(self.0.wrapped())
     }
 
-    /// The pose reached under a constant twist ``(vx, vy, wz)`` [m/s, rad/s] after ``dt`` seconds, exactly.
+    /// Returns the pose reached after `dt` seconds at a constant twist.
+    ///
+    /// The arc is exact, not an Euler step. It is the exponential map of SE(2): with φ = wz·dt, the position changes by
+    /// dt · sin(φ/2)/(φ/2) · R(yaw + φ/2) · (vx, vy) and the yaw by φ. For many poses at once, see `integrate_twist`.
+    ///
+    /// Args:
+    ///     twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     dt: Duration [s]. A negative one goes backwards in time.
+    ///
+    /// Returns:
+    ///     The pose reached. Its yaw is not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: The pose reached is not finite, because a number in the twist or `dt` is not finite or too large.
+    ///
+    /// Examples:
+    ///     A quarter of a circle with a radius of 1 m:
+    ///
+    ///     >>> import math
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> x, y, yaw = Pose().integrate((1.0, 0.0, 1.0), dt=math.pi / 2)
+    ///     >>> round(x, 9), round(y, 9)
+    ///     (1.0, 1.0)
     fn integrate(&self, twist: [f64; 3], dt: f64) -> PyResult<Self> {
         Ok(Self(integrate(self.0, Twist::from(twist), dt).checked()?))
     }
 
-    /// The constant twist ``(vx, vy, wz)`` [m/s, rad/s] that leads from this pose to another in ``dt`` seconds, turning by half
-    /// a turn at most.
+    /// Returns the constant twist that leads from this pose to another pose in `dt` seconds.
     ///
-    /// raises: ValueError for a dt that is not positive and finite.
+    /// It is the inverse of `integrate`, and turns the shorter way: by at most half a turn.
+    ///
+    /// Args:
+    ///     other: Pose to reach, in the same frame as this pose.
+    ///     dt: Duration [s].
+    ///
+    /// Returns:
+    ///     The twist (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///
+    /// Raises:
+    ///     ValueError: `dt` is not positive and finite, or `other` is not finite.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose().twist_to((2.0, 0.0, 0.0), dt=4.0)
+    ///     (0.5, 0.0, 0.0)
     fn twist_to(&self, other: PoseArgument, dt: f64) -> PyResult<(f64, f64, f64)> {
         check_number("dt", dt, "positive", |value| value > 0.0)?;
         Ok(Twist::between(self.0, other.0, dt).to_array().into())
     }
 
-    /// The pose on the arc from this one (fraction 0) to another (fraction 1), or beyond them.
+    /// Returns the pose at a fraction of the arc from this pose to another pose.
+    ///
+    /// The arc has a constant twist and turns the shorter way: by at most half a turn.
+    ///
+    /// Args:
+    ///     other: Pose at fraction 1, in the same frame as this pose.
+    ///     fraction: Share of the arc. Values below 0 and above 1 continue the arc beyond its ends.
+    ///
+    /// Returns:
+    ///     The pose, with its yaw in (-π, π].
+    ///
+    /// Raises:
+    ///     ValueError: `other` or `fraction` is not finite.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose().interpolate((2.0, 0.0, 0.0), 0.25)
+    ///     Pose(0.5, 0.0, 0.0)
     fn interpolate(&self, other: PoseArgument, fraction: f64) -> PyResult<Self> {
         Ok(Self(interpolate(self.0, other.0, fraction).checked()?))
     }
@@ -111,7 +215,7 @@ impl Pose {
 
     fn __repr__(&self) -> String {
         let [x, y, yaw] = self.0.to_array();
-        format!("Pose(x={x:?}, y={y:?}, yaw={yaw:?})")
+        format!("Pose({x:?}, {y:?}, {yaw:?})")
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
@@ -119,7 +223,7 @@ impl Pose {
     }
 }
 
-/// A pose, or three numbers that are one.
+/// A pose argument: a `Pose`, or a sequence of three numbers.
 pub struct PoseArgument(pub crate::Pose);
 
 impl<'py> FromPyObject<'_, 'py> for PoseArgument {

@@ -1,4 +1,4 @@
-//! `LaserScanner` for Python.
+//! The Python class `LaserScanner`.
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
 use pyo3::exceptions::PyValueError;
@@ -12,16 +12,27 @@ use super::pose::{Pose, PoseArgument};
 use super::{stream_number, thread_count, whole_number};
 use crate::{NoReturn, Noise, ScannerOptions};
 
-/// A planar laser scanner whose beams spread evenly over its field of view.
+/// A planar laser scanner with evenly spaced beams.
 ///
-/// fov: field of view [rad], at most 2π. beam_count: number of beams, which is the number of ranges.
-/// min_range: returns nearer than this are too close to be valid [m]; only messages mark them. max_range: range of a beam
-/// without a return [m]. mount: pose of the scanner on the robot.
+/// Beam i points at `angle_min + i * angle_increment` in the scanner's frame. The field of view is centred on the x axis,
+/// with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full circle (within 1e-6) has no second end:
+/// `angle_increment = fov / beam_count`. A single beam points along the x axis. The defaults are those of a SICK S300.
 ///
-/// Beam i points at angle_min + i * angle_increment, with angle_increment = fov / (beam_count - 1), or fov / beam_count for a
-/// full turn (to within 1e-6), so that no beam is repeated. A single beam looks along the middle.
+/// Args:
+///     fov: Field of view [rad], above 0 and at most 2π.
+///     beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
+///     min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
+///     max_range: Range of a beam that hits nothing [m], greater than `min_range`.
+///     mount: Pose (x, y, yaw) of the scanner in the robot's frame [m, m, rad].
 ///
-/// raises: ValueError for a value out of its range.
+/// Raises:
+///     ValueError: A value is outside its range or not finite.
+///     TypeError: An argument has the wrong type.
+///
+/// Examples:
+///     >>> import mobile_robot_simulator as mrs
+///     >>> mrs.LaserScanner(fov=2.0, beam_count=5).angles
+///     array([-1. , -0.5,  0. ,  0.5,  1. ])
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct LaserScanner(crate::LaserScanner);
 
@@ -32,14 +43,18 @@ fn default() -> ScannerOptions {
 #[pymethods]
 impl LaserScanner {
     #[new]
-    #[pyo3(signature = (
-        *,
-        fov = default().fov,
-        beam_count = None,
-        min_range = default().min_range,
-        max_range = default().max_range,
-        mount = PoseArgument(default().mount),
-    ))]
+    // The text repeats the core's defaults for `help()`; a test compares the two.
+    #[pyo3(
+        text_signature = "(*, fov=4.71, beam_count=541, min_range=0.05, max_range=30.0, mount=(0.0, 0.0, 0.0))",
+        signature = (
+            *,
+            fov = default().fov,
+            beam_count = None,
+            min_range = default().min_range,
+            max_range = default().max_range,
+            mount = PoseArgument(default().mount),
+        )
+    )]
     fn new(
         fov: f64,
         beam_count: Option<&Bound<'_, PyAny>>,
@@ -59,25 +74,25 @@ impl LaserScanner {
         self.0.options().fov
     }
 
-    /// Number of beams, which is the number of ranges.
+    /// Number of beams and of ranges in a scan.
     #[getter]
     fn beam_count(&self) -> usize {
         self.0.options().beam_count
     }
 
-    /// Returns nearer than this are too close to be valid [m].
+    /// Smallest valid range [m].
     #[getter]
     fn min_range(&self) -> f64 {
         self.0.options().min_range
     }
 
-    /// Range of a beam without a return [m].
+    /// Range of a beam that hits nothing [m].
     #[getter]
     fn max_range(&self) -> f64 {
         self.0.options().max_range
     }
 
-    /// Pose of the scanner on the robot.
+    /// Pose of the scanner in the robot's frame.
     #[getter]
     fn mount(&self) -> Pose {
         Pose(self.0.options().mount)
@@ -89,7 +104,7 @@ impl LaserScanner {
         self.0.angle_min()
     }
 
-    /// Angle of the last beam [rad].
+    /// Angle of the last beam in the scanner's frame [rad].
     #[getter]
     fn angle_max(&self) -> f64 {
         self.0.angle_max()
@@ -107,12 +122,34 @@ impl LaserScanner {
         vector(py, (0..self.beam_count()).map(|beam| self.0.angle(beam)).collect())
     }
 
-    /// Ranges measured from one pose, without noise.
+    /// Returns the true ranges of one scan, without noise.
     ///
-    /// pose: (x, y, yaw) of the robot in the map frame. obstacles: sequence of (Shape, pose), poses in the map frame.
-    /// returns: (beam_count,) float32 [m], to the nearest of grid and obstacles; max_range means no return.
-    /// raises: ValueError if a pose is not finite. Poses off the map are allowed.
-    #[pyo3(signature = (grid, pose, *, obstacles = ObstaclesArgument::none()))]
+    /// Ranges are exact: the grid traversal follows Amanatides & Woo (1987), section 2.
+    ///
+    /// Args:
+    ///     grid: Map to scan.
+    ///     pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad]. It may lie outside the grid.
+    ///     obstacles: Pairs (Shape, pose) that beams also hit, with poses in the map frame.
+    ///
+    /// Returns:
+    ///     (beam_count,) float32 [m], the distance at which each beam enters the first blocking cell or obstacle. A beam
+    ///         that starts inside one has range 0. A beam that hits nothing within `max_range` has exactly `max_range`.
+    ///
+    /// Raises:
+    ///     ValueError: A pose is not finite.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> mrs.LaserScanner(beam_count=1).scan(grid, (0.5, 0.5, 0.0))
+    ///     array([1.5], dtype=float32)
+    #[pyo3(
+        text_signature = "($self, grid, pose, *, obstacles=())",
+        signature = (grid, pose, *, obstacles = ObstaclesArgument::none())
+    )]
     fn scan<'py>(
         &self,
         py: Python<'py>,
@@ -124,19 +161,59 @@ impl LaserScanner {
         fill(py, None, &[self.beam_count()], |ranges| self.0.scan((&*grid, &obstacles.0), pose.0, ranges))
     }
 
-    /// Ranges measured from each pose.
+    /// Returns one scan from each pose of a batch, with or without noise.
     ///
-    /// poses: (N, 3) float64, x y [m] and yaw [rad] of the robot in the map frame.
-    /// obstacles: sequence of (Shape, pose), poses in the map frame, that all scans see.
-    /// noise: BeamModel to sample from, none if None. seed: names the random streams. first_index: index of the first scan in
-    /// its stream, so that chunks of a long batch equal the whole. threads: number of threads, all cores if None; the result
-    /// does not depend on it. out: (N, beam_count) float32 in C order, to write into. Arrays are read and written where they are:
-    /// no other thread may change them meanwhile.
-    /// returns: (N, beam_count) float32 [m]; column i points at angle_min + i * angle_increment; max_range means no return.
-    /// raises: ValueError for shapes and for poses that are not finite; TypeError for dtypes. Poses off the map are allowed.
-    /// method: Amanatides & Woo 1987, sec. 2; noise: Probabilistic Robotics, table 6.1.
-    #[pyo3(signature = (grid, poses, *, obstacles = ObstaclesArgument::none(), noise = None, seed = None, first_index = None, threads = None, out = None))]
-    #[allow(clippy::too_many_arguments, reason = "the keywords of a batch")]
+    /// True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
+    /// batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine. Arrays
+    /// are used in place, without a copy, so no other thread may write to them during the call.
+    ///
+    /// Args:
+    ///     grid: Map to scan.
+    ///     poses: (N, 3) float64, one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie
+    ///         outside the grid.
+    ///     obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame.
+    ///     noise: Beam model to draw the readings from. None means no noise.
+    ///     seed: Seed of the noise, 0 to 2**64 - 1. None means 0.
+    ///     first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: (N, beam_count) float32 in C order, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (N, beam_count) float32 [m], which is `out` if it was given. Row i is the scan from `poses[i]`, column j the beam
+    ///         at `angle_min + j * angle_increment`. Exactly `max_range` means no return.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, a pose is not finite, an integer is out of range, or `out` is read-only, in use or
+    ///         not in C order.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> poses = np.array([[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]])
+    ///     >>> mrs.LaserScanner(beam_count=1).scan_batch(grid, poses)
+    ///     array([[1.5],
+    ///            [0.5]], dtype=float32)
+    #[pyo3(
+        text_signature = "($self, grid, poses, *, obstacles=(), noise=None, seed=None, first_index=None, threads=None, \
+                          out=None)",
+        signature = (
+            grid,
+            poses,
+            *,
+            obstacles = ObstaclesArgument::none(),
+            noise = None,
+            seed = None,
+            first_index = None,
+            threads = None,
+            out = None,
+        )
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn scan_batch<'py>(
         &self,
         py: Python<'py>,
@@ -158,11 +235,28 @@ impl LaserScanner {
         })
     }
 
-    /// The same readings with those that are no valid return marked as REP-117 asks of a message.
+    /// Returns a copy of readings in which invalid ones are marked as in a `LaserScan` message (REP-117).
     ///
-    /// readings: float32 of any shape [m]. no_return: what becomes of readings of max_range, "inf" or "max" (they stay).
-    /// Readings nearer than min_range become -inf.
-    /// returns: a new array.
+    /// Readings below `min_range` become -inf. Readings of `max_range` and above become +inf, or `max_range` if `no_return`
+    /// is "max". NaN stays NaN.
+    ///
+    /// Args:
+    ///     readings: float32 of any shape [m].
+    ///     no_return: Mark of a beam without a return, "inf" or "max".
+    ///
+    /// Returns:
+    ///     float32 of the same shape [m], a new array.
+    ///
+    /// Raises:
+    ///     ValueError: `no_return` is neither "inf" nor "max".
+    ///     TypeError: The array is not float32.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> laser = mrs.LaserScanner(min_range=0.05, max_range=30.0)
+    ///     >>> laser.mark_invalid(np.array([0.01, 2.0, 30.0], np.float32)).tolist()
+    ///     [-inf, 2.0, inf]
     #[pyo3(signature = (readings, *, no_return = "inf"))]
     fn mark_invalid<'py>(
         &self,
@@ -184,11 +278,26 @@ impl LaserScanner {
         })
     }
 
-    /// Points of the map frame that the valid returns among the readings of one scan came from.
+    /// Returns the points in the map frame where the valid beams of one scan ended.
     ///
-    /// pose: (x, y, yaw) of the robot in the map frame. readings: (beam_count,) float32 [m], raw or as in a message.
-    /// returns: (M, 2) float64 [m], beams without a valid return left out.
-    /// raises: ValueError for a wrong shape; TypeError for another dtype.
+    /// A reading is valid if it is at least `min_range` and below `max_range`.
+    ///
+    /// Args:
+    ///     pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+    ///     readings: (beam_count,) float32 [m], with or without the marks of `mark_invalid`.
+    ///
+    /// Returns:
+    ///     (M, 2) float64, one row (x, y) per valid reading [m], in the order of the beams.
+    ///
+    /// Raises:
+    ///     ValueError: There is not exactly one reading per beam, or the pose is not finite.
+    ///     TypeError: The array is not float32.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> mrs.LaserScanner(beam_count=1).end_points((1.0, 2.0, 0.0), np.array([3.0], np.float32))
+    ///     array([[4., 2.]])
     fn end_points<'py>(
         &self,
         py: Python<'py>,
@@ -209,7 +318,7 @@ impl LaserScanner {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "what pickle asks for")]
+    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
         let keywords = pyo3::types::PyDict::new(py);
         keywords.set_item("fov", self.fov())?;

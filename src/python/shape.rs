@@ -1,4 +1,4 @@
-//! `Shape` for Python.
+//! The Python class `Shape`.
 
 use glam::DVec2;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
@@ -7,55 +7,92 @@ use pyo3::types::PyTuple;
 
 use super::arrays::points;
 
-/// The shape of a robot or of an obstacle, in its own frame: a disc around the origin, or a simple polygon anywhere about it.
+/// Outline of a robot or an obstacle in its own frame: a disc around the origin, or a simple polygon.
 ///
-/// Made by ``Shape.disc``, ``Shape.rectangle`` and ``Shape.polygon``. Lengths in metres; a pose says where the origin is.
+/// Create one with `Shape.disc`, `Shape.rectangle` or `Shape.polygon`. Lengths are in metres. A pose places the origin of
+/// the shape in the map; the origin may lie outside a polygon.
+///
+/// Examples:
+///     >>> from mobile_robot_simulator import Shape
+///     >>> Shape.rectangle(0.6, 0.4).area
+///     0.24
 #[pyclass(frozen, eq, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, PartialEq)]
 pub struct Shape(pub crate::Shape);
 
 #[pymethods]
 impl Shape {
-    /// The disc of a radius [m] around the origin.
+    /// Returns a disc around the origin.
     ///
-    /// raises: ValueError for a radius that is not positive, or more than 1e6.
+    /// Args:
+    ///     radius: Radius [m], at most 1e6.
+    ///
+    /// Raises:
+    ///     ValueError: The radius is not positive, or is larger than 1e6.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Shape
+    ///     >>> Shape.disc(0.3)
+    ///     Shape.disc(0.3)
     #[staticmethod]
     fn disc(radius: f64) -> PyResult<Self> {
         Ok(Self(crate::Shape::disc(radius)?))
     }
 
-    /// The rectangle around the origin, ``length`` [m] along x (forward) and ``width`` [m] along y.
+    /// Returns a rectangle with its centre at the origin.
     ///
-    /// raises: ValueError for a side that is not positive, or more than 1e6.
+    /// Args:
+    ///     length: Side along x, the forward direction [m], at most 1e6.
+    ///     width: Side along y [m], at most 1e6.
+    ///
+    /// Raises:
+    ///     ValueError: A side is not positive, or is larger than 1e6.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Shape
+    ///     >>> Shape.rectangle(2.0, 1.0).points.tolist()
+    ///     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     #[staticmethod]
     fn rectangle(length: f64, width: f64) -> PyResult<Self> {
         Ok(Self(crate::Shape::rectangle(length, width)?))
     }
 
-    /// The polygon with these corners, either way round, convex or not; the last is joined to the first.
+    /// Returns a polygon with the given corners, convex or not.
     ///
-    /// points: (N, 2) array or sequence of (x, y) [m], 3 to 1000 of them.
-    /// raises: ValueError for another shape or number, coordinates that are not finite or beyond 1e6, a corner repeated at once,
-    /// edges that meet elsewhere than at the corner they share; TypeError for what is no numbers.
+    /// An edge joins the last corner to the first.
+    ///
+    /// Args:
+    ///     points: Corners (x, y) [m], 3 to 1000 of them, clockwise or counter-clockwise: an (N, 2) array or a sequence of
+    ///         pairs. Coordinates lie between -1e6 and 1e6.
+    ///
+    /// Raises:
+    ///     ValueError: The array has another shape, there are fewer than 3 or more than 1000 corners, a coordinate is not
+    ///         finite or beyond 1e6, two consecutive corners are equal, or two edges meet anywhere but at a shared corner.
+    ///     TypeError: `points` does not consist of pairs of numbers.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Shape
+    ///     >>> Shape.polygon([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]).area
+    ///     1.0
     #[staticmethod]
     fn polygon(points: &Bound<'_, PyAny>) -> PyResult<Self> {
         Ok(Self(crate::Shape::polygon(&self::points("points", points)?)?))
     }
 
-    /// Radius of a disc [m], None of a polygon.
+    /// Radius of a disc [m]; None for a polygon.
     #[getter]
     fn radius(&self) -> Option<f64> {
         self.0.radius()
     }
 
-    /// Corners counter-clockwise, (N, 2) float64 [m]; (0, 2) of a disc.
+    /// Corners of a polygon, counter-clockwise: (N, 2) float64 [m]. For a disc, an empty (0, 2) array.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let corners: Vec<[f64; 2]> = self.0.corners().iter().map(DVec2::to_array).collect();
         Array2::from(corners).into_pyarray(py)
     }
 
-    /// Distance from the origin to the farthest point [m]: the radius within which the shape turns.
+    /// Distance from the origin to the farthest point [m]: the radius of the circle that the shape needs to turn in place.
     #[getter]
     fn reach(&self) -> f64 {
         self.0.reach()

@@ -1,0 +1,84 @@
+"""docstrings: every class and function of the core has one, its examples run, and its signature shows the real defaults."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mobile_robot_simulator import _core
+
+
+
+def documented() -> Iterator[tuple[str, Any]]:
+    """Every public object of the core, with its dotted name."""
+    yield "_core", _core
+    for name in _core.__all__:
+        thing = getattr(_core, name)
+        if not callable(thing):
+            continue
+        yield name, thing
+        if inspect.isclass(thing):
+            for member in vars(thing):
+                if not member.startswith("_"):
+                    yield f"{name}.{member}", getattr(thing, member)
+
+
+DOCUMENTED = dict(documented())
+CALLABLE = [name for name, thing in DOCUMENTED.items() if callable(thing)]
+# Only `advance` makes contacts; nothing follows from `prepare` that an example could show.
+WITHOUT_EXAMPLE = {"Contact", "OccupancyGrid.prepare"}
+
+
+@pytest.mark.parametrize("name", DOCUMENTED)
+def test_there_is_a_docstring_whose_first_line_is_a_sentence(name: str) -> None:
+    first, *rest = inspect.cleandoc(DOCUMENTED[name].__doc__ or "").split("\n")
+    assert first and (not rest or rest[0] == "")
+    assert first[0].isupper() and (first.endswith((".", "]")) or "." in first)
+
+
+@pytest.mark.parametrize("name", CALLABLE)
+def test_examples_run(name: str) -> None:
+    examples = doctest.DocTestParser().get_doctest(inspect.cleandoc(DOCUMENTED[name].__doc__), {}, name, None, None)
+    assert bool(examples.examples) is (name not in WITHOUT_EXAMPLE)
+    report: list[str] = []
+    with np.printoptions(precision=6, suppress=True, floatmode="maxprec", linewidth=100):
+        doctest.DocTestRunner(verbose=False).run(examples, out=report.append)
+    assert not report, "".join(report)
+
+
+@pytest.mark.parametrize("name", CALLABLE)
+def test_every_parameter_is_described(name: str) -> None:
+    if name == "Contact":
+        return
+    lines = inspect.cleandoc(DOCUMENTED[name].__doc__).split("\n")
+    for parameter in inspect.signature(DOCUMENTED[name]).parameters:
+        assert parameter == "self" or any(line.startswith(f"    {parameter}: ") for line in lines), parameter
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        _core.BeamModel(),
+        _core.LaserScanner(),
+        _core.MotionNoise(),
+        _core.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0),
+        _core.Pose(),
+    ],
+    ids=lambda made: type(made).__name__,
+)
+def test_signatures_show_the_real_defaults(made: Any) -> None:
+    shown = {
+        name: parameter.default
+        for name, parameter in inspect.signature(type(made)).parameters.items()
+        if parameter.default is not parameter.empty
+    }
+    assert shown
+    real = {f"alpha{number}": value for number, value in enumerate(getattr(made, "alpha", ()), 1)}
+    for name, value in shown.items():
+        found = real[name] if name in real else getattr(made, name)
+        assert (tuple(found) if isinstance(found, _core.Pose) else found) == value, name
