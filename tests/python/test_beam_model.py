@@ -283,7 +283,7 @@ def test_copies_are_the_same_model(duplicate: Any, weights: tuple[float, ...]) -
     noise = mrs.BeamModel(**dict(zip(NAMES[2:], weights, strict=True)))
     other = duplicate(noise)
     assert [getattr(other, name) for name in NAMES] == [getattr(noise, name) for name in NAMES]
-    assert repr(other) == repr(noise)
+    assert repr(other) == repr(noise) == repr(eval(repr(noise), {"BeamModel": mrs.BeamModel}))
 
 
 @pytest.mark.parametrize(

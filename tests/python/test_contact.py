@@ -23,6 +23,9 @@ def test_a_robot_stops_slides_or_goes_through(post: mrs.OccupancyGrid) -> None:
     assert contact.point == pytest.approx((2.0, 2.5))
     assert contact.normal == pytest.approx((-1.0, 0.0))
     assert contact.obstacle is None
+    assert repr(contact) == (
+        f"Contact(point={contact.point}, normal={contact.normal}, fraction={contact.fraction}, obstacle=None)"
+    )
     assert mrs.advance(post, DISC, start, AHEAD, 3.0, mode="report") == (mrs.Pose(3.0, 2.5, 0.0), contact)
     end, _ = mrs.advance(post, DISC, start, (1.0, 0.1, 0.0), 3.0, mode="slide")
     assert 1.5 - 1e-6 <= end.x < 1.5

@@ -13,7 +13,6 @@ import pytest
 from mobile_robot_simulator import _core
 
 
-
 def documented() -> Iterator[tuple[str, Any]]:
     """Every public object of the core, with its dotted name."""
     yield "_core", _core

@@ -64,6 +64,13 @@ def test_copies_are_the_same_grid(duplicate: Any) -> None:
     assert np.array_equal(mrs.cast_rays(other, rays, 5.0), mrs.cast_rays(grid, rays, 5.0))
 
 
+def test_repr_says_which_map_this_is() -> None:
+    grid = mrs.OccupancyGrid(CELLS, resolution=0.05, origin=(1.0, -2.0, 0.3), occupied_threshold=70, unknown="occupied")
+    assert repr(grid) == (
+        "OccupancyGrid(3x2 cells, 0.05 m, origin=(1.0, -2.0, 0.3), occupied_threshold=70, unknown='occupied')"
+    )
+
+
 @pytest.mark.parametrize("origin", [(0.0, 0.0, 0.0), (3.0, -4.0, 0.0), (1.0, 2.0, PI / 2), (-1.0, 0.5, -2.2)])
 def test_every_cell_lies_where_its_centre_is(origin: tuple[float, float, float]) -> None:
     grid = mrs.OccupancyGrid(CELLS, resolution=0.25, origin=origin)

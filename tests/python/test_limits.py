@@ -22,6 +22,7 @@ def test_copies_are_equal() -> None:
     assert pickle.loads(pickle.dumps(LIMITS)) == LIMITS != mrs.Limits()
     assert LIMITS.velocity == (1.0, 0.0, 2.0)
     assert mrs.Limits().deceleration == (math.inf,) * 3
+    assert eval(repr(LIMITS), {"Limits": mrs.Limits, "inf": math.inf}) == LIMITS
 
 
 def test_bad_limits_are_refused_by_name() -> None:

@@ -118,6 +118,7 @@ def test_copies_are_equal(duplicate: Any) -> None:
 def test_repr_is_what_makes_it() -> None:
     pose = mrs.Pose(0.1, -2.0, 1e-7)
     assert eval(repr(pose), {"Pose": mrs.Pose}) == pose
+    assert repr(mrs.Pose(1.0, 2.0, 0.5)) == "Pose(1.0, 2.0, 0.5)"
 
 
 def test_a_pose_cannot_be_changed() -> None:

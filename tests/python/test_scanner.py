@@ -334,7 +334,7 @@ def test_out_may_be_given_again(room: mrs.OccupancyGrid) -> None:
 def test_out_may_not_lie_over_the_poses(room: mrs.OccupancyGrid) -> None:
     laser, poses = mrs.LaserScanner(beam_count=6), poses_in(room, 40)
     kept = poses.copy()
-    with pytest.raises(ValueError, match="or one that is read or written already"):
+    with pytest.raises(ValueError, match="or one that is already in use"):
         laser.scan_batch(room, poses, out=poses.view(np.float32))
     assert np.array_equal(poses, kept)
 

@@ -50,7 +50,7 @@ def test_copies_are_equal(shape: mrs.Shape) -> None:
         (lambda: mrs.Shape.polygon(np.zeros((4, 3))), ValueError, r"points must have shape \(N, 2\), got \(4, 3\)"),
         (lambda: mrs.Shape.polygon([(0, 0), (1, 1), (1, 0), (0, 1)]), ValueError, "edges must meet only at the corners"),
         (lambda: mrs.Shape.polygon([(0, 0), (1, 0), (math.inf, 1)]), ValueError, "a corner must be finite"),
-        (lambda: mrs.Shape.polygon("abc"), TypeError, r"points must be \(N, 2\) numbers, got str"),
+        (lambda: mrs.Shape.polygon("abc"), TypeError, r"points must be an \(N, 2\) array or number pairs, got str"),
     ],
 )
 def test_bad_shapes_are_refused_by_name(make, error, message) -> None:  # type: ignore[no-untyped-def]
