@@ -25,6 +25,7 @@ __all__ = [
 
 __version__: str
 
+# A pose (x, y, yaw), a twist (vx, vy, wz), and obstacles as (Shape, pose) pairs, in every form that functions take.
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
 _TwistLike: TypeAlias = Sequence[float] | NDArray[np.float64]
 _Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]

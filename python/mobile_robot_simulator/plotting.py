@@ -1,7 +1,7 @@
-"""Pictures of drives and scans in their map, as PNG, PDF or SVG.
+"""Pictures of grids, and of drives and scans in them, as PNG, PDF or SVG.
 
-The same arguments make the same file, byte for byte, under the same version of matplotlib. No display is needed, and
-nothing of pyplot is used.
+The same arguments make the same file, byte for byte, with the same version of Matplotlib. Files need neither a display nor
+pyplot; only `plot_grid` without axes opens a pyplot figure.
 """
 
 from __future__ import annotations

@@ -165,7 +165,7 @@ impl LaserScanner {
     ///
     /// True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
     /// batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine. Arrays
-    /// are used in place, without a copy, so no other thread may write to them during the call.
+    /// in C order are used in place, without a copy, so no other thread may write to them during the call.
     ///
     /// Args:
     ///     grid: Map to scan.

@@ -36,8 +36,7 @@ WITHOUT_EXAMPLE = {"Contact", "OccupancyGrid.prepare"}
 @pytest.mark.parametrize("name", DOCUMENTED)
 def test_there_is_a_docstring_whose_first_line_is_a_sentence(name: str) -> None:
     first, *rest = inspect.cleandoc(DOCUMENTED[name].__doc__ or "").split("\n")
-    assert first and (not rest or rest[0] == "")
-    assert first[0].isupper() and (first.endswith((".", "]")) or "." in first)
+    assert first[:1].isupper() and first.endswith(".") and (not rest or rest[0] == "")
 
 
 @pytest.mark.parametrize("name", CALLABLE)
