@@ -1,9 +1,42 @@
-"""Topics, services, timers and parameters in one process, on a virtual clock: the nodes' interface without ROS."""
+"""Topics, services, timers and parameters in one process, on a simulated clock: the node interface without ROS.
 
-from .bus import Bus, Publisher, Subscription
-from .clock import Clock
-from .node import BusNode, Client, Node
-from .parameter import Parameter
-from .timer import Timer
+`Node` stands in for `rclpy.node.Node`; `Simulation.spawn` puts subclasses of it on the simulation's bus.
+"""
 
-__all__ = ["Bus", "BusNode", "Client", "Clock", "Node", "Parameter", "Publisher", "Subscription", "Timer"]
+from .bus import Bus, BusSnapshot, Filter, Tap
+from .clock import BusClock
+from .logger import BusLogger
+from .node import BusNode, NoCopyNode, Node
+from .parameter import (
+    Parameter,
+    ParameterAlreadyDeclaredException,
+    ParameterNotDeclaredException,
+    ParameterType,
+    SetParametersResult,
+)
+from .service import BusClient, BusService
+from .timer import BusTimer
+from .topic import BusPublisher, BusSubscription, BusTopic
+
+__all__ = [
+    "Bus",
+    "BusClient",
+    "BusClock",
+    "BusLogger",
+    "BusNode",
+    "BusPublisher",
+    "BusService",
+    "BusSnapshot",
+    "BusSubscription",
+    "BusTimer",
+    "BusTopic",
+    "Filter",
+    "NoCopyNode",
+    "Node",
+    "Parameter",
+    "ParameterAlreadyDeclaredException",
+    "ParameterNotDeclaredException",
+    "ParameterType",
+    "SetParametersResult",
+    "Tap",
+]

@@ -1,173 +1,269 @@
-"""Topics, timers and services in one process, on a virtual clock: ordered, repeatable, and without sleeping.
+"""The bus: topics, services and timers in one process, on a simulated clock.
 
-Everything that happens is an event at a time. Events of one moment come in a fixed order: messages and service calls in the
-order in which they were sent, then timers in the order in which they were created. A message goes to those who are
-subscribed when it is sent, after the callback that sent it has returned. A message is copied when it is sent; all who get it
-get the same one, and leave it unchanged.
+Simulated time jumps from one event to the next; nothing sleeps. The order of events is fixed, so every run repeats exactly.
 
-A bus can be saved and put back as it was: its time, what is under way, timers, subscriptions, latest messages, nodes.
-Callbacks are called again as they are; what they keep elsewhere is not the bus's (`Simulation.keep`).
+Order of events
+    1. Earlier times come first.
+    2. At one time, messages and service calls come in the order in which they were sent. Those that were scheduled from an
+       earlier time were sent first.
+    3. When no message is left, the next timer of that time fires. Timers fire in the order in which they were created.
+    4. What a timer's callback sends is delivered before the next timer fires.
+
+    ::
+
+        time --------+------------------------------------------+-------------------------------> later
+                  0.9 s                                       1.0 s
+                                delayed   sent at                            sent by
+                                messages, 1.0 s so far     timer A           A            timer B
+                                |-------|-------------|--->|-------|---->|------------|-->|-------|
+
+Delivery
+    A message goes to the subscriptions that exist when it is sent. It is delivered after the callback that sent it has
+    returned. It is copied once, when it is sent: all subscribers receive the same object and must not change it.
+
+Saving
+    `Bus.save` takes a snapshot of the time, messages and calls under way, timers, subscriptions, latest messages and nodes;
+    `Bus.restore` goes back to it. Callbacks are kept as they are: data that they store outside of the nodes is not part of
+    the snapshot (see `Simulation.keep`).
 """
 
 from __future__ import annotations
 
 import heapq
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Generic, Protocol
+from typing import Any, Protocol
 
 from ..handle import Handle
 from ..instant import NANOSECONDS
-from ..messages import Message, copied
-from ..nodes.future import Future
-from ..nodes.interface import M
+from ..messages import Message
+from ..nodes.future import Future, FutureSnapshot
+from .service import BusService, ServiceHandler
+from .timer import BusTimer, TimerSnapshot
+from .topic import BusTopic, TopicSnapshot, absolute
+
+Action = Callable[[], None]
+"""What an event does."""
+
+Event = tuple[int, int, int, Action]
+"""Time [ns], `MESSAGE` or `TIMER`, order among those of this time and kind, action."""
+
+MESSAGE, TIMER = 0, 1
+"""Kinds of events, in the order in which they run at one time."""
 
 Tap = Callable[[str, Message, int], None]
+"""Called with the topic's name, the message and the time [ns] for every message sent."""
 
 Filter = Callable[[str, Message], list[tuple[int, Message]] | None]
-"""What becomes of a message sent to a topic: copies and how much later each goes out [ns]; None lets it pass as it is."""
+"""Replaces a message sent to a topic by messages with delays [ns]. None leaves the message unchanged."""
 
-LONGEST_CHAIN, MOST_ANSWERS = 10_000, 100_000
-"""More messages at one moment, each sent upon the one before, or upon any other, are taken for an endless loop."""
+MAX_CHAIN_LENGTH = 10_000
+"""Longest chain of events at one time, each caused by the one before. A longer one counts as an endless loop."""
+
+MAX_REPLIES = 100_000
+"""Largest number of events at one time that are caused by other events of that time. More count as an endless loop."""
 
 
-class Savable(Protocol):
-    """A part of the bus that `Bus.save` saves and `Bus.restore` restores."""
+class BusMember(Protocol):
+    """A node on the bus, which `Bus.save` and `Bus.restore` include."""
 
     def save(self) -> Any:
         """Returns the state that `restore` takes."""
 
     def restore(self, state: Any) -> None:
-        """Puts the part back into a saved state."""
+        """Puts the node back into a saved state."""
 
 
-class SavableTimer(Savable, Protocol):
-    """A timer of the bus."""
+@dataclass(frozen=True)
+class BusSnapshot:
+    """Saved state of a bus. The defaults are the state of an empty bus.
 
-    def cancel(self) -> None:
-        """Stops the timer."""
+    Attributes:
+        time_ns: Simulated time [ns].
+        clock_offset_ns: What clocks show beyond the simulated time [ns].
+        scheduled_count: Number of messages scheduled for a later time so far.
+        timer_count: Number of timers created so far.
+        events: Scheduled events, as a heap.
+        immediate: Actions that are due now, each with the length of its chain.
+        filters: Message filters, in the order in which they apply.
+        topics: All topics with their states.
+        services: All services with their handlers.
+        timers: All timers with their states.
+        calls: Futures of service calls under way, with their states.
+        nodes: All nodes with their states.
+
+    """
+
+    time_ns: int
+    clock_offset_ns: int = 0
+    scheduled_count: int = 0
+    timer_count: int = 0
+    events: Sequence[Event] = ()
+    immediate: Sequence[tuple[Action, int]] = ()
+    filters: Sequence[Filter] = ()
+    topics: Mapping[BusTopic, TopicSnapshot] = field(default_factory=dict)
+    services: Mapping[BusService, ServiceHandler | None] = field(default_factory=dict)
+    timers: Mapping[BusTimer, TimerSnapshot] = field(default_factory=dict)
+    calls: Mapping[Future, FutureSnapshot] = field(default_factory=dict)
+    nodes: Sequence[tuple[BusMember, Any]] = ()
 
 
 class Bus(Handle):
-    """The world that nodes live in: a clock, and what happens when."""
+    """Runs events in order on a simulated clock that starts at 0.
+
+    Attributes:
+        time_ns: Simulated time [ns].
+        clock_offset_ns: What the clocks of nodes show beyond the simulated time [ns].
+        taps: Called for every message sent.
+        filters: Applied to every message before it is sent, in this order.
+        nodes: Nodes on the bus, in the order in which they were created.
+        timers: Timers, in the order in which they were created.
+
+    """
 
     def __init__(self) -> None:
         self.time_ns = 0
         self.clock_offset_ns = 0
         self.taps: list[Tap] = []
         self.filters: list[Filter] = []
-        self.nodes: list[Savable] = []
-        self.timers: dict[SavableTimer, None] = {}
-        self._events: list[tuple[int, int, int, Callable[[], None]]] = []
-        self._at_once: deque[tuple[Callable[[], None], int]] = deque()
-        self._chain, self._answers = 0, 0
+        self.nodes: list[BusMember] = []
+        self.timers: dict[BusTimer, None] = {}
+        self._events: list[Event] = []
+        self._immediate: deque[tuple[Action, int]] = deque()
+        self._chain_length, self._reply_count = 0, 0
         self._calls: dict[Future, None] = {}
-        self._sent = 0
+        self._scheduled_count = 0
         self._timer_count = 0
-        self._running = self._closed = False
-        self._topics: dict[str, Topic] = {}
-        self._services: dict[str, Service] = {}
+        self._is_running = self._is_closed = False
+        self._topics: dict[str, BusTopic] = {}
+        self._services: dict[str, BusService] = {}
 
     @property
     def clock_ns(self) -> int:
-        """What clocks show: the time, and whatever they are off by."""
+        """What the clocks of nodes show [ns]."""
         return self.time_ns + self.clock_offset_ns
 
-    def run_until(self, time_ns: int) -> None:
-        """Let everything happen up to and at a time; the clock then shows that time.
+    # --- time ---
 
-        raises: ValueError for a time that has passed; RuntimeError if called from a callback, or if so much happens at one
-        moment that time would never go on. What a callback raises comes out here, and the run can go on afterwards.
+    def run_until(self, time_ns: int) -> None:
+        """Runs all events up to and including a time, and sets the simulated time to it.
+
+        An exception in a callback ends the run and is raised here. The bus stays usable: the next run continues with the
+        next event.
+
+        Args:
+            time_ns: Time to run to [ns].
+
+        Raises:
+            ValueError: The time is in the past.
+            RuntimeError: The bus is running (the call came from a callback) or closed, or callbacks keep sending messages
+                to each other so that time cannot go on.
+
         """
         if time_ns < self.time_ns:
-            raise ValueError(f"the time to run to must not have passed, got {time_ns} ns at {self.time_ns} ns")
+            raise ValueError(f"the time to run to must not be in the past, got {time_ns} ns at {self.time_ns} ns")
         self._check_idle("run it")
-        self._running = True
+        self._is_running = True
         try:
-            events, at_once = self._events, self._at_once
+            events, immediate = self._events, self._immediate
             while True:
-                # What was sent to this moment from an earlier one is older than what was sent at it.
-                if at_once and not (events and events[0][0] <= self.time_ns and events[0][1] == 0):
-                    happen, self._chain = at_once.popleft()
-                    self._answers += self._chain > 1
-                    if self._chain > LONGEST_CHAIN or self._answers > MOST_ANSWERS:
+                # Messages scheduled for this time were sent before those of `immediate`, which were sent at this time.
+                if immediate and not (events and events[0][0] <= self.time_ns and events[0][1] == MESSAGE):
+                    action, self._chain_length = immediate.popleft()
+                    self._reply_count += self._chain_length > 1
+                    if self._chain_length > MAX_CHAIN_LENGTH or self._reply_count > MAX_REPLIES:
                         raise RuntimeError(
                             f"time stands still at {self.time_ns / NANOSECONDS} s: "
-                            "callbacks answer each other's messages without end"
+                            "callbacks keep sending messages to each other"
                         )
                 elif events and events[0][0] <= time_ns:
-                    before = self.time_ns
-                    self.time_ns, _, _, happen = heapq.heappop(events)
-                    self._chain = 0
-                    if self.time_ns != before:
-                        self._answers = 0
+                    before_ns = self.time_ns
+                    self.time_ns, _, _, action = heapq.heappop(events)
+                    self._chain_length = 0
+                    if self.time_ns != before_ns:
+                        self._reply_count = 0
                 else:
                     break
-                happen()
+                action()
             self.time_ns = time_ns
         finally:
-            self._running, self._chain, self._answers = False, 0, 0
+            self._is_running, self._chain_length, self._reply_count = False, 0, 0
 
     def next_ns(self) -> int | None:
-        """When something happens next, None if nothing does."""
-        if self._at_once:
+        """Returns the time of the next event [ns], or None if there is none."""
+        if self._immediate:
             return self.time_ns
         return self._events[0][0] if self._events else None
 
-    def topic_names(self) -> list[str]:
-        """Names of all topics, sorted."""
-        return sorted(self._topics)
+    def schedule(self, time_ns: int, action: Action) -> None:
+        """Runs an action at a time, among the messages of that time; now, if the time is not in the future.
 
-    def topics(self) -> list[Topic]:
-        """All topics, sorted by their names."""
-        return [self._topics[name] for name in self.topic_names()]
+        Args:
+            time_ns: Simulated time [ns].
+            action: Called without arguments.
 
-    def latest(self, topic: str) -> Message | None:
-        """The message last sent to a topic, None if there was none."""
-        found = self._topics.get(absolute(topic))
-        return found.latest if found else None
-
-    def latched(self) -> list[tuple[str, Message, int]]:
-        """What is kept for those who come later: topic, message and when it was sent."""
-        return [(topic.name, topic.latest, topic.latest_ns) for topic in self.topics() if topic.latched and topic.latest]
-
-    def schedule(self, time_ns: int, happen: Callable[[], None]) -> None:
-        """Have something happen at a time, in the order of sending."""
+        """
         if time_ns <= self.time_ns:
-            self._at_once.append((happen, self._chain + 1))
+            self._immediate.append((action, self._chain_length + 1))
         else:
-            self._sent += 1
-            heapq.heappush(self._events, (time_ns, 0, self._sent, happen))
+            self._scheduled_count += 1
+            heapq.heappush(self._events, (time_ns, MESSAGE, self._scheduled_count, action))
 
-    def schedule_timer(self, time_ns: int, order: int, happen: Callable[[], None]) -> None:
-        """Have a timer fire at a time, after all messages, in the order of the timers."""
-        heapq.heappush(self._events, (time_ns, 1, order, happen))
+    def schedule_timer(self, time_ns: int, order: int, fire: Action) -> None:
+        """Calls `fire` at a time [ns], after the messages of that time and by rank among its timers."""
+        heapq.heappush(self._events, (time_ns, TIMER, order, fire))
 
     def next_timer_order(self) -> int:
-        """The place of a new timer among the others."""
+        """Returns the rank of a new timer among timers that are due at the same time."""
         self._timer_count += 1
         return self._timer_count
 
-    def topic(self, name: str, msg_type: type[Message]) -> Topic:
-        """The topic of a name, which carries messages of one type."""
+    # --- topics ---
+
+    def topic_names(self) -> list[str]:
+        """Returns the names of all topics, sorted."""
+        return sorted(self._topics)
+
+    def topics(self) -> list[BusTopic]:
+        """Returns all topics, sorted by name."""
+        return [self._topics[name] for name in self.topic_names()]
+
+    def topic(self, name: str, msg_type: type[Message]) -> BusTopic:
+        """Returns the topic of a name. Creates it if it does not exist.
+
+        Raises:
+            TypeError: `msg_type` is not a message class, or the topic carries another type.
+            ValueError: The name is empty.
+
+        """
         if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
             raise TypeError(f"a topic's type must be a message class, got {msg_type!r} for {name}")
-        topic = self._topics.setdefault(absolute(name), Topic(absolute(name), msg_type))
+        name = absolute(name)
+        topic = self._topics.get(name)
+        if topic is None:
+            topic = self._topics[name] = BusTopic(name, msg_type)
         if topic.msg_type is not msg_type:
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {msg_type.__name__}")
         return topic
 
-    def service(self, name: str, srv_type: Any) -> Service:
-        """The service of a name, which is of one type."""
-        service = self._services.setdefault(absolute(name), Service(absolute(name), srv_type))
-        if service.srv_type is not srv_type:
-            raise TypeError(f"{service.name} is a {service.srv_type.__name__}, got {srv_type.__name__}")
-        return service
+    def latest(self, topic: str) -> Message | None:
+        """Returns the last message sent to a topic, or None if there is none."""
+        found = self._topics.get(absolute(topic))
+        return found.latest if found else None
 
-    def publish(self, topic: Topic, message: Message) -> None:
-        """Send a message to all who are subscribed now."""
+    def latched(self) -> list[tuple[str, Message, int]]:
+        """Returns topic, message and time [ns] of each message that later subscriptions will receive."""
+        return [(topic.name, topic.latest, topic.latest_ns) for topic in self.topics() if topic.latched and topic.latest]
+
+    def publish(self, topic: BusTopic, message: Message) -> None:
+        """Passes a message through the filters and sends it to the current subscriptions, without copying it.
+
+        Raises:
+            TypeError: The message is not of the topic's type.
+
+        """
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
         if self.filters:
@@ -175,171 +271,136 @@ class Bus(Handle):
         else:
             self._send(topic, message)
 
-    def call(self, service: Service, request: Any) -> Future:
-        """Ask a service; the answer comes at the same moment, and never if nobody answers."""
+    # --- services ---
+
+    def service(self, name: str, srv_type: Any) -> BusService:
+        """Returns the service of a name. Creates it, without a handler, if it does not exist.
+
+        Raises:
+            TypeError: The service is of another type.
+            ValueError: The name is empty.
+
+        """
+        name = absolute(name)
+        service = self._services.get(name)
+        if service is None:
+            service = self._services[name] = BusService(name, srv_type)
+        if service.srv_type is not srv_type:
+            raise TypeError(f"{service.name} is a {service.srv_type.__name__}, got {srv_type.__name__}")
+        return service
+
+    def call(self, service: BusService, request: Any) -> Future:
+        """Calls a service, without copying the request.
+
+        Returns:
+            The future of the response. It completes at the same simulated time, or never if the service has no handler.
+
+        """
         future = Future()
         self._calls[future] = None
         self.schedule(self.time_ns, partial(self._answer, service, request, future))
         return future
 
-    def save(self) -> Any:
-        """All that `restore` needs to put the bus back as it is now. raises: RuntimeError if called from a callback."""
+    # --- saving ---
+
+    def save(self) -> BusSnapshot:
+        """Returns a snapshot that `restore` takes.
+
+        Raises:
+            RuntimeError: The bus is running (the call came from a callback) or closed.
+
+        """
         self._check_idle("save it")
-        return (
-            (self.time_ns, self.clock_offset_ns, self._sent, self._timer_count),
-            (list(self._events), list(self._at_once), list(self.filters)),
-            [(topic, topic.save()) for topic in self._topics.values()],
-            [(service, service.handler) for service in self._services.values()],
-            [(timer, timer.save()) for timer in self.timers],
-            [(future, future.save()) for future in self._calls],
-            [(node, node.save()) for node in self.nodes],
+        return BusSnapshot(
+            time_ns=self.time_ns,
+            clock_offset_ns=self.clock_offset_ns,
+            scheduled_count=self._scheduled_count,
+            timer_count=self._timer_count,
+            events=tuple(self._events),
+            immediate=tuple(self._immediate),
+            filters=tuple(self.filters),
+            topics={topic: topic.save() for topic in self._topics.values()},
+            services={service: service.handler for service in self._services.values()},
+            timers={timer: timer.save() for timer in self.timers},
+            calls={future: future.save() for future in self._calls},
+            nodes=tuple((node, node.save()) for node in self.nodes),
         )
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved. Handles made since are void. raises: RuntimeError if called from a callback."""
+    def restore(self, state: BusSnapshot) -> None:
+        """Puts the bus back into a saved state. A snapshot can be restored any number of times.
+
+        Subscriptions, timers and services created after the snapshot become inactive.
+
+        Raises:
+            RuntimeError: The bus is running (the call came from a callback) or closed.
+
+        """
         self._check_idle("restore it")
-        counters, (events, at_once, filters), topics, services, timers, calls, nodes = state
-        self.time_ns, self.clock_offset_ns, self._sent, self._timer_count = counters
-        self._events, self._at_once, self.filters = list(events), deque(at_once), list(filters)
+        self.time_ns, self.clock_offset_ns = state.time_ns, state.clock_offset_ns
+        self._scheduled_count, self._timer_count = state.scheduled_count, state.timer_count
+        self._events, self._immediate, self.filters = list(state.events), deque(state.immediate), list(state.filters)
+        self._deactivate()
+        self._topics = {topic.name: topic for topic in state.topics}
+        self._services = {service.name: service for service in state.services}
+        self.timers = dict.fromkeys(state.timers)
+        self._calls = dict.fromkeys(state.calls)
+        self.nodes = [node for node, _ in state.nodes]
+        for topic, topic_state in state.topics.items():
+            topic.restore(topic_state)
+        for service, handler in state.services.items():
+            service.handler = handler
+        for timer, timer_state in state.timers.items():
+            timer.restore(timer_state)
+        for future, future_state in state.calls.items():
+            future.restore(future_state)
+        for node, node_state in state.nodes:
+            node.restore(node_state)
+
+    def close(self) -> None:
+        """Drops all events, callbacks and nodes. Time cannot go on afterwards. Closing twice has no effect."""
+        if self._is_closed:
+            return
+        self.restore(BusSnapshot(self.time_ns))
+        self.taps.clear()
+        self._is_closed = True
+
+    def _deactivate(self) -> None:
+        """Makes all current subscriptions, services and timers inactive."""
         for topic in self._topics.values():
-            topic.restore(topic.empty)
+            topic.restore(TopicSnapshot())
         for service in self._services.values():
             service.handler = None
         for timer in self.timers:
             timer.cancel()
-        self._topics = {topic.name: topic for topic, _ in topics}
-        self._services = {service.name: service for service, _ in services}
-        for service, handler in services:
-            service.handler = handler
-        self.timers = {timer: None for timer, _ in timers}
-        self._calls = {future: None for future, _ in calls}
-        self.nodes = [node for node, _ in nodes]
-        for keeper, kept in (*topics, *timers, *calls, *nodes):
-            keeper.restore(kept)
 
-    def close(self) -> None:
-        """Forget all that is under way, and whom to call. Time does not go on after. The second time, nothing happens."""
-        if self._closed:
-            return
-        self.restore(((self.time_ns, 0, 0, 0), ((), (), ()), (), (), (), (), ()))
-        self.taps.clear()
-        self._closed = True
-
-    def _send(self, topic: Topic, message: Message) -> None:
+    def _send(self, topic: BusTopic, message: Message) -> None:
         topic.latest, topic.latest_ns = message, self.time_ns
-        topic.count += 1
         for tap in self.taps:
             tap(topic.name, message, self.time_ns)
         for subscription in topic.subscriptions:
-            self._at_once.append((partial(subscription.hand, message), self._chain + 1))
+            self._immediate.append((partial(subscription.deliver, message), self._chain_length + 1))
 
-    def _publish_filtered(self, topic: Topic, message: Message) -> None:
-        copies = [(0, message)]
-        for change in tuple(self.filters):
+    def _publish_filtered(self, topic: BusTopic, message: Message) -> None:
+        delayed_messages = [(0, message)]
+        for replace in tuple(self.filters):
             passed: list[tuple[int, Message]] = []
-            for delay_ns, copy in copies:
-                made = change(topic.name, copy)
-                passed += [(delay_ns, copy)] if made is None else [(delay_ns + more_ns, new) for more_ns, new in made]
-            copies = passed
-        for delay_ns, copy in copies:
+            for delay_ns, before in delayed_messages:
+                after = replace(topic.name, before)
+                passed += [(delay_ns, before)] if after is None else [(delay_ns + more_ns, new) for more_ns, new in after]
+            delayed_messages = passed
+        for delay_ns, filtered in delayed_messages:
             if delay_ns <= 0:
-                self._send(topic, copy)
+                self._send(topic, filtered)
             else:
-                self.schedule(self.time_ns + delay_ns, partial(self._send, topic, copy))
+                self.schedule(self.time_ns + delay_ns, partial(self._send, topic, filtered))
 
-    def _answer(self, service: Service, request: Any, future: Future) -> None:
+    def _answer(self, service: BusService, request: Any, future: Future) -> None:
         self._calls.pop(future, None)
         if service.handler is not None:
             future.set_result(service.handler(request, service.srv_type.Response()))
 
-    def _check_idle(self, deed: str) -> None:
-        if self._closed:
+    def _check_idle(self, action: str) -> None:
+        if self._is_closed:
             raise RuntimeError("the simulation is closed")
-        if self._running:
-            raise RuntimeError(f"the bus is running already: a callback must not {deed}")
-
-
-def absolute(name: str) -> str:
-    """The name from the root on."""
-    if not name.strip("/"):
-        raise ValueError(f"a topic or service must have a name, got {name!r}")
-    return name if name.startswith("/") else f"/{name}"
-
-
-@dataclass(eq=False)
-class Service(Handle):
-    """A name that requests are sent to, and who answers them."""
-
-    name: str
-    srv_type: Any
-    handler: Callable[[Any, Any], Any] | None = None
-
-
-@dataclass(eq=False)
-class Subscription(Handle, Generic[M]):
-    """A callback that gets the messages of a topic."""
-
-    topic: Topic
-    callback: Callable[[M], None]
-    active: bool = True
-
-    def hand(self, message: Any) -> None:
-        """Call back with a message, unless the subscription was destroyed."""
-        if self.active:
-            self.callback(message)
-
-
-@dataclass(eq=False)
-class Topic(Handle):
-    """A name that messages of one type are sent to."""
-
-    name: str
-    msg_type: type[Message]
-    subscriptions: tuple[Subscription[Any], ...] = ()
-    latest: Message | None = None
-    latest_ns: int = 0
-    latched: bool = False
-    count: int = 0
-
-    empty = ((), None, 0, False, 0)
-
-    def save(self) -> Any:
-        """Who is subscribed, and what was last sent."""
-        return self.subscriptions, self.latest, self.latest_ns, self.latched, self.count
-
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        for subscription in self.subscriptions:
-            subscription.active = False
-        self.subscriptions, self.latest, self.latest_ns, self.latched, self.count = state
-        for subscription in self.subscriptions:
-            subscription.active = True
-
-
-@dataclass(eq=False)
-class Publisher(Handle, Generic[M]):
-    """Sends messages to a topic."""
-
-    bus: Bus
-    topic: Topic
-
-    @property
-    def topic_name(self) -> str:
-        """The topic's name."""
-        return self.topic.name
-
-    def publish(self, message: M) -> None:
-        """Send one message, as it is now: it may change after, and be sent again."""
-        self.bus.publish(self.topic, copied(message))
-
-    def get_subscription_count(self) -> int:
-        """How many are subscribed."""
-        return len(self.topic.subscriptions)
-
-
-class FreshPublisher(Publisher[M]):
-    """For who makes each message anew: sends it without a copy."""
-
-    def publish(self, message: M) -> None:
-        """Send one message, which must not change after."""
-        self.bus.publish(self.topic, message)
+        if self._is_running:
+            raise RuntimeError(f"the bus is already running: a callback must not {action}")

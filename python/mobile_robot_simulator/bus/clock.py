@@ -1,26 +1,27 @@
-"""The bus's clock."""
+"""The clock that nodes on the bus read."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..handle import Handle
 from ..instant import Instant
 
 if TYPE_CHECKING:
     from .bus import Bus
 
-from typing import TYPE_CHECKING
 
+class BusClock(Handle):
+    """Shows simulated time plus the bus's clock offset (`Bus.clock_offset_ns`).
 
-class Clock:
-    """The clock that nodes on the bus read: the bus's time, and whatever it is off by."""
+    Args:
+        bus: Bus whose time the clock shows.
+
+    """
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
 
-    def __deepcopy__(self, memo: object) -> Clock:
-        return self
-
     def now(self) -> Instant:
-        """The moment it is."""
+        """Returns the current time of the clock."""
         return Instant(self._bus.clock_ns)

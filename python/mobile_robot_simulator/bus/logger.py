@@ -7,59 +7,69 @@ from typing import Any
 
 from ..handle import Handle
 from ..instant import NANOSECONDS
-from .clock import Clock
+from .clock import BusClock
 
 
-class Logger(Handle):
-    """Notes of a node, handed on to the standard library's logging; rclpy's names and keywords."""
+class BusLogger(Handle):
+    """Forwards a node's log messages to Python's `logging`, with the method names and keywords of rclpy.
 
-    def __init__(self, clock: Clock, name: str) -> None:
+    All methods that log take the keywords `once=True` (log this message only the first time) and
+    `throttle_duration_sec` (log this message at most once per so many seconds of the node's clock [s]; other keywords are
+    ignored). They return True if the message was logged.
+
+    Args:
+        clock: Clock that throttling is measured on.
+        name: Name of the node; the logger is called `mobile_robot_simulator.<name>`.
+
+    """
+
+    def __init__(self, clock: BusClock, name: str) -> None:
         self._clock, self._logger = clock, logging.getLogger(f"mobile_robot_simulator.{name}")
-        self._last: dict[str, int] = {}
+        self._last_logged_ns: dict[str, int] = {}
 
     @property
     def name(self) -> str:
-        """The logger's name."""
+        """Name of the logger in Python's `logging`."""
         return self._logger.name
 
-    def debug(self, message: str, **how: Any) -> bool:
-        """What only its author wants to know."""
-        return self._log(logging.DEBUG, message, **how)
+    def debug(self, message: str, **options: Any) -> bool:
+        """Logs a detail that helps to find faults in the node itself."""
+        return self._log(logging.DEBUG, message, **options)
 
-    def info(self, message: str, **how: Any) -> bool:
-        """What is going on."""
-        return self._log(logging.INFO, message, **how)
+    def info(self, message: str, **options: Any) -> bool:
+        """Logs normal progress."""
+        return self._log(logging.INFO, message, **options)
 
-    def warning(self, message: str, **how: Any) -> bool:
-        """What should not be."""
-        return self._log(logging.WARNING, message, **how)
+    def warning(self, message: str, **options: Any) -> bool:
+        """Logs a problem that the node can work around."""
+        return self._log(logging.WARNING, message, **options)
 
     warn = warning
 
-    def error(self, message: str, **how: Any) -> bool:
-        """What went wrong."""
-        return self._log(logging.ERROR, message, **how)
+    def error(self, message: str, **options: Any) -> bool:
+        """Logs an operation that failed."""
+        return self._log(logging.ERROR, message, **options)
 
-    def fatal(self, message: str, **how: Any) -> bool:
-        """What is the end."""
-        return self._log(logging.CRITICAL, message, **how)
+    def fatal(self, message: str, **options: Any) -> bool:
+        """Logs a failure that the node cannot recover from."""
+        return self._log(logging.CRITICAL, message, **options)
 
-    def save(self) -> Any:
-        """When what does not come each time came last."""
-        return dict(self._last)
+    def save(self) -> dict[str, int]:
+        """Returns the time at which each `once` or throttled message was last logged [ns]."""
+        return dict(self._last_logged_ns)
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._last = dict(state)
+    def restore(self, state: dict[str, int]) -> None:
+        """Puts the logger back into a saved state."""
+        self._last_logged_ns = dict(state)
 
     def _log(
         self, level: int, message: str, *, once: bool = False, throttle_duration_sec: float | None = None, **_: Any
     ) -> bool:
-        now, last = self._clock.now().nanoseconds, self._last.get(message)
+        now, last = self._clock.now().nanoseconds, self._last_logged_ns.get(message)
         throttled = throttle_duration_sec is not None and last is not None
         if last is not None and (once or (throttled and 0 <= now - last < float(throttle_duration_sec or 0) * NANOSECONDS)):
             return False
         if once or throttle_duration_sec is not None:
-            self._last[message] = now
+            self._last_logged_ns[message] = now
         self._logger.log(level, "%s", message)
         return True

@@ -1,172 +1,219 @@
-"""BusNode: what a node may ask of the bus, under rclpy's names, so that code written for rclpy runs on it unchanged."""
+"""Nodes on the bus, with the method names of rclpy, so that code written for rclpy runs on the bus unchanged."""
 
 from __future__ import annotations
 
 import copy
-import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 from ..handle import Handle, check_callback
-from ..messages import copied
-from ..nodes.future import Future
 from ..nodes.interface import M, QoS
-from .bus import Bus, FreshPublisher, Publisher, Service, Subscription
-from .clock import Clock
-from .logger import Logger
-from .parameter import Parameter, ParameterAlreadyDeclaredException, ParameterNotDeclaredException, SetParametersResult
-from .timer import Timer
+from .bus import Bus
+from .clock import BusClock
+from .logger import BusLogger
+from .parameter import Parameter, ParameterStore, SetParametersCallback, SetParametersResult
+from .service import BusClient, BusService
+from .timer import BusTimer
+from .topic import BusPublisher, BusSubscription, NoCopyPublisher
 
 LATCHED_DURABILITY = "TRANSIENT_LOCAL"
+"""Name of the durability that makes a topic latched, in QoS profiles of rclpy."""
 
 
-@dataclass(eq=False)
-class Client(Handle):
-    """Calls a service."""
+@dataclass(frozen=True)
+class NodeSnapshot:
+    """Saved state of a node.
 
-    bus: Bus
-    service: Service
+    Attributes:
+        attributes: Deep copies of all attributes, including those of subclasses.
+        logger: State of the node's logger.
 
-    def service_is_ready(self) -> bool:
-        """Whether anyone answers."""
-        return self.service.handler is not None
+    """
 
-    def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Whether anyone answers; time on the bus does not pass while somebody waits."""
-        return self.service_is_ready()
-
-    def call_async(self, request: Any) -> Future:
-        """Ask; the answer comes at the same moment, after the caller has returned. If nobody answers, it never comes."""
-        if not isinstance(request, self.service.srv_type.Request):
-            expected = self.service.srv_type.Request.__name__
-            raise TypeError(f"{self.service.name} takes a {expected}, got {type(request).__name__}")
-        return self.bus.call(self.service, copied(request))
-
-    def call(self, request: Any) -> Any:
-        """Not on the bus, where a callback that waits would wait for ever. raises: RuntimeError."""
-        raise RuntimeError(f"a callback must not wait for {self.service.name}: use call_async and add_done_callback")
+    attributes: Mapping[str, Any]
+    logger: dict[str, int]
 
 
 class BusNode(Handle):
-    """A node on the bus, under rclpy's names.
+    """A node on the bus, with the method names of rclpy.
 
-    name, namespace: topics and services of names that do not start with `/` are in the namespace, those that start with `~/`
-    in the node's own below it. parameters: values that take the place of defaults when a parameter is declared.
+    `save` and `restore` cover the attributes of subclasses as deep copies. A subclass with an attribute that cannot be
+    copied overrides both.
 
-    Attributes that a subclass keeps are saved and restored with the bus, as deep copies; a subclass that keeps something
-    that cannot be copied defines `save` and `restore` itself.
+    Args:
+        bus: Bus to join.
+        name: Name of the node.
+        namespace: Namespace of relative names. A topic or service `scan` is `<namespace>/scan`, `~/scan` is
+            `<namespace>/<name>/scan`, and `/scan` is absolute.
+        parameters: Values that replace the defaults when the node declares its parameters.
+
+    Raises:
+        ValueError: The name is empty or contains a slash.
+
     """
+
+    publisher_class: ClassVar[type[BusPublisher[Any]]] = BusPublisher
+    """Class of the publishers that the node creates."""
 
     def __init__(self, bus: Bus, name: str, *, namespace: str = "/", parameters: Mapping[str, Any] | None = None) -> None:
         if not name or "/" in name:
-            raise ValueError(f"a node's name must not be empty or hold a slash, got {name!r}")
+            raise ValueError(f"a node's name must not be empty or contain a slash, got {name!r}")
         self._bus, self._name, self._namespace = bus, name, "/" + namespace.strip("/")
-        self._clock = Clock(bus)
-        self._logger = Logger(self._clock, name)
-        self._overrides = dict(parameters or {})
-        self._parameters: dict[str, Parameter] = {}
-        self._on_set: list[Callable[[list[Parameter]], Any]] = []
+        self._clock = BusClock(bus)
+        self._logger = BusLogger(self._clock, name)
+        self._parameters = ParameterStore(name, parameters or {})
         self._handles: dict[Any, Callable[[], object]] = {}
         bus.nodes.append(self)
 
     # --- names and time ---
 
     def get_name(self) -> str:
-        """The node's name."""
+        """Returns the node's name."""
         return self._name
 
     def get_namespace(self) -> str:
-        """The node's namespace."""
+        """Returns the node's namespace."""
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """The node's name, its namespace before it."""
+        """Returns the node's namespace and name."""
         return f"{self._namespace.rstrip('/')}/{self._name}"
 
-    def get_clock(self) -> Clock:
-        """The bus's clock."""
+    def get_clock(self) -> BusClock:
+        """Returns the clock of the bus."""
         return self._clock
 
     def set_speed(self, factor: float) -> None:
-        """Nothing: time on the bus goes on as it is run."""
+        """Has no effect: simulated time on the bus is not tied to wall time."""
 
-    def get_logger(self) -> Logger:
-        """Where notes go: the standard library's logging, under the node's name."""
+    def get_logger(self) -> BusLogger:
+        """Returns the node's logger, which forwards to Python's `logging`."""
         return self._logger
 
     # --- topics, timers, services ---
 
-    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> Publisher[M]:
-        """A publisher to a topic."""
+    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> BusPublisher[M]:
+        """Creates a publisher. Other keywords of rclpy are ignored.
+
+        Args:
+            msg_type: Message class.
+            topic: Name of the topic.
+            qos_profile: A `QoS`, or a QoS profile of rclpy. Only one thing matters on the bus: whether it is latched.
+
+        Raises:
+            TypeError: The type is not a message class, or the topic carries another type.
+            ValueError: The name is empty.
+
+        """
         found = self._bus.topic(self._resolve(topic), msg_type)
         found.latched |= _is_latched(qos_profile)
-        return Publisher(self._bus, found)
+        return self.publisher_class(self._bus.publish, found)
 
     def create_subscription(
         self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: Any = QoS.DEFAULT, **_: Any
-    ) -> Subscription[M]:
-        """Have every message of a topic handed to the callback; of a latched one also the last message there was."""
+    ) -> BusSubscription[M]:
+        """Calls a callback with every message of a topic from now on; on a latched topic also with the last message.
+
+        Args:
+            msg_type: Message class.
+            topic: Name of the topic.
+            callback: Called with each message, which it must not change.
+            qos_profile: Ignored. Other keywords of rclpy too.
+
+        Raises:
+            TypeError: The callback is not callable, the type is not a message class, or the topic carries another type.
+            ValueError: The name is empty.
+
+        """
         found = self._bus.topic(self._resolve(topic), msg_type)
         check_callback(callback)
-        subscription = Subscription(found, callback)
-        found.subscriptions = (*found.subscriptions, subscription)
+        subscription = found.subscribe(callback)
         if found.latched and found.latest is not None:
-            self._bus.schedule(self._bus.time_ns, partial(subscription.hand, found.latest))
+            self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, found.latest))
         self._handles[subscription] = partial(self.destroy_subscription, subscription)
         return subscription
 
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None], *_: Any, **__: Any) -> Timer:
-        """Have the callback called once a period, first after one period."""
-        timer = Timer(self._bus, timer_period_sec, callback)
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], None], *_: Any, **__: Any) -> BusTimer:
+        """Calls a callback periodically, the first time after one period.
+
+        Args:
+            timer_period_sec: Period [s].
+            callback: Called without arguments.
+
+        Raises:
+            ValueError: The period is below 1 ns or not finite.
+            TypeError: The callback is not callable.
+
+        """
+        timer = BusTimer(self._bus, timer_period_sec, callback)
         self._handles[timer] = partial(self.destroy_timer, timer)
         return timer
 
-    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **_: Any) -> Service:
-        """Answer requests with what the callback makes of the request and an empty response."""
+    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **_: Any) -> BusService:
+        """Offers a service.
+
+        Args:
+            srv_type: Service class with `Request` and `Response`.
+            srv_name: Name of the service.
+            callback: Takes the request and an empty response, and returns the response.
+
+        Raises:
+            TypeError: The callback is not callable, or the service is of another type.
+            ValueError: A node already offers the service, or the name is empty.
+
+        """
         service = self._bus.service(self._resolve(srv_name), srv_type)
         check_callback(callback)
         if service.handler is not None:
-            raise ValueError(f"{service.name} is answered already")
+            raise ValueError(f"{service.name} is already offered by a node")
         service.handler = callback
         self._handles[service] = partial(self.destroy_service, service)
         return service
 
-    def create_client(self, srv_type: Any, srv_name: str, **_: Any) -> Client:
-        """A client of a service."""
-        return Client(self._bus, self._bus.service(self._resolve(srv_name), srv_type))
+    def create_client(self, srv_type: Any, srv_name: str, **_: Any) -> BusClient:
+        """Creates a client of a service, which may be offered later.
 
-    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
-        """Take a publisher away."""
+        Args:
+            srv_type: Service class with `Request` and `Response`.
+            srv_name: Name of the service.
+
+        Raises:
+            TypeError: The service is of another type.
+            ValueError: The name is empty.
+
+        """
+        return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type))
+
+    def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
+        """Has no effect, since the bus keeps nothing for a publisher. Returns True as rclpy does."""
         return True
 
-    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
-        """Take a subscription away: messages on their way no longer reach it."""
-        subscription.active = False
-        topic = subscription.topic
-        topic.subscriptions = tuple(other for other in topic.subscriptions if other is not subscription)
+    def destroy_subscription(self, subscription: BusSubscription[Any]) -> bool:
+        """Removes a subscription, which also discards messages under way to it. Returns False if it was not this node's."""
+        subscription.topic.unsubscribe(subscription)
         return self._handles.pop(subscription, None) is not None
 
-    def destroy_timer(self, timer: Timer) -> bool:
-        """Take a timer away."""
+    def destroy_timer(self, timer: BusTimer) -> bool:
+        """Removes a timer. Returns False if it was not this node's."""
         timer.cancel()
         self._bus.timers.pop(timer, None)
         return self._handles.pop(timer, None) is not None
 
-    def destroy_service(self, service: Service) -> bool:
-        """No longer answer requests."""
+    def destroy_service(self, service: BusService) -> bool:
+        """Stops offering a service. Returns False if it was not this node's."""
         service.handler = None
         return self._handles.pop(service, None) is not None
 
-    def destroy_client(self, client: Client) -> bool:
-        """Take a client away."""
+    def destroy_client(self, client: BusClient) -> bool:
+        """Has no effect, since the bus keeps nothing for a client. Returns True as rclpy does."""
         return True
 
     def destroy_node(self) -> None:
-        """Take everything away that the node has on the bus."""
+        """Removes the node from the bus with its subscriptions, timers and services."""
         for destroy in tuple(self._handles.values()):
             destroy()
         if self in self._bus.nodes:
@@ -175,73 +222,87 @@ class BusNode(Handle):
     # --- parameters ---
 
     def declare_parameter(self, name: str, value: Any = None, *_: Any, **__: Any) -> Parameter:
-        """A parameter of a default value, or of the value the node was given for it.
+        """Declares a parameter with a default value. A value given to the node's constructor replaces the default.
 
-        raises: ParameterAlreadyDeclaredException, a ValueError.
+        Raises:
+            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
+
         """
-        if name in self._parameters:
-            raise ParameterAlreadyDeclaredException(f"parameter {name!r} is declared already")
-        self._parameters[name] = Parameter(name, value=self._overrides.get(name, value))
-        return self._parameters[name]
+        return self._parameters.declare(name, value)
 
     def declare_parameters(self, namespace: str, parameters: Sequence[tuple[Any, ...]], **_: Any) -> list[Parameter]:
-        """Several parameters, each given by its name and default."""
+        """Declares several parameters.
+
+        Args:
+            namespace: Prefix of the names, followed by a dot. Empty for none.
+            parameters: A tuple of name and default value for each parameter; further items are ignored.
+
+        Raises:
+            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
+
+        """
         prefix = f"{namespace}." if namespace else ""
         return [self.declare_parameter(prefix + item[0], *item[1:2]) for item in parameters]
 
     def has_parameter(self, name: str) -> bool:
-        """Whether a parameter was declared."""
-        return name in self._parameters
+        """Returns True if the parameter is declared."""
+        return self._parameters.has(name)
 
     def get_parameter(self, name: str) -> Parameter:
-        """A parameter that was declared. raises: ParameterNotDeclaredException, a ValueError, that suggests the nearest."""
-        if name not in self._parameters:
-            near = difflib.get_close_matches(name, self._parameters, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise ParameterNotDeclaredException(f"parameter {name!r} of {self._name} is not declared{hint}")
-        return self._parameters[name]
+        """Returns a declared parameter.
+
+        Raises:
+            ParameterNotDeclaredException: No such parameter; the message suggests the nearest name. It is a ValueError.
+
+        """
+        return self._parameters.get(name)
 
     def get_parameter_or(self, name: str, alternative_value: Any = None) -> Any:
-        """A parameter, or the alternative if it was not declared."""
-        return self._parameters.get(name, alternative_value)
+        """Returns a parameter, or the alternative if it is not declared."""
+        return self._parameters.get(name) if self._parameters.has(name) else alternative_value
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Set parameters, each unless a callback of `add_on_set_parameters_callback` objects."""
-        results = []
-        for parameter in parameter_list:
-            self.get_parameter(parameter.name)
-            refusals = (answer for answer in (check([parameter]) for check in self._on_set) if not answer.successful)
-            result = next(refusals, SetParametersResult())
-            if result.successful:
-                self._parameters[parameter.name] = parameter
-            results.append(result)
-        return results
+        """Sets each parameter unless a callback of `add_on_set_parameters_callback` refuses it.
 
-    def add_on_set_parameters_callback(self, callback: Callable[[list[Parameter]], Any]) -> None:
-        """Have parameters checked before they are set."""
-        self._on_set.append(callback)
+        Returns:
+            One result per parameter.
+
+        Raises:
+            ParameterNotDeclaredException: No such parameter. It is a ValueError.
+
+        """
+        return self._parameters.set(parameter_list)
+
+    def add_on_set_parameters_callback(self, callback: SetParametersCallback) -> None:
+        """Adds a callback that checks parameters before they are set."""
+        self._parameters.add_check(callback)
 
     # --- saving ---
 
     def save(self) -> Any:
-        """Copies of all attributes. raises: TypeError that names one that cannot be copied."""
+        """Returns the state that `restore` takes: a `NodeSnapshot`, unless a subclass overrides both.
+
+        Raises:
+            TypeError: An attribute cannot be copied; the message names it.
+
+        """
         memo: dict[int, Any] = {}
-        state = {}
+        attributes = {}
         for name, value in vars(self).items():
             try:
-                state[name] = copy.deepcopy(value, memo)
+                attributes[name] = copy.deepcopy(value, memo)
             except TypeError as error:
                 raise TypeError(f"{name} of node {self._name} cannot be saved: {error}; define save and restore") from error
-        return state, self._logger.save()
+        return NodeSnapshot(attributes, self._logger.save())
 
     def restore(self, state: Any) -> None:
-        """Attributes as they were saved."""
-        attributes, logger = state
+        """Puts all attributes back into a saved state. Attributes added later are removed."""
         vars(self).clear()
-        vars(self).update(copy.deepcopy(attributes))
-        self._logger.restore(logger)
+        vars(self).update(copy.deepcopy(state.attributes))
+        self._logger.restore(state.logger)
 
     def _resolve(self, name: str) -> str:
+        """Returns the absolute form of a topic's or service's name; an empty name stays empty."""
         if name.startswith("/"):
             return name
         if name.startswith("~/"):
@@ -249,19 +310,38 @@ class BusNode(Handle):
         return f"{self._namespace.rstrip('/')}/{name}" if name.strip("/") else name
 
 
-class OwnNode(BusNode):
-    """A node of the simulator's own: it makes each message anew, so that none need be copied when it is sent."""
+class NoCopyNode(BusNode):
+    """A node whose publishers do not copy messages. The simulator's own nodes create a new message for each publication."""
 
-    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> Publisher[M]:
-        """A publisher to a topic."""
-        return FreshPublisher(self._bus, super().create_publisher(msg_type, topic, qos_profile).topic)
+    publisher_class = NoCopyPublisher
 
 
-_surroundings: ContextVar[tuple[Bus, str, Mapping[str, Any]] | None] = ContextVar("surroundings", default=None)
+@dataclass(frozen=True)
+class SpawnContext:
+    """What `Node` needs beyond the arguments that its rclpy counterpart takes; see `BusNode` for the fields."""
+
+    bus: Bus
+    namespace: str
+    parameters: Mapping[str, Any]
+
+
+_spawn_context: ContextVar[SpawnContext | None] = ContextVar("spawn_context", default=None)
 
 
 class Node(BusNode):
-    """Stands in for `rclpy.node.Node`: subclasses are made by `Simulation.spawn`, which puts them on its bus."""
+    """Stands in for `rclpy.node.Node`. `Simulation.spawn` creates instances of subclasses and puts them on its bus.
+
+    Args:
+        node_name: Name of the node.
+        namespace: Namespace of relative names; that given to `Simulation.spawn` if None or empty.
+        parameter_overrides: Values that replace the defaults when the node declares its parameters. Values given to
+            `Simulation.spawn` come before these.
+
+    Raises:
+        RuntimeError: The node was not created by `Simulation.spawn`.
+        ValueError: The name is empty or contains a slash.
+
+    """
 
     def __init__(
         self,
@@ -271,22 +351,33 @@ class Node(BusNode):
         parameter_overrides: Sequence[Parameter] | None = None,
         **_: Any,
     ) -> None:
-        surroundings = _surroundings.get()
-        if surroundings is None:
-            raise RuntimeError(f"node {node_name!r} has no bus to live on: make it with Simulation.spawn")
-        bus, outer, values = surroundings
+        context = _spawn_context.get()
+        if context is None:
+            raise RuntimeError(f"node {node_name!r} has no bus to run on: create it with Simulation.spawn")
         overrides = {parameter.name: parameter.value for parameter in parameter_overrides or ()}
-        super().__init__(bus, node_name, namespace=namespace or outer, parameters={**overrides, **values})
+        super().__init__(
+            context.bus,
+            node_name,
+            namespace=namespace or context.namespace,
+            parameters={**overrides, **context.parameters},
+        )
 
 
 @contextmanager
-def surroundings(bus: Bus, namespace: str, parameters: Mapping[str, Any]) -> Iterator[None]:
-    """Where a `Node` made meanwhile lives, and the parameters that it is given."""
-    token = _surroundings.set((bus, namespace, parameters))
+def spawn_context(bus: Bus, namespace: str, parameters: Mapping[str, Any]) -> Iterator[None]:
+    """Puts every `Node` created inside the `with` block on a bus.
+
+    Args:
+        bus: Bus to join.
+        namespace: Namespace of nodes that do not name one.
+        parameters: Values that replace the defaults when the nodes declare their parameters.
+
+    """
+    token = _spawn_context.set(SpawnContext(bus, namespace, parameters))
     try:
         yield
     finally:
-        _surroundings.reset(token)
+        _spawn_context.reset(token)
 
 
 def _is_latched(qos_profile: Any) -> bool:

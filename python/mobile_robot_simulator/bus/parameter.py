@@ -1,14 +1,16 @@
-"""Parameters of a node on the bus, under rclpy's names."""
+"""Parameters of a node on the bus, with the names of rclpy."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar
 
 
 class ParameterNotDeclaredException(ValueError):
-    """A parameter was asked for that was not declared."""
+    """A parameter was read or set that is not declared."""
 
 
 class ParameterAlreadyDeclaredException(ValueError):
@@ -16,7 +18,7 @@ class ParameterAlreadyDeclaredException(ValueError):
 
 
 class ParameterType(Enum):
-    """What a parameter's value is, as rclpy numbers it; on the bus any value is taken."""
+    """Types of parameter values, numbered as in rclpy. The bus does not check types."""
 
     NOT_SET = 0
     BOOL = 1
@@ -32,7 +34,14 @@ class ParameterType(Enum):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A node's parameter."""
+    """A parameter of a node.
+
+    Attributes:
+        name: Name of the parameter.
+        type_: Type, as in rclpy. Ignored by the bus.
+        value: Value, of any type.
+
+    """
 
     Type: ClassVar[type[ParameterType]] = ParameterType
     name: str
@@ -40,13 +49,18 @@ class Parameter:
     value: Any = None
 
     def get_parameter_value(self) -> ParameterValue:
-        """The value by its type's name."""
+        """Returns the value as rclpy's message does, with attributes such as `double_value`."""
         return ParameterValue(self.value)
 
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """A parameter's value, by the name of whichever type it is taken for."""
+    """A parameter's value. Every attribute that ends in `_value` (`double_value`, `string_value`, ...) returns it.
+
+    Attributes:
+        value: The value.
+
+    """
 
     value: Any
 
@@ -58,7 +72,86 @@ class ParameterValue:
 
 @dataclass
 class SetParametersResult:
-    """Whether parameters could be set, and why not."""
+    """Result of setting a parameter.
+
+    Attributes:
+        successful: True if the parameter was set.
+        reason: Why it was not.
+
+    """
 
     successful: bool = True
     reason: str = ""
+
+
+SetParametersCallback = Callable[[list[Parameter]], Any]
+"""Takes the parameters that are about to be set and returns a `SetParametersResult`."""
+
+
+class ParameterStore:
+    """The parameters of one node.
+
+    Args:
+        owner: Name of the node, for error messages.
+        overrides: Values that replace the defaults of parameters when they are declared.
+
+    """
+
+    def __init__(self, owner: str, overrides: Mapping[str, Any]) -> None:
+        self._owner = owner
+        self._overrides = dict(overrides)
+        self._parameters: dict[str, Parameter] = {}
+        self._checks: list[SetParametersCallback] = []
+
+    def declare(self, name: str, default: Any) -> Parameter:
+        """Adds a parameter with its default value, or with the override of that name.
+
+        Raises:
+            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
+
+        """
+        if name in self._parameters:
+            raise ParameterAlreadyDeclaredException(f"parameter {name!r} is already declared")
+        self._parameters[name] = Parameter(name, value=self._overrides.get(name, default))
+        return self._parameters[name]
+
+    def has(self, name: str) -> bool:
+        """Returns True if the parameter is declared."""
+        return name in self._parameters
+
+    def get(self, name: str) -> Parameter:
+        """Returns a declared parameter.
+
+        Raises:
+            ParameterNotDeclaredException: No such parameter; the message suggests the nearest name. It is a ValueError.
+
+        """
+        if name not in self._parameters:
+            near = difflib.get_close_matches(name, self._parameters, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise ParameterNotDeclaredException(f"parameter {name!r} of {self._owner} is not declared{hint}")
+        return self._parameters[name]
+
+    def set(self, parameters: Sequence[Parameter]) -> list[SetParametersResult]:
+        """Sets each parameter unless one of the checks refuses it.
+
+        Returns:
+            One result per parameter: that of the first check that refuses it, or success.
+
+        Raises:
+            ParameterNotDeclaredException: No such parameter. Those before it in the list are set.
+
+        """
+        results = []
+        for parameter in parameters:
+            self.get(parameter.name)
+            refusals = (answer for answer in (check([parameter]) for check in self._checks) if not answer.successful)
+            result = next(refusals, SetParametersResult())
+            if result.successful:
+                self._parameters[parameter.name] = parameter
+            results.append(result)
+        return results
+
+    def add_check(self, check: SetParametersCallback) -> None:
+        """Adds a callback that may refuse new values."""
+        self._checks.append(check)

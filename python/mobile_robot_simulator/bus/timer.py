@@ -1,28 +1,76 @@
-"""Timer: what fires at multiples of its period, on the bus's clock."""
+"""Timers of the bus: periodic callbacks on simulated time."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Protocol
 
 from ..handle import Handle, check_callback
 from ..instant import NANOSECONDS
 
-if TYPE_CHECKING:
-    from .bus import Bus
+
+class TimerQueue(Protocol):
+    """What a timer needs from the bus.
+
+    Attributes:
+        time_ns: Simulated time [ns].
+        timers: All timers, in the order in which they were created.
+
+    """
+
+    time_ns: int
+    timers: dict[BusTimer, None]
+
+    def next_timer_order(self) -> int:
+        """Returns the rank of a new timer among timers that are due at the same time."""
+
+    def schedule_timer(self, time_ns: int, order: int, fire: Callable[[], None]) -> None:
+        """Calls `fire` at a time [ns], after the messages of that time and by rank among its timers."""
 
 
-class Timer(Handle):
-    """Fires at multiples of its period after its start: rounded to nanoseconds, without drift."""
+@dataclass(frozen=True)
+class TimerSnapshot:
+    """Saved state of a timer.
 
-    def __init__(self, bus: Bus, period: float, callback: Callable[[], None]) -> None:
+    Attributes:
+        start_ns: Time from which the periods are counted [ns].
+        fired: Number of times the timer has fired since `start_ns`.
+        cancelled: True if the timer is cancelled.
+        due_ns: Time at which the timer fires next, unless it is cancelled [ns].
+
+    """
+
+    start_ns: int
+    fired: int
+    cancelled: bool
+    due_ns: int
+
+
+class BusTimer(Handle):
+    """Calls a callback at multiples of a period after the timer's start.
+
+    Each time is rounded to nanoseconds by itself, so that rounding errors do not add up.
+
+    Args:
+        queue: The bus.
+        period: Period [s].
+        callback: Called without arguments each time the timer fires.
+
+    Raises:
+        ValueError: The period is below 1 ns or not finite.
+        TypeError: The callback is not callable.
+
+    """
+
+    def __init__(self, queue: TimerQueue, period: float, callback: Callable[[], None]) -> None:
         if not 1 <= period * NANOSECONDS < math.inf:
-            raise ValueError(f"a timer's period must be at least a nanosecond, and finite, got {period} s")
+            raise ValueError(f"a timer's period must be at least a nanosecond and finite, got {period} s")
         check_callback(callback)
-        self._bus, self._period, self._callback = bus, period, callback
-        self._order, self._due_ns = bus.next_timer_order(), 0
-        bus.timers[self] = None
+        self._queue, self._period, self._callback = queue, period, callback
+        self._order, self._due_ns = queue.next_timer_order(), 0
+        queue.timers[self] = None
         self.reset()
 
     @property
@@ -31,40 +79,41 @@ class Timer(Handle):
         return round(self._period * NANOSECONDS)
 
     def cancel(self) -> None:
-        """Fire no more, until `reset`."""
+        """Stops the timer until `reset` is called."""
         self._cancelled = True
 
     def is_canceled(self) -> bool:
-        """Whether the timer was cancelled."""
+        """Returns True if the timer is cancelled."""
         return self._cancelled
 
     def reset(self) -> None:
-        """Fire one period from now, and each period after; also if it was cancelled."""
-        self._start_ns, self._fired, self._cancelled = self._bus.time_ns, 0, False
-        self._wait()
+        """Starts the timer again, cancelled or not: it fires one period from now and after each further period."""
+        self._start_ns, self._fired, self._cancelled = self._queue.time_ns, 0, False
+        self._schedule()
 
     def time_until_next_call(self) -> int | None:
-        """Nanoseconds until it fires, None if it was cancelled."""
-        return None if self._cancelled else self._due_ns - self._bus.time_ns
+        """Returns the time until the timer fires [ns], or None if it is cancelled."""
+        return None if self._cancelled else self._due_ns - self._queue.time_ns
 
-    def save(self) -> Any:
-        """When it fires next."""
-        return self._start_ns, self._fired, self._cancelled, self._due_ns
+    def save(self) -> TimerSnapshot:
+        """Returns the state that `restore` takes."""
+        return TimerSnapshot(self._start_ns, self._fired, self._cancelled, self._due_ns)
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._start_ns, self._fired, self._cancelled, self._due_ns = state
+    def restore(self, state: TimerSnapshot) -> None:
+        """Puts the timer back into a saved state. The bus restores the events that fire it."""
+        self._start_ns, self._fired = state.start_ns, state.fired
+        self._cancelled, self._due_ns = state.cancelled, state.due_ns
 
-    def _wait(self) -> None:
+    def _schedule(self) -> None:
         due_ns = self._start_ns + round((self._fired + 1) * self._period * NANOSECONDS)
         if due_ns != self._due_ns:
             self._due_ns = due_ns
-            self._bus.schedule_timer(due_ns, self._order, self._fire)
+            self._queue.schedule_timer(due_ns, self._order, self._fire)
 
     def _fire(self) -> None:
-        # An event that was planned before a reset comes at a time that is no longer due.
-        if self._cancelled or self._bus.time_ns != self._due_ns:
+        # The event may be stale: `reset` changes the due time but leaves the old event in the queue.
+        if self._cancelled or self._queue.time_ns != self._due_ns:
             return
         self._fired += 1
-        self._wait()
+        self._schedule()
         self._callback()

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..bus.bus import Bus, absolute
+from ..bus.bus import Bus
+from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
 from ..simulation.fault import Fault, check_at_least_0

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 from ..handle import Handle
 
-if TYPE_CHECKING:
-    pass
+
+@dataclass(frozen=True)
+class FutureSnapshot:
+    """Saved state of a future: whether it is done, its result, and the callbacks that wait for it."""
+
+    done: bool
+    result: Any
+    callbacks: tuple[Callable[[Future], None], ...]
 
 
 class Future(Handle):
-    """A service's answer, once it is there."""
+    """The response of a service call, available later."""
 
     def __init__(self) -> None:
         self._done = False
@@ -20,32 +27,31 @@ class Future(Handle):
         self._callbacks: list[Callable[[Future], None]] = []
 
     def done(self) -> bool:
-        """Whether the answer is there."""
+        """Returns True once the response has arrived."""
         return self._done
 
     def result(self) -> Any:
-        """The answer, None before it is there."""
+        """Returns the response, or None before it has arrived."""
         return self._result
 
     def set_result(self, result: Any) -> None:
-        """Give the answer, and call all callbacks."""
+        """Sets the response and calls the waiting callbacks."""
         self._done, self._result = True, result
         callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
             callback(self)
 
     def add_done_callback(self, callback: Callable[[Future], None]) -> None:
-        """Call back with the future once the answer is there, at once if it is."""
+        """Calls a callback with this future when the response arrives; immediately, if it already has."""
         if self._done:
             callback(self)
         else:
             self._callbacks.append(callback)
 
-    def save(self) -> Any:
-        """Whether it is done, and who waits."""
-        return self._done, self._result, tuple(self._callbacks)
+    def save(self) -> FutureSnapshot:
+        """Returns the state that `restore` takes."""
+        return FutureSnapshot(self._done, self._result, tuple(self._callbacks))
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._done, self._result, callbacks = state
-        self._callbacks = list(callbacks)
+    def restore(self, state: FutureSnapshot) -> None:
+        """Puts the future back into a saved state."""
+        self._done, self._result, self._callbacks = state.done, state.result, list(state.callbacks)

@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .._core import OccupancyGrid, Pose, Shape, touches
-from ..bus.bus import Bus, Subscription, Tap, absolute
-from ..bus.node import BusNode, OwnNode, surroundings
+from ..bus.bus import Bus, Tap
+from ..bus.node import BusNode, NoCopyNode, spawn_context
+from ..bus.topic import BusSubscription, absolute
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message, TFMessage
@@ -86,7 +87,7 @@ class Simulation(Handle):
         self.picture: Path | None = None
         """Where an assertion that fails leaves a picture of the drive, if anywhere."""
         self._map_server = MapServer(
-            OwnNode(self._bus, "map_server"), grid, service=laser.map_service, frame_id=laser.map_frame_id
+            NoCopyNode(self._bus, "map_server"), grid, service=laser.map_service, frame_id=laser.map_frame_id
         )
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
@@ -176,14 +177,14 @@ class Simulation(Handle):
             raise ValueError(f"start must leave the robot room beside {touched}, got ({pose.x}, {pose.y}, {pose.yaw})")
         namespace = f"/{name}"
         robot = MobileRobotSimulator(
-            OwnNode(self._bus, robot_parameters.node_name, namespace=namespace),
+            NoCopyNode(self._bus, robot_parameters.node_name, namespace=namespace),
             robot_parameters,
             start_pose=pose,
             world=self._world,
             name=name,
         )
         laser = LaserScannerSimulator(
-            OwnNode(self._bus, laser_parameters.node_name, namespace=namespace),
+            NoCopyNode(self._bus, laser_parameters.node_name, namespace=namespace),
             laser_parameters,
             grid=self._grid,
             carrier=robot,
@@ -333,7 +334,7 @@ class Simulation(Handle):
         self._check_topic(topic)
         self._node.create_publisher(type(message), topic).publish(message)
 
-    def subscribe(self, topic: str, msg_type: type[M], callback: Callable[[M], None]) -> Subscription[M]:
+    def subscribe(self, topic: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
         """Have every message of a topic handed to a callback, which may publish, set timers and call services.
 
         raises: ValueError for a topic that does not exist; TypeError for another type than the topic's.
@@ -341,7 +342,7 @@ class Simulation(Handle):
         self._check_topic(topic)
         return self._node.create_subscription(msg_type, topic, callback)
 
-    def unsubscribe(self, subscription: Subscription[Any]) -> None:
+    def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
         """Hand no more messages to a subscription's callback."""
         self._node.destroy_subscription(subscription)
 
@@ -372,7 +373,7 @@ class Simulation(Handle):
 
         namespace: for instance /robot1; relative names of topics are in it. parameters: as in `create_node`.
         """
-        with surroundings(self._bus, namespace, parameters or {}):
+        with spawn_context(self._bus, namespace, parameters or {}):
             return node_type(*args, **kwargs)
 
     def record(self, tap: Tap) -> None:

@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import Any
 
 from .. import instant, messages
-from ..bus import bus, clock, node, parameter, timer
+from ..bus import clock, node, parameter, service, timer, topic
 from ..nodes.future import Future
 
 
@@ -90,17 +90,17 @@ def _modules() -> dict[str, ModuleType]:
         "rclpy.node": {"Node": node.Node},
         "rclpy.time": {"Time": instant.Instant},
         "rclpy.duration": {"Duration": instant.Duration},
-        "rclpy.clock": {"Clock": clock.Clock},
+        "rclpy.clock": {"Clock": clock.BusClock},
         "rclpy.parameter": {"Parameter": parameter.Parameter},
         "rclpy.exceptions": {
             "ParameterNotDeclaredException": parameter.ParameterNotDeclaredException,
             "ParameterAlreadyDeclaredException": parameter.ParameterAlreadyDeclaredException,
         },
-        "rclpy.publisher": {"Publisher": bus.Publisher},
-        "rclpy.subscription": {"Subscription": bus.Subscription},
-        "rclpy.timer": {"Timer": timer.Timer},
-        "rclpy.service": {"Service": bus.Service},
-        "rclpy.client": {"Client": node.Client},
+        "rclpy.publisher": {"Publisher": topic.BusPublisher},
+        "rclpy.subscription": {"Subscription": topic.BusSubscription},
+        "rclpy.timer": {"Timer": timer.BusTimer},
+        "rclpy.service": {"Service": service.BusService},
+        "rclpy.client": {"Client": service.BusClient},
         "rclpy.task": {"Future": Future},
         "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
         "rclpy.executors": {

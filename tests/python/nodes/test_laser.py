@@ -12,7 +12,7 @@ import pytest
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.bus import Bus
-from mobile_robot_simulator.bus.node import OwnNode
+from mobile_robot_simulator.bus.node import NoCopyNode
 from mobile_robot_simulator.nodes.interface import QoS
 from mobile_robot_simulator.nodes.map_messages import to_message
 from mobile_robot_simulator.parameters import LaserParameters
@@ -29,9 +29,9 @@ class Rig:
         self.bus = Bus()
         parameters = {"laser_beam_count": 61, "laser_max_range": 12.0, "apply_noise": False, **parameters}
         self.laser = mrs.nodes.LaserScannerSimulator(
-            OwnNode(self.bus, "laser"), LaserParameters.checked(parameters), grid=grid
+            NoCopyNode(self.bus, "laser"), LaserParameters.checked(parameters), grid=grid
         )
-        self.node = OwnNode(self.bus, "tester")
+        self.node = NoCopyNode(self.bus, "tester")
         self.sent: list[tuple[str, Any, int]] = []
         self.bus.taps.append(lambda *event: self.sent.append(event))
         self._tf = self.node.create_publisher(mrs.messages.TFMessage, "/tf")
@@ -270,7 +270,7 @@ def test_a_transform_that_is_not_finite_is_refused_with_a_warning(
 
 
 def serve(rig: Rig, grid: mrs.OccupancyGrid, service: str = "/static_map") -> mrs.nodes.MapServer:
-    server = mrs.nodes.MapServer(OwnNode(rig.bus, "map_server"), grid, service=service)
+    server = mrs.nodes.MapServer(NoCopyNode(rig.bus, "map_server"), grid, service=service)
     server.start()
     return server
 

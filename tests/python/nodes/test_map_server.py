@@ -11,7 +11,7 @@ import pytest
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.bus import Bus
-from mobile_robot_simulator.bus.node import OwnNode
+from mobile_robot_simulator.bus.node import NoCopyNode
 from mobile_robot_simulator.nodes.map_messages import from_message, to_message
 
 CELLS = np.array([[0, 100, -1], [59, 60, 1]], np.int8)
@@ -102,8 +102,8 @@ def test_a_map_that_is_none_is_refused(message: messages.OccupancyGrid) -> None:
 
 def test_the_server_answers_and_latches(grid: mrs.OccupancyGrid) -> None:
     bus = Bus()
-    server = mrs.nodes.MapServer(OwnNode(bus, "map_server"), grid, topic="/floor", service="/floor_map", frame_id="world")
-    client = OwnNode(bus, "client")
+    server = mrs.nodes.MapServer(NoCopyNode(bus, "map_server"), grid, topic="/floor", service="/floor_map", frame_id="world")
+    client = NoCopyNode(bus, "client")
     assert bus.latest("/floor") is None
     server.start()
     server.start()
@@ -118,12 +118,12 @@ def test_the_server_answers_and_latches(grid: mrs.OccupancyGrid) -> None:
 
 def test_a_stopped_server_answers_no_more_and_can_start_again(grid: mrs.OccupancyGrid) -> None:
     bus = Bus()
-    server = mrs.nodes.MapServer(OwnNode(bus, "map_server"), grid)
+    server = mrs.nodes.MapServer(NoCopyNode(bus, "map_server"), grid)
     server.stop()
     server.start()
     server.stop()
     server.stop()
-    client = OwnNode(bus, "client").create_client(mrs.messages.GetMap, "/static_map")
+    client = NoCopyNode(bus, "client").create_client(mrs.messages.GetMap, "/static_map")
     assert not client.service_is_ready()
     server.start()
     assert client.service_is_ready()

@@ -11,7 +11,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.bus.bus import Bus
-from mobile_robot_simulator.bus.node import OwnNode
+from mobile_robot_simulator.bus.node import NoCopyNode
 from mobile_robot_simulator.parameters import RobotParameters
 
 SECOND = 1_000_000_000
@@ -29,9 +29,9 @@ class Rig:
         self.bus = Bus()
         parameters = {"cmd_vel_stamped": False, **parameters}
         self.robot = mrs.nodes.MobileRobotSimulator(
-            OwnNode(self.bus, "robot"), RobotParameters.checked(parameters), start_pose=start_pose
+            NoCopyNode(self.bus, "robot"), RobotParameters.checked(parameters), start_pose=start_pose
         )
-        self.node = OwnNode(self.bus, "tester")
+        self.node = NoCopyNode(self.bus, "tester")
         self.sent: list[tuple[str, Any, int]] = []
         self.bus.taps.append(lambda *event: self.sent.append(event))
         if started:

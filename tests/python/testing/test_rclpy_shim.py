@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import logging
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -12,8 +11,6 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.bus.node import Node
-from mobile_robot_simulator.bus.parameter import Parameter, SetParametersResult
 from mobile_robot_simulator.instant import Duration, Instant
 from mobile_robot_simulator.testing.rclpy_shim import stand_in
 
@@ -79,27 +76,6 @@ def test_nothing_is_left_of_the_stand_in():
     assert {name for name in after if name in ("rclpy", "sensor_msgs", "rclpy.node")} <= set(before)
 
 
-def test_a_node_of_its_own_has_no_bus():
-    with pytest.raises(RuntimeError, match=r"Simulation\.spawn"):
-        Node("alone")
-
-
-def test_parameters():
-    sim = hall()
-    node = sim.create_node("clerk", parameters={"speed": 0.25})
-    assert node.declare_parameter("speed", 1.0).value == 0.25
-    assert node.get_parameter("speed").get_parameter_value().double_value == 0.25
-    assert [item.value for item in node.declare_parameters("laser", [("beams", 3), ("name", "x")])] == [3, "x"]
-    assert node.get_parameter("laser.beams").value == 3 and node.get_parameter_or("none", 4) == 4
-    with pytest.raises(ValueError, match=r"'sped' of clerk is not declared; did you mean 'speed'\?"):
-        node.get_parameter("sped")
-    with pytest.raises(ValueError, match="declared already"):
-        node.declare_parameter("speed", 1.0)
-    node.add_on_set_parameters_callback(lambda items: SetParametersResult(items[0].value > 0, "must be positive"))
-    results = node.set_parameters([Parameter("speed", value=2.0), Parameter("speed", value=-2.0)])
-    assert [result.successful for result in results] == [True, False] and node.get_parameter("speed").value == 2.0
-
-
 def test_time():
     sim = hall()
     node = sim.create_node("clerk")
@@ -108,47 +84,6 @@ def test_time():
     now = node.get_clock().now()
     assert (now - began).nanoseconds == 1_500_000_000 and now - Duration(seconds=1.5) == began and now > began
     assert now.seconds_nanoseconds() == (1, 500_000_000) and Instant.from_msg(now.to_msg()) == now
-
-
-def test_timers_can_be_cancelled_and_reset():
-    sim, fired = hall(), []
-    timer = sim.create_node("clerk").create_timer(0.4, lambda: fired.append(sim.time))
-    sim.run_for(1.0)
-    timer.reset()
-    sim.run_for(0.5)
-    timer.cancel()
-    assert timer.is_canceled() and timer.time_until_next_call() is None
-    sim.run_for(1.0)
-    timer.reset()
-    sim.run_for(0.5)
-    assert fired == pytest.approx([0.4, 0.8, 1.4, 2.9])
-
-
-def test_notes_go_to_logging_with_rclpys_keywords(caplog):
-    sim = hall()
-    logger = sim.create_node("clerk").get_logger()
-    with caplog.at_level(logging.INFO, logger="mobile_robot_simulator.clerk"):
-        for _ in range(30):
-            logger.info("once", once=True)
-            logger.warn("slowly", throttle_duration_sec=1.0)
-            sim.run_for(0.1)
-    assert caplog.messages.count("once") == 1 and caplog.messages.count("slowly") == 3
-
-
-def test_destroyed_nodes_do_nothing_more():
-    sim, seen = hall(), []
-    node = sim.create_node("clerk")
-    node.create_timer(0.1, lambda: seen.append("timer"))
-    node.create_subscription(mrs.messages.LaserScan, "/scan", lambda scan: seen.append("scan"))
-    node.destroy_node()
-    sim.run_for(1.0)
-    assert seen == []
-
-
-def test_callbacks_must_not_wait():
-    client = hall().create_node("clerk").create_client(mrs.messages.GetMap, "/static_map")
-    with pytest.raises(RuntimeError, match="use call_async"):
-        client.call(mrs.messages.GetMap.Request())
 
 
 def test_times_parameters_and_classes_are_made_as_rclpys_are():
@@ -175,14 +110,3 @@ def test_an_rclpy_that_is_there_is_back_afterwards(monkeypatch):
 
         assert rclpy is not real
     assert sys.modules["rclpy"] is real and "rclpy.node" not in sys.modules
-
-
-def test_parameters_given_to_spawn_come_first_and_private_names_are_below_the_node():
-    class Talker(Node):
-        def __init__(self):
-            super().__init__("talker", parameter_overrides=[Parameter("a", value=1), Parameter("b", value=2)])
-            self.a, self.b = (self.declare_parameter(name).value for name in "ab")
-            self.said = self.create_publisher(mrs.messages.String, "~/said", 1).topic_name
-
-    talker = hall().spawn(Talker, namespace="/robot1", parameters={"b": 3})
-    assert (talker.a, talker.b, talker.said) == (1, 3, "/robot1/talker/said")

@@ -1,0 +1,135 @@
+"""Topics of the bus, with the publishers and subscriptions that use them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from ..handle import Handle
+from ..messages import Message, copied
+from ..nodes.interface import M
+
+
+def absolute(name: str) -> str:
+    """Returns the name of a topic or service with its leading slash.
+
+    Raises:
+        ValueError: The name is empty or consists of slashes only.
+
+    """
+    if not name.strip("/"):
+        raise ValueError(f"a topic or service must have a name, got {name!r}")
+    return name if name.startswith("/") else f"/{name}"
+
+
+@dataclass(eq=False)
+class BusSubscription(Handle, Generic[M]):
+    """A callback that receives the messages of a topic.
+
+    Attributes:
+        topic: Topic that the callback is subscribed to.
+        callback: Called with each message.
+        active: False once the subscription is destroyed. Messages that are still under way are then discarded.
+
+    """
+
+    topic: BusTopic
+    callback: Callable[[M], None]
+    active: bool = True
+
+    def deliver(self, message: Any) -> None:
+        """Calls the callback with a message, unless the subscription is destroyed."""
+        if self.active:
+            self.callback(message)
+
+
+@dataclass(frozen=True)
+class TopicSnapshot:
+    """Saved state of a topic. The defaults are the state of a new topic; see `BusTopic` for the fields."""
+
+    subscriptions: tuple[BusSubscription[Any], ...] = ()
+    latest: Message | None = None
+    latest_ns: int = 0
+    latched: bool = False
+
+
+@dataclass(eq=False)
+class BusTopic(Handle):
+    """A named channel for messages of one type.
+
+    Attributes:
+        name: Absolute name.
+        msg_type: Class of the messages.
+        subscriptions: Current subscriptions, in the order in which they were created.
+        latest: Last message sent, None before the first one.
+        latest_ns: Simulated time at which `latest` was sent [ns].
+        latched: True if new subscriptions receive `latest`.
+
+    """
+
+    name: str
+    msg_type: type[Message]
+    subscriptions: tuple[BusSubscription[Any], ...] = ()
+    latest: Message | None = None
+    latest_ns: int = 0
+    latched: bool = False
+
+    def subscribe(self, callback: Callable[[M], None]) -> BusSubscription[M]:
+        """Adds a subscription for messages that are sent from now on."""
+        subscription = BusSubscription(self, callback)
+        self.subscriptions = (*self.subscriptions, subscription)
+        return subscription
+
+    def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
+        """Removes a subscription. It does not receive messages that are still under way."""
+        subscription.active = False
+        self.subscriptions = tuple(other for other in self.subscriptions if other is not subscription)
+
+    def save(self) -> TopicSnapshot:
+        """Returns the state that `restore` takes."""
+        return TopicSnapshot(self.subscriptions, self.latest, self.latest_ns, self.latched)
+
+    def restore(self, state: TopicSnapshot) -> None:
+        """Puts the topic back into a saved state. Subscriptions that are not part of it become inactive."""
+        for subscription in self.subscriptions:
+            subscription.active = False
+        self.subscriptions, self.latched = state.subscriptions, state.latched
+        self.latest, self.latest_ns = state.latest, state.latest_ns
+        for subscription in self.subscriptions:
+            subscription.active = True
+
+
+@dataclass(eq=False)
+class BusPublisher(Handle, Generic[M]):
+    """Sends copies of messages to a topic.
+
+    Attributes:
+        send: Sends a message to a topic without copying it (`Bus.publish`).
+        topic: Topic that the messages go to.
+
+    """
+
+    send: Callable[[BusTopic, Message], None]
+    topic: BusTopic
+
+    @property
+    def topic_name(self) -> str:
+        """Absolute name of the topic."""
+        return self.topic.name
+
+    def publish(self, message: M) -> None:
+        """Sends a copy of the message, so the caller may change the message and send it again."""
+        self.send(self.topic, copied(message))
+
+    def get_subscription_count(self) -> int:
+        """Returns the number of subscriptions of the topic."""
+        return len(self.topic.subscriptions)
+
+
+class NoCopyPublisher(BusPublisher[M]):
+    """A publisher for callers that create a new message each time: it sends the message itself."""
+
+    def publish(self, message: M) -> None:
+        """Sends the message without copying it. The caller must not change it afterwards."""
+        self.send(self.topic, message)

@@ -1,0 +1,61 @@
+"""Timers: when they fire, and how they are cancelled and reset."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mobile_robot_simulator.bus.bus import Bus
+from mobile_robot_simulator.bus.node import BusNode
+
+SECOND = 1_000_000_000
+
+
+@pytest.mark.parametrize(("rate", "seconds"), [(10.0, 60), (3.0, 1000), (30.0, 600), (7.0, 700), (1000.0, 5), (0.1, 1000)])
+def test_timers_fire_at_multiples_of_their_period_without_drift(bus: Bus, node: BusNode, rate: float, seconds: int) -> None:
+    fired: list[int] = []
+    node.create_timer(1.0 / rate, lambda: fired.append(bus.time_ns))
+    bus.run_until(seconds * SECOND)
+    assert fired == [round(count / rate * SECOND) for count in range(1, round(seconds * rate) + 1)]
+
+
+def test_periods_count_from_the_creation_of_the_timer(bus: Bus, node: BusNode) -> None:
+    fired: list[int] = []
+    bus.run_until(7)
+    node.create_timer(1.0, lambda: fired.append(bus.time_ns))
+    bus.run_until(3 * SECOND)
+    assert fired == [SECOND + 7, 2 * SECOND + 7]
+
+
+def test_a_cancelled_timer_does_not_fire(bus: Bus, node: BusNode) -> None:
+    fired: list[str] = []
+    timer = node.create_timer(1.0, lambda: fired.append("one"))
+    other = node.create_timer(1.0, lambda: (fired.append("two"), node.destroy_timer(other)))
+    third = node.create_timer(1.0, lambda: fired.append("three"))
+    node.create_timer(0.5, third.cancel)
+    timer.cancel()
+    assert timer.is_canceled()
+    bus.run_until(5 * SECOND)
+    assert fired == ["two"]
+
+
+def test_a_timer_can_be_cancelled_and_reset(bus: Bus, node: BusNode) -> None:
+    fired: list[float] = []
+    timer = node.create_timer(0.4, lambda: fired.append(bus.time_ns / SECOND))
+    bus.run_until(SECOND)
+    timer.reset()
+    assert timer.time_until_next_call() == timer.timer_period_ns == 400_000_000
+    bus.run_until(1_500_000_000)
+    timer.cancel()
+    assert timer.is_canceled() and timer.time_until_next_call() is None
+    bus.run_until(2_500_000_000)
+    timer.reset()
+    bus.run_until(3 * SECOND)
+    assert fired == pytest.approx([0.4, 0.8, 1.4, 2.9])
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, math.nan, 1e-10, math.inf])
+def test_a_period_that_is_too_short_or_not_finite_is_refused(node: BusNode, period: float) -> None:
+    with pytest.raises(ValueError, match="period"):
+        node.create_timer(period, lambda: None)

@@ -1,0 +1,121 @@
+"""Topics: names, types, subscriptions and latched messages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.bus.bus import Bus
+from mobile_robot_simulator.bus.node import BusNode
+from mobile_robot_simulator.nodes.interface import QoS
+
+SECOND = 1_000_000_000
+
+
+def at(seconds: int) -> mrs.messages.Clock:
+    return mrs.messages.Clock(mrs.messages.Time(sec=seconds))
+
+
+def test_a_leading_slash_makes_no_difference_in_the_root_namespace(bus: Bus, node: BusNode) -> None:
+    seen: list[Any] = []
+    node.create_subscription(mrs.messages.Clock, "clock", seen.append)
+    node.create_publisher(mrs.messages.Clock, "/clock").publish(at(1))
+    bus.run_until(0)
+    assert seen == [at(1)]
+    assert bus.latest("clock") == bus.latest("/clock") == at(1)
+
+
+def test_a_destroyed_subscription_receives_nothing_more(bus: Bus, node: BusNode) -> None:
+    seen: list[Any] = []
+    subscription = node.create_subscription(mrs.messages.Clock, "/a", seen.append)
+    publisher = node.create_publisher(mrs.messages.Clock, "/a")
+    publisher.publish(at(1))
+    bus.run_until(1)
+    bus.run_until(2)
+    publisher.publish(at(2))
+    node.destroy_subscription(subscription)
+    bus.run_until(3)
+    assert seen == [at(1)]
+
+
+def test_a_late_subscriber_receives_the_last_message_of_a_latched_topic(bus: Bus, node: BusNode) -> None:
+    seen: list[Any] = []
+    publisher = node.create_publisher(mrs.messages.Clock, "/map", QoS.LATCHED)
+    publisher.publish(at(1))
+    publisher.publish(at(2))
+    bus.run_until(SECOND)
+    node.create_subscription(mrs.messages.Clock, "/map", seen.append, QoS.LATCHED)
+    bus.run_until(2 * SECOND)
+    assert seen == [at(2)]
+
+
+def test_a_late_subscriber_receives_nothing_from_other_topics(bus: Bus, node: BusNode) -> None:
+    seen: list[Any] = []
+    node.create_publisher(mrs.messages.Clock, "/a").publish(at(1))
+    bus.run_until(SECOND)
+    node.create_subscription(mrs.messages.Clock, "/a", seen.append)
+    bus.run_until(2 * SECOND)
+    assert seen == []
+
+
+def test_a_latched_message_under_way_reaches_a_new_subscriber_once(bus: Bus, node: BusNode) -> None:
+    seen: list[Any] = []
+    publisher = node.create_publisher(mrs.messages.Clock, "/map", QoS.LATCHED)
+    node.create_subscription(mrs.messages.Clock, "/map", lambda message: None)
+    publisher.publish(at(1))
+    node.create_subscription(mrs.messages.Clock, "/map", seen.append)
+    bus.run_until(SECOND)
+    assert seen == [at(1)]
+
+
+@pytest.mark.parametrize("others", [0, 1])
+def test_a_message_does_not_reach_subscriptions_created_after_it_was_sent(bus: Bus, node: BusNode, others: int) -> None:
+    """A message goes to the subscriptions that exist when it is sent."""
+    seen: list[Any] = []
+    for _ in range(others):
+        node.create_subscription(mrs.messages.Clock, "/a", lambda message: None)
+    node.create_publisher(mrs.messages.Clock, "/a").publish(at(1))
+    node.create_subscription(mrs.messages.Clock, "/a", seen.append)
+    bus.run_until(SECOND)
+    assert seen == []
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda node: node.create_publisher(mrs.messages.Twist, "/a").publish(at(1)), "/a carries Twist, got Clock"),
+        (lambda node: node.create_publisher(mrs.messages.Twist, "/a").publish("go"), "/a carries Twist, got str"),
+        (lambda node: node.create_publisher(mrs.messages.Twist, "/a").publish(None), "/a carries Twist, got NoneType"),
+        (
+            lambda node: (node.create_publisher(mrs.messages.Twist, "/a"), node.create_publisher(mrs.messages.Clock, "a")),
+            "/a carries Twist, got Clock",
+        ),
+        (
+            lambda node: (
+                node.create_publisher(mrs.messages.Twist, "/a"),
+                node.create_subscription(mrs.messages.Clock, "/a", print),
+            ),
+            "/a carries Twist, got Clock",
+        ),
+        (lambda node: node.create_publisher(str, "/a"), "message class"),
+        (lambda node: node.create_publisher("Twist", "/a"), "message class"),
+        (lambda node: node.create_publisher(mrs.messages.Twist(), "/a"), "message class"),
+    ],
+)
+def test_wrong_types_are_refused(node: BusNode, call: Any, words: str) -> None:
+    with pytest.raises(TypeError, match=words):
+        call(node)
+
+
+@pytest.mark.parametrize("name", ["", "/", "//"])
+def test_an_empty_topic_name_is_refused(node: BusNode, name: str) -> None:
+    with pytest.raises(ValueError, match="must have a name"):
+        node.create_publisher(mrs.messages.Twist, name)
+
+
+def test_a_refused_type_creates_no_topic(bus: Bus, node: BusNode) -> None:
+    with pytest.raises(TypeError):
+        node.create_publisher(int, "/a")  # type: ignore[type-var]
+    assert bus.topic_names() == []
