@@ -1,4 +1,4 @@
-//! How far a ray may jump: per cell and sector of directions, a free box.
+//! Free boxes: how far a ray may jump from a cell without looking at the cells on its way.
 
 mod pages;
 mod sector;
@@ -10,29 +10,39 @@ pub use sector::{Mirror, Sector};
 use crate::batch;
 use pages::Pages;
 
-/// Free boxes around each cell of a grid, one for each [`Sector`] of directions.
+/// Length of the free box of each cell of a grid, for each [`Sector`] of directions.
 ///
-/// The box of a length has half as many cells across, rounded up. It has the cell in its near corner, extends into the sector and
-/// holds no blocking cell. The length is 0 for a blocking cell, and for the border one cell wide around the grid, which stops
-/// rays that leave.
+/// A free box holds no blocking cell. It has the cell in its near corner, extends `length` cells along the major axis of the
+/// sector, and half as many cells, rounded up, along the minor axis. Its length is the largest even number possible, or 1 if
+/// the cell is free and the next one along the major axis is not. Blocking cells have length 0. So has a border, one cell
+/// wide, around the grid; it stops rays that leave the grid.
 ///
-/// Each sector has a plane of its own, mirrored and swapped as the sector is: a ray moves towards higher columns and rows of its
-/// plane, and the cells it comes by are near each other in memory.
+/// ```text
+///      .  .  .  #  .  .  .  .     The free box of the cell o in sector 0 has length 6 and breadth 3. A ray from o into this
+///     +----------------+          sector leaves the box through its right side or its upper side.
+///     |.  .  .  .  .  .|.  #
+///     |.  .  .  .  .  .|.  .      A box of length 8 would have breadth 4 and hold the two blocking cells #.
+///     |o  .  .  .  .  .|.  .
+///     +----------------+
+/// ```
+///
+/// Each sector has its own plane of lengths, mirrored and swapped like the sector. So every ray moves towards higher columns
+/// and rows of its plane, and cells that a ray visits in turn are close to each other in memory.
 #[derive(Debug, Clone)]
 pub struct FreeBoxes {
-    /// Plane by plane, row by row.
+    /// One byte for each cell and sector: plane by plane, row by row.
     lengths: Pages,
     width: usize,
     height: usize,
 }
 
-/// The longest box, even so that a box two longer than a shorter one is no longer than this.
-pub const LONGEST: u8 = 254;
+/// Longest box. Even, so that adding 2 to a shorter length cannot exceed it.
+pub const MAX_LENGTH: u8 = 254;
 
-/// Columns and rows of a grid.
+/// Ranges of columns and of rows.
 pub type Region = (Range<usize>, Range<usize>);
 
-/// The cells across a box of this length.
+/// Returns the number of cells along the minor axis of a box of this length.
 #[inline]
 #[must_use]
 pub fn breadth(length: i32) -> i32 {
@@ -40,11 +50,12 @@ pub fn breadth(length: i32) -> i32 {
 }
 
 impl FreeBoxes {
-    /// The boxes of a grid whose cells, row by row, block where `blocks` says so; built by so many threads, or as many as there
-    /// are cores; but for finding out which cells of each column are free, which takes a byte a cell meanwhile.
+    /// Returns the free boxes of a grid with these cells, row by row; `blocks` says which of them block.
+    ///
+    /// Built on `threads` threads (default: all cores). A first, single-threaded pass needs one extra byte per cell.
     ///
     /// # Panics
-    /// If there is no cell, or not as many in each row.
+    /// If there are no cells, or if their number is not a multiple of `width`.
     #[must_use]
     pub fn new<T: Sync>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> Self {
         assert!(!cells.is_empty() && cells.len().is_multiple_of(width), "{} cells in rows of {width}", cells.len());
@@ -52,85 +63,86 @@ impl FreeBoxes {
         let plane = (width + 2) * (height + 2);
         let mut lengths = Pages::zeroed(Sector::COUNT * plane);
         let shape = Self { lengths: Pages::zeroed(0), width, height };
-        let free = Free::new(cells, width, (0..width, 0..height), blocks);
+        let free = FreeCells::new(cells, width, (0..width, 0..height), blocks);
         let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
         if batch::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
-            // Without threads to be had, the caller's has to do.
+            // The system cannot start threads, so the calling thread does the work.
             lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
         }
         Self { lengths, ..shape }
     }
 
-    /// Builds anew what depends on the cells of a region, given again all cells and which of them block.
+    /// Rebuilds the lengths that depend on the cells of a region. Takes all cells of the grid, like [`new`](Self::new).
     ///
     /// # Panics
     /// If the region is not on the grid.
     pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) {
         let shape = Self { lengths: Pages::zeroed(0), ..*self };
-        let free = Free::new(cells, self.width, region, blocks);
+        let free = FreeCells::new(cells, self.width, region, blocks);
         for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
             shape.fill(sector, lengths, &free);
         }
     }
 
-    /// Builds the plane of a sector as far as it depends on the cells of a region.
-    fn fill<T>(&self, sector: Sector, lengths: &mut [u8], free: &Free<'_, T, impl Fn(&T) -> bool>) {
+    /// Fills the part of a sector's plane that depends on the cells of a region.
+    fn fill<T>(&self, sector: Sector, lengths: &mut [u8], free: &FreeCells<'_, T, impl Fn(&T) -> bool>) {
         let (cols, rows) = &free.region;
-        let (along_mirror, across_mirror) = sector.order(sector.x(), sector.y());
-        let (along_region, across_region) = sector.order(cols, rows);
-        let (along_size, across_size) = sector.order(self.width, self.height);
-        let (along, across) =
-            (along_mirror.range(along_region, along_size), across_mirror.range(across_region, across_size));
+        let (major, minor) = sector.order(sector.x(), sector.y());
+        let (major_region, minor_region) = sector.order(cols, rows);
+        let (major_size, minor_size) = sector.order(self.width, self.height);
+        let (along, across) = (major.range(major_region, major_size), minor.range(minor_region, minor_size));
         let stride = self.stride(sector);
-        // No box from farther away reaches the region.
-        let reached = along.start.saturating_sub(LONGEST.into())..along.end;
+        // Boxes of cells farther away do not reach the region.
+        let reaching = along.start.saturating_sub(MAX_LENGTH.into())..along.end;
         let mut filler = RowFiller::default();
-        for row in (across.start.saturating_sub(LONGEST.into())..across.end).rev() {
-            let (line, done) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
+        for row in (across.start.saturating_sub(MAX_LENGTH.into())..across.end).rev() {
+            let (line, next_row) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
             if across.contains(&row) {
-                let row = across_mirror.cell(row as i32, across_size as i32) as usize - across_region.start;
-                free.tell(sector.is_steep(), row, &mut line[1 + along.start..=along.end]);
-                if along_mirror.is_on() {
-                    line[1 + along.start..=along.end].reverse();
+                let index = minor.cell(row as i32, minor_size as i32) as usize - minor_region.start;
+                let line = &mut line[1 + along.start..=along.end];
+                free.write_line(sector.is_steep(), index, line);
+                if major.is_on() {
+                    line.reverse();
                 }
             }
-            filler.fill(&mut line[1 + reached.start..], &done[1 + reached.start..], reached.len());
+            filler.fill(&mut line[1 + reaching.start..], &next_row[1 + reaching.start..], reaching.len());
         }
     }
 
-    /// Number of columns, border left out.
+    /// Returns the number of columns, without the border.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Number of rows, border left out.
+    /// Returns the number of rows, without the border.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// All lengths.
+    /// Returns all lengths: plane by plane, row by row, each row and plane with its border.
     #[must_use]
     pub fn lengths(&self) -> &[u8] {
         &self.lengths
     }
 
-    /// Bytes of a plane.
+    /// Returns the size of a plane in bytes.
     #[inline]
     #[must_use]
     pub fn plane(&self) -> usize {
         (self.width + 2) * (self.height + 2)
     }
 
-    /// Bytes from a row to the next in the plane of a sector.
+    /// Returns the size in bytes of a row in the plane of a sector.
     #[inline]
     #[must_use]
     pub fn stride(&self, sector: Sector) -> usize {
         sector.order(self.width, self.height).0 + 2
     }
 
-    /// Where in the lengths the one of a cell is.
+    /// Returns the index in [`lengths`](Self::lengths) of a cell and sector. Columns and rows -1, width and height are the
+    /// border.
     #[inline]
     #[must_use]
     pub fn index(&self, col: i32, row: i32, sector: Sector) -> usize {
@@ -142,45 +154,46 @@ impl FreeBoxes {
         (minor + 1) as usize * self.stride(sector) + (major + 1) as usize
     }
 
-    /// Length of the box of a cell into a sector; columns and rows one off the grid are its border.
+    /// Returns the length of the free box of a cell in a sector. Columns and rows -1, width and height are the border.
     #[must_use]
     pub fn length(&self, col: i32, row: i32, sector: Sector) -> i32 {
         self.lengths[self.index(col, row, sector)].into()
     }
 }
 
-/// Which cells of a region do not block: 1, else 0.
-struct Free<'a, T, F> {
+/// Which cells of a region are free, by row and by column.
+struct FreeCells<'a, T, F> {
     cells: &'a [T],
     width: usize,
     region: Region,
     blocks: F,
-    by_col: Vec<u8>,
+    /// 1 for each free cell of the region and 0 for the others, column by column.
+    by_column: Vec<u8>,
 }
 
-impl<'a, T, F: Fn(&T) -> bool> Free<'a, T, F> {
+impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
     fn new(cells: &'a [T], width: usize, region: Region, blocks: F) -> Self {
-        // What fits into a cache both along rows and along columns.
+        // A square of this side fits in the cache, whether it is read by row or by column.
         const TILE: usize = 64;
         let height = region.1.len();
-        let mut by_col = vec![0; region.0.len() * height];
+        let mut by_column = vec![0; region.0.len() * height];
         for first_row in (0..height).step_by(TILE) {
             for first_col in region.0.clone().step_by(TILE) {
                 for col in first_col..(first_col + TILE).min(region.0.end) {
                     let end = (first_row + TILE).min(height);
                     let column = cells[(region.1.start + first_row) * width + col..].iter().step_by(width);
-                    let tile = &mut by_col[(col - region.0.start) * height..][first_row..end];
+                    let tile = &mut by_column[(col - region.0.start) * height..][first_row..end];
                     tile.iter_mut().zip(column).for_each(|(to, cell)| *to = u8::from(!blocks(cell)));
                 }
             }
         }
-        Self { cells, width, region, blocks, by_col }
+        Self { cells, width, region, blocks, by_column }
     }
 
-    /// Tells of a row of the region, or of a column.
-    fn tell(&self, is_column: bool, index: usize, line: &mut [u8]) {
+    /// Writes 1 for each free cell and 0 for the others, of one column or one row of the region.
+    fn write_line(&self, is_column: bool, index: usize, line: &mut [u8]) {
         if is_column {
-            line.copy_from_slice(&self.by_col[index * line.len()..][..line.len()]);
+            line.copy_from_slice(&self.by_column[index * line.len()..][..line.len()]);
         } else {
             let row = &self.cells[(self.region.1.start + index) * self.width..][self.region.0.clone()];
             line.iter_mut().zip(row).for_each(|(to, cell)| *to = u8::from(!(self.blocks)(cell)));
@@ -188,46 +201,55 @@ impl<'a, T, F: Fn(&T) -> bool> Free<'a, T, F> {
     }
 }
 
-/// Fills the rows of a plane, with room for what is known of a row's cells before their lengths.
+/// Computes the lengths of one row of a plane after the other. Holds its work space.
 #[derive(Default)]
 struct RowFiller {
-    /// The lengths so far, but for those of 1; then the two behind the row, of which the grid's border has but one.
-    covered: Vec<u8>,
-    /// As many, of the next step.
-    shortened: Vec<u8>,
+    /// Lengths of the row as known so far, with 0 for 1; then those of up to two cells past its end.
+    lengths: Vec<u8>,
+    /// The same after the next step.
+    next: Vec<u8>,
 }
 
 impl RowFiller {
-    /// Fills the first `count` cells of a row from what is behind them and the row `done` across; so far, they are 0 where they
-    /// block and something else where they do not.
+    /// Computes the first `count` lengths of a row.
     ///
-    /// A dynamic programme: a box two longer and one broader is covered by its first two cells and the boxes two along, one
-    /// across, and both. Only the box two along is of the same row.
-    fn fill(&mut self, line: &mut [u8], done: &[u8], count: usize) {
-        // Boxes of length 1 two apart leave the cell between them.
+    /// `line` holds 0 for each blocking and another number for each free cell of the row, and the final lengths of the cells
+    /// past `count`. `next_row` holds the final lengths of the next row. The row is computed from the lengths of cells
+    /// ahead, by dynamic programming: a box at (col, row) that is 2 longer and 1 broader than a box of length L is covered
+    /// by the first two cells of its row and by three boxes of length L.
+    ///
+    /// ```text
+    ///     row + 1    A  A  C  C      L = 2: a box of length 4 and breadth 2 is covered by the boxes A, B and C and the
+    ///     row        f  f  B  B      cells f. The length at (col, row) is 2 more than that of the shortest of A, B and C
+    ///               col              if both cells f are free, and 1 if only the first of them is.
+    /// ```
+    fn fill(&mut self, line: &mut [u8], next_row: &[u8], count: usize) {
+        // Two boxes of length 1 whose cells are two apart do not cover the cell between them.
         let covering = |length: u8| if length == 1 { 0 } else { length };
-        let across = done.iter().zip(&done[2..]).map(|(&near, &far)| covering(near).min(covering(far)).min(LONGEST - 2) + 2);
-        let is_free = line[..count].iter().zip(&line[1..]).map(|(&here, &next)| here != 0 && next != 0);
-        self.covered.clear();
-        // At the grid's edge the row across is a cell short, and the 0 of the border stands in for that of the last cell.
-        self.covered.extend(across.zip(is_free).map(|(length, is_free)| if is_free { length } else { 0 }));
-        self.covered.extend(line[count..].iter().take(2).map(|&length| covering(length)));
-        // A box is at most two longer than the one two along, which holds for all in a row as soon as it does for those two, four,
-        // eight and so on along; each such step is done for many cells at once, whereas one after the other would wait.
-        debug_assert!(self.covered.len() >= count, "a row lacks cells behind it or across");
-        self.shortened.resize(self.covered.len(), 0);
-        let cells = self.covered.len();
-        for along in [2, 4, 8, 16, 32, 64, 128].into_iter().take_while(|&along| along < cells) {
-            let (near, end) = self.shortened.split_at_mut(cells - along);
-            for ((to, &here), &there) in near.iter_mut().zip(&self.covered).zip(self.covered.iter().skip(along)) {
-                *to = here.min(there.saturating_add(along as u8));
+        let from_next_row =
+            next_row.iter().zip(&next_row[2..]).map(|(&a, &b)| covering(a).min(covering(b)).min(MAX_LENGTH - 2) + 2);
+        let are_free = line[..count].iter().zip(&line[1..]).map(|(&here, &next)| here != 0 && next != 0);
+        self.lengths.clear();
+        // At the end of the grid the next row lacks one cell, so the last cell is left out here. Its length is 0 or 1, and
+        // the border, which follows, has the 0 that stands for both.
+        self.lengths.extend(from_next_row.zip(are_free).map(|(length, are_free)| if are_free { length } else { 0 }));
+        self.lengths.extend(line[count..].iter().take(2).map(|&length| covering(length)));
+        debug_assert!(self.lengths.len() >= count, "a row lacks cells past its end or in the next row");
+        // The third box is in the same row: length[col] <= length[col + 2] + 2. One cell after the other, each would wait
+        // for the one before it. Instead the bound is applied at distances 2, 4, 8 and so on, for the whole row at a time.
+        self.next.resize(self.lengths.len(), 0);
+        let cells = self.lengths.len();
+        for distance in [2, 4, 8, 16, 32, 64, 128].into_iter().take_while(|&distance| distance < cells) {
+            let (near, end) = self.next.split_at_mut(cells - distance);
+            for ((to, &here), &ahead) in near.iter_mut().zip(&self.lengths).zip(self.lengths.iter().skip(distance)) {
+                *to = here.min(ahead.saturating_add(distance as u8));
             }
-            end.copy_from_slice(&self.covered[near.len()..]);
-            std::mem::swap(&mut self.covered, &mut self.shortened);
+            end.copy_from_slice(&self.lengths[near.len()..]);
+            std::mem::swap(&mut self.lengths, &mut self.next);
         }
-        for (length, &covered) in line[..count].iter_mut().zip(&self.covered) {
-            // What blocks has length 0, and what is free before what blocks has 1.
-            *length = covered.max((*length).min(1));
+        for (length, &found) in line[..count].iter_mut().zip(&self.lengths) {
+            // At least 1 for a free cell.
+            *length = found.max((*length).min(1));
         }
     }
 }
@@ -238,7 +260,7 @@ mod tests {
     use crate::random;
     use rand::Rng;
 
-    /// Sector, cell, and the length found there, of all cells and sectors.
+    /// Sector, cell and length of every box.
     fn boxes(free_boxes: &FreeBoxes) -> impl Iterator<Item = (Sector, (i32, i32), i32)> {
         let cells =
             (0..free_boxes.height() as i32).flat_map(|row| (0..free_boxes.width() as i32).map(move |col| (col, row)));
@@ -247,20 +269,19 @@ mod tests {
         })
     }
 
-    /// Whether a box has a blocking cell or reaches off the grid.
+    /// Returns true if a box holds a blocking cell or reaches off the grid.
     fn is_blocked(blocking: &[bool], width: usize, (col, row): (i32, i32), sector: Sector, length: i32) -> bool {
         let (cols, rows) = sector.order(length, breadth(length));
         let height = blocking.len() / width;
         (0..rows).flat_map(|up| (0..cols).map(move |along| (along, up))).any(|(along, up)| {
-            let col = col + if sector.x().is_on() { -along } else { along };
-            let row = row + if sector.y().is_on() { -up } else { up };
+            let (col, row) = (sector.x().ahead(col, along), sector.y().ahead(row, up));
             let on_grid = (0..width as i32).contains(&col) && (0..height as i32).contains(&row);
             !on_grid || blocking[row as usize * width + col as usize]
         })
     }
 
     #[test]
-    fn boxes_are_free_and_all_but_as_long_as_can_be() {
+    fn boxes_are_free_and_at_most_one_cell_too_short() {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
             let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
@@ -275,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_along_come_to_what_one_cell_after_the_other_does() {
+    fn whole_row_steps_equal_one_cell_after_the_other() {
         let mut stream = random::stream(3, 0);
         let mut below = |bound: u64| (stream.next_u64() % bound) as u8;
         let covering = |length: &u8| if *length == 1 { 0 } else { *length };
@@ -290,7 +311,7 @@ mod tests {
                 let mut expected = line.clone();
                 for cell in (0..count).rev() {
                     let ahead = [done.get(cell), done.get(cell + 2), expected.get(cell + 2)];
-                    let least = ahead.map(|length| length.map_or(0, covering)).into_iter().fold(LONGEST - 2, u8::min);
+                    let least = ahead.map(|length| length.map_or(0, covering)).into_iter().fold(MAX_LENGTH - 2, u8::min);
                     expected[cell] = if line[cell] != 0 && line[cell + 1] != 0 { least + 2 } else { line[cell] };
                 }
                 RowFiller::default().fill(&mut line, &done, count);
@@ -300,13 +321,13 @@ mod tests {
     }
 
     #[test]
-    fn lengths_stop_at_what_a_byte_holds() {
+    fn lengths_end_at_the_longest_box() {
         let free_boxes = FreeBoxes::new(&[(); 90_000], 300, Some(1), |()| false);
         for sector in Sector::all() {
             let corner = |back: bool| if back { 299 } else { 0 };
             assert_eq!(
                 free_boxes.length(corner(sector.x().is_on()), corner(sector.y().is_on()), sector),
-                i32::from(LONGEST)
+                i32::from(MAX_LENGTH)
             );
             assert_eq!(free_boxes.length(corner(!sector.x().is_on()), corner(!sector.y().is_on()), sector), 1);
         }
@@ -323,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn an_update_is_as_good_as_a_new_start() {
+    fn an_update_equals_a_rebuild() {
         let mut stream = random::stream(2, 0);
         let mut below = |count: usize| stream.next_u64() as usize % count;
         for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
@@ -336,8 +357,8 @@ mod tests {
                     blocking[row * width..][region.0.clone()].fill_with(|| below(one_in) == 0);
                 }
                 free_boxes.update(&blocking, region.clone(), |blocks| *blocks);
-                let anew = FreeBoxes::new(&blocking, width, Some(2), |blocks| *blocks);
-                assert!(free_boxes.lengths() == anew.lengths(), "{width}x{height} {region:?}");
+                let rebuilt = FreeBoxes::new(&blocking, width, Some(2), |blocks| *blocks);
+                assert!(free_boxes.lengths() == rebuilt.lengths(), "{width}x{height} {region:?}");
             }
         }
     }

@@ -1,11 +1,13 @@
-//! Zeroed bytes to be read at random.
+//! Memory for large tables that are read at random.
 
 use std::ops::{Deref, DerefMut};
 
 use memmap2::MmapMut;
 
-/// Bytes that start as zeros, in huge pages where there are many and the system grants such pages: on a grid that no cache holds,
-/// looking up where a page is costs as much as what is in it.
+/// A byte array that starts as zeros. A large one is in huge pages, if the system has them.
+///
+/// If a table does not fit in the caches, looking up the address of a page costs as much as reading the byte. With huge
+/// pages there are few addresses to look up.
 #[derive(Debug)]
 pub struct Pages(Memory);
 
@@ -15,19 +17,19 @@ enum Memory {
     Mapped(MmapMut),
 }
 
-/// The least that is worth pages of its own, which the usual huge page holds.
-const WORTH_MAPPING: usize = 2 << 20;
+/// Smallest length in bytes that gets its own pages: the usual size of a huge page.
+const MIN_MAPPED: usize = 2 << 20;
 
 impl Pages {
-    /// So many zeros.
+    /// Returns `length` zeros.
     #[must_use]
     pub fn zeroed(length: usize) -> Self {
-        if length < WORTH_MAPPING {
+        if length < MIN_MAPPED {
             return Self(Memory::Allocated(vec![0; length]));
         }
         let Ok(mapped) = MmapMut::map_anon(length) else { return Self(Memory::Allocated(vec![0; length])) };
         #[cfg(target_os = "linux")]
-        let _ = mapped.advise(memmap2::Advice::HugePage); // A system without them has pages all the same.
+        let _ = mapped.advise(memmap2::Advice::HugePage); // On failure the memory has pages of the usual size.
         Self(Memory::Mapped(mapped))
     }
 }
@@ -67,8 +69,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pages_are_zeros_of_their_own() {
-        for length in [1, 100, WORTH_MAPPING - 1, WORTH_MAPPING, 5_000_001] {
+    fn pages_start_as_zeros_and_copies_are_independent() {
+        for length in [1, 100, MIN_MAPPED - 1, MIN_MAPPED, 5_000_001] {
             let mut pages = Pages::zeroed(length);
             assert!(pages.len() == length && pages.iter().all(|&byte| byte == 0));
             pages[length - 1] = 7;

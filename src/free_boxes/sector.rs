@@ -6,8 +6,9 @@ use glam::DVec2;
 
 /// One eighth of all directions: the way a ray moves along each axis, and the axis along which it moves farther.
 ///
-/// A ray is mirrored along each axis that it moves down, and its axes are swapped if it moves farther along y. After that every
-/// ray moves up both axes, and farther along the first one, its major axis. Negation is exact, so distances keep all their bits.
+/// A ray is mirrored along each axis that it moves down, and its axes are swapped if it moves farther along y. After that
+/// every ray moves up both axes, and farther along the first one, its major axis. Negation is exact, so distances keep all
+/// their bits.
 ///
 /// ```text
 ///           y
@@ -89,8 +90,8 @@ impl Sector {
 
 /// Whether one axis of a sector is mirrored, so that rays of the sector move up it.
 ///
-/// Coordinates and cells count from the lower end of the grid; mirrored cells count from its upper end, and mirrored coordinates
-/// are negated.
+/// Coordinates and cells count from the lower end of the grid; mirrored cells count from its upper end, and mirrored
+/// coordinates are negated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mirror(bool);
 

@@ -1,38 +1,39 @@
-//! Elementary functions in a form that vectorises, with the same bytes on every machine.
+//! Elementary functions that vectorise and give the same bytes on every machine.
 
 use super::{GROUP, Group};
 
-/// Angles up to here are reduced by multiples of π/2 that leave the first part of it exact.
-const LARGEST: f64 = 1e5;
+/// Largest angle for [`direction`]. Up to here a multiple of the first part of [`HALF_PI`] is exact.
+const MAX_ANGLE: f64 = 1e5;
 
-/// π/2 in three parts, the first two with 33 bits each (fdlibm, `e_rem_pio2.c`).
+/// π/2 as the sum of three parts; the first two have 33 bits each (fdlibm, `e_rem_pio2.c`).
 const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
-/// Adding this to a number of less than 51 bits and taking it off again rounds to a whole number.
+/// Adding this number to a number below 2⁵¹ and subtracting it again rounds to the nearest integer.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// Puts the cosines and sines of angles where they belong, to within 2 ulp; returns whether all of them are finite.
+/// Writes the cosine and the sine of each angle to `cos` and `sin`, to within 2 ulp. Returns true if all angles are finite.
 ///
-/// The polynomials of fdlibm (`k_sin.c`, `k_cos.c`) after a reduction to [-π/4, π/4] by Cody & Waite (1980); angles too large for
-/// it go to `libm`.
+/// Angles are reduced to [-π/4, π/4] (Cody & Waite 1980), then evaluated with the polynomials of fdlibm (`k_sin.c`,
+/// `k_cos.c`). Angles that are too large for the reduction go to `libm`.
 #[inline(always)]
 pub fn directions(angles: &Group, cos: &mut Group, sin: &mut Group) -> bool {
     let mut are_small = true;
-    for place in 0..GROUP {
-        (cos[place], sin[place]) = direction(angles[place]);
-        are_small &= angles[place].abs() <= LARGEST;
+    for slot in 0..GROUP {
+        (cos[slot], sin[slot]) = direction(angles[slot]);
+        are_small &= angles[slot].abs() <= MAX_ANGLE;
     }
     if are_small {
         return true;
     }
-    for place in 0..GROUP {
-        if angles[place].abs() > LARGEST {
-            (sin[place], cos[place]) = libm::sincos(angles[place]);
+    for slot in 0..GROUP {
+        if angles[slot].abs() > MAX_ANGLE {
+            (sin[slot], cos[slot]) = libm::sincos(angles[slot]);
         }
     }
     angles.iter().all(|angle| angle.is_finite())
 }
 
+/// Returns the cosine and the sine of an angle of at most [`MAX_ANGLE`].
 #[inline(always)]
 fn direction(angle: f64) -> (f64, f64) {
     let shifted = angle * std::f64::consts::FRAC_2_PI + ROUND;
@@ -49,7 +50,7 @@ fn direction(angle: f64) -> (f64, f64) {
     (cos, sin)
 }
 
-/// (sin x - x) / x³ in powers of x².
+/// Coefficients of (sin x - x) / x³ in powers of x².
 const SIN: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
@@ -59,7 +60,7 @@ const SIN: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-/// (cos x - 1 + x²/2) / x⁴ in powers of x².
+/// Coefficients of (cos x - 1 + x²/2) / x⁴ in powers of x².
 const COS: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
@@ -69,13 +70,14 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
+/// Evaluates a polynomial by Horner's rule; the constant coefficient comes first.
 #[inline(always)]
 fn polynomial(x: f64, coefficients: &[f64; 6]) -> f64 {
     let [rest @ .., last] = coefficients;
     rest.iter().rev().fold(*last, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Sine and cosine of a float32 in [-π/4, π/4], to within 2⁻²³ (the polynomials of Cephes, `sinf.c`).
+/// Returns the sine and the cosine of an angle in [-π/4, π/4], to within 2⁻²³ (polynomials of Cephes, `sinf.c`).
 #[inline(always)]
 pub fn sin_cos32(x: f32) -> (f32, f32) {
     let z = x * x;
@@ -84,14 +86,15 @@ pub fn sin_cos32(x: f32) -> (f32, f32) {
     (sin, cos)
 }
 
-/// Logarithm of a positive float32 that is not subnormal, to within a relative 2⁻²² (fdlibm's polynomial for float32,
-/// `e_logf.c`).
+/// Returns the natural logarithm of a positive number that is not subnormal, with a relative error of at most 2⁻²²
+/// (polynomial of fdlibm, `e_logf.c`).
 #[inline(always)]
 pub fn ln32(x: f32) -> f32 {
-    /// The bits of 1, and of the least number that is no less than √½.
+    /// Bits of 1.
     const ONE: u32 = 0x3f80_0000;
+    /// Bits of the smallest number that is at least √½.
     const SQRT_HALF: u32 = 0x3f35_04f4;
-    // The significand in [√½, √2), and the power of 2 that it comes with.
+    // x = significand · 2^power, with the significand in [√½, √2).
     let shifted = x.to_bits().wrapping_add(ONE - SQRT_HALF);
     let power = (shifted >> 23) as i32 - 127;
     let significand = f32::from_bits((shifted & 0x007f_ffff) + SQRT_HALF);
@@ -109,7 +112,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn directions_are_those_of_libm() {
+    fn directions_agree_with_libm() {
         let mut stream = random::stream(3, 0);
         let mut angle = |scale: f64| (stream.random::<f64>() - 0.5) * scale;
         for scale in [1e-300, 1e-9, 1.0, 7.0, 100.0, 2e5, 1e300] {
@@ -118,29 +121,29 @@ mod tests {
                 angles.fill_with(|| angle(scale));
                 let (mut cos, mut sin) = ([0.0; GROUP], [0.0; GROUP]);
                 assert!(directions(&angles, &mut cos, &mut sin));
-                for place in 0..GROUP {
-                    let (expected_sin, expected_cos) = libm::sincos(angles[place]);
-                    let off = (cos[place] - expected_cos).abs().max((sin[place] - expected_sin).abs());
-                    assert!(off < 3e-16, "{} is off by {off}", angles[place]);
+                for slot in 0..GROUP {
+                    let (expected_sin, expected_cos) = libm::sincos(angles[slot]);
+                    let off = (cos[slot] - expected_cos).abs().max((sin[slot] - expected_sin).abs());
+                    assert!(off < 3e-16, "{} is off by {off}", angles[slot]);
                 }
             }
         }
     }
 
     #[test]
-    fn quarters_of_a_turn_go_along_the_axes() {
-        let angles = std::array::from_fn(|place| (place as f64 - 16.0) * FRAC_PI_2);
+    fn quarter_turns_are_along_the_axes() {
+        let angles = std::array::from_fn(|slot| (slot as f64 - 16.0) * FRAC_PI_2);
         let (mut cos, mut sin) = ([0.0; GROUP], [0.0; GROUP]);
         assert!(directions(&angles, &mut cos, &mut sin));
-        for place in 0..GROUP {
-            let (expected_sin, expected_cos) = libm::sincos(angles[place]);
-            assert!((cos[place] - expected_cos).abs() < 1e-17 || cos[place] == expected_cos, "{place}");
-            assert!((sin[place] - expected_sin).abs() < 1e-17 || sin[place] == expected_sin, "{place}");
+        for slot in 0..GROUP {
+            let (expected_sin, expected_cos) = libm::sincos(angles[slot]);
+            assert!((cos[slot] - expected_cos).abs() < 1e-17 || cos[slot] == expected_cos, "{slot}");
+            assert!((sin[slot] - expected_sin).abs() < 1e-17 || sin[slot] == expected_sin, "{slot}");
         }
     }
 
     #[test]
-    fn angles_that_are_not_finite_have_no_direction() {
+    fn angles_that_are_not_finite_are_reported() {
         for angle in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let (mut angles, mut cos, mut sin) = ([1e6; GROUP], [0.0; GROUP], [0.0; GROUP]);
             assert!(directions(&angles, &mut cos, &mut sin));
@@ -151,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn float32_functions_are_those_of_float64() {
+    fn float32_functions_agree_with_float64() {
         let mut stream = random::stream(4, 0);
         for _ in 0..100_000 {
             let x = (stream.random::<f32>() - 0.5) * std::f32::consts::FRAC_PI_2;
@@ -160,7 +163,7 @@ mod tests {
             assert!(off < 1.2e-7, "{x} is off by {off}");
             for x in [stream.random::<f32>(), stream.random::<f32>() * 1e-8, 1.0 - stream.random::<f32>() * 1e-6] {
                 let off = f64::from(ln32(x)) / libm::log(x.into()) - 1.0;
-                assert!(x == 0.0 || x == 1.0 || off.abs() < 2.4e-7, "{x} is off by a part of {off}");
+                assert!(x == 0.0 || x == 1.0 || off.abs() < 2.4e-7, "{x} has a relative error of {off}");
             }
         }
         assert_eq!(ln32(1.0), 0.0);

@@ -1,4 +1,4 @@
-//! The standard normal distribution, with the same bytes on every machine.
+//! The standard normal distribution: random numbers with the same bytes on every machine, density and probability.
 
 use std::f32::consts::FRAC_PI_4;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -7,38 +7,40 @@ use rand::Rng;
 
 use super::elementary::{ln32, sin_cos32};
 
-/// Two independent standard normal numbers from two words of random bits and the two upper bits of a third, to the precision of a
-/// float32; beyond 6.6, where one in 10¹⁰ should be, there are none, and one pair in 2²⁵ is (0, 0).
+/// Returns two independent standard normal numbers, to the precision of a float32.
 ///
-/// The point with these coordinates is at a random angle, and at a distance whose square is exponential (Box & Muller 1958).
+/// They are made from two words of random bits and the two upper bits of a third word, `quadrant`. As coordinates they are a
+/// point at a random angle, at a distance whose square is exponentially distributed (Box & Muller 1958).
+///
+/// Limits: no number is beyond ±6.6, where one in 10¹⁰ should be, and one pair in 2²⁵ is (0, 0).
 #[inline(always)]
 #[must_use]
 pub fn pair([first, second]: [u32; 2], quadrant: u32) -> (f32, f32) {
-    /// The middle of one of 2³² parts of (-1, 1), rounded, which may reach an end.
+    /// Returns the middle of one of 2³² equal parts of (-1, 1). Rounding may give an end of the interval.
     #[inline(always)]
-    fn part(bits: u32) -> f32 {
+    fn middle(bits: u32) -> f32 {
         (bits as i32 as f32 + 0.5) * (1.0 / (1u32 << 31) as f32)
     }
-    let distance = (-2.0 * ln32(part(first >> 1))).sqrt();
-    // An angle of at most 45° to an axis, and then to one of both and of their two directions.
-    let (sin, cos) = sin_cos32(part(second) * FRAC_PI_4);
+    let distance = (-2.0 * ln32(middle(first >> 1))).sqrt();
+    // An angle of at most 45° to an axis. The bits of `quadrant` choose the axis and its direction.
+    let (sin, cos) = sin_cos32(middle(second) * FRAC_PI_4);
     let (across, along) = (sin * distance, cos * distance);
     let along = f32::from_bits(along.to_bits() ^ (quadrant & 1 << 31));
     if quadrant & 1 << 30 == 0 { (along, across) } else { (across, along) }
 }
 
-/// A standard normal number.
+/// Draws a standard normal number.
 pub fn sample(stream: &mut impl Rng) -> f64 {
     let [first, second] = [stream.next_u64(), stream.next_u64()];
     pair([first, second].map(|bits| (bits >> 32) as u32), first as u32).0.into()
 }
 
-/// The probability between `below` under the mean and `above` over it, Φ(above) - Φ(-below), without cancellation.
+/// Returns the probability of the interval from -`below` to `above`, Φ(above) - Φ(-below), without cancellation.
 pub fn mass_around_mean(below: f64, above: f64) -> f64 {
     0.5 * (libm::erf(below * FRAC_1_SQRT_2) + libm::erf(above * FRAC_1_SQRT_2))
 }
 
-/// The density φ.
+/// Returns the density φ(x).
 pub fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) / libm::sqrt(2.0 * PI)
 }
@@ -57,7 +59,7 @@ mod tests {
         (0..COUNT).map(|_| draw()).collect()
     }
 
-    /// Kolmogorov and Smirnov's test, at a level of about 1e-5.
+    /// The test of Kolmogorov and Smirnov, at a level of about 1e-5.
     #[test]
     fn both_numbers_are_normal() {
         for which in 0..2 {
@@ -67,14 +69,14 @@ mod tests {
             let off = numbers.iter().enumerate().map(|(index, &x)| (cdf(x) - index as f64 / COUNT as f64).abs());
             let off = off.fold(0.0, f64::max);
             assert!(off < 2.5 / (COUNT as f64).sqrt(), "number {which} is off by {off}");
-            // One in 15,787 is.
+            // The share of a normal distribution beyond ±4 is 1 in 15,787.
             let beyond = |limit: f64| numbers.iter().filter(|x| x.abs() > limit).count() as f64;
             assert!((beyond(4.0) - COUNT as f64 / 15_787.0).abs() < 40.0, "{} are beyond 4", beyond(4.0));
         }
     }
 
     #[test]
-    fn the_two_numbers_have_nothing_to_do_with_each_other() {
+    fn the_two_numbers_are_independent() {
         let mut quadrants = [0.0; 8];
         let (mut products, mut squares) = (0.0, 0.0);
         for [x, y] in pairs() {
@@ -91,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn no_bits_lead_astray() {
+    fn extreme_bits_give_small_numbers() {
         for bits in [0, 1, u32::MAX / 2, u32::MAX - 1, u32::MAX, 1 << 31] {
             for other in [0, u32::MAX, 1 << 31, 1 << 30] {
                 let (x, y) = pair([bits, other], other);
@@ -101,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bytes_are_part_of_the_promise() {
+    fn the_bytes_do_not_change() {
         let bits = <[f32; 2]>::from(pair([0x1234_5678, 0x9abc_def0], 1 << 30)).map(f32::to_bits);
         assert_eq!(bits, [3_215_676_459, 1_072_647_996]);
     }
