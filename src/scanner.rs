@@ -112,7 +112,7 @@ impl LaserScanner {
         }
         check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
         check_number("max_range", max_range, "greater than min_range", |value| value > min_range)?;
-        check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
+        check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
         check_finite("mount x", mount.position.x)?;
         check_finite("mount y", mount.position.y)?;
         check_finite("mount yaw", mount.yaw)?;

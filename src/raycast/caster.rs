@@ -122,7 +122,8 @@ impl<'grid> Caster<'grid> {
         }
     }
 
-    /// Casts unrelated rays, each `[x, y, yaw]` in the map frame; stores the ranges \[m\] to the nearest of grid and obstacles.
+    /// Casts unrelated rays, each `[x, y, yaw]` in the map frame; stores the ranges \[m\] to the nearest of grid and
+    /// obstacles.
     ///
     /// The maximum range means no return. The result does not depend on `threads` (default: all cores).
     ///
@@ -180,7 +181,8 @@ impl<'grid> Caster<'grid> {
         }
     }
 
-    /// Stores the part of a ray that is on the grid in a slot of a group; leaves the slot as it is if the ray misses the grid.
+    /// Stores the part of a ray that is on the grid in a slot of a group; leaves the slot as it is if the ray misses the
+    /// grid.
     fn enter(&self, columns: &mut RayColumns, slot: usize, origin: DVec2, direction: DVec2) {
         if let Some(ray) = Ray::entering(self.grid.width(), self.grid.height(), origin, direction) {
             columns.set(slot, &ray);
@@ -240,7 +242,7 @@ pub fn cast_rays<'a>(
 ) -> Result<(), Error> {
     let World { grid, obstacles } = world.into();
     check_number("max_range", max_range, "positive", |value| value > 0.0)?;
-    check_number("max_range", max_range, "a float32", |value| value <= f32::MAX.into())?;
+    check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
     Caster::new(grid, max_range, Kernel::chosen()?).cast_rays(obstacles, rays, threads, ranges)
 }
 

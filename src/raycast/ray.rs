@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
-/// A ray that starts on a grid, where it starts there, and how far it came to get there. Lengths in cells.
+/// The part of a ray that is on a grid. Coordinates and lengths are in cells, from the corner of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts, or where it enters the grid.
+    /// Start of the ray, or the point where it enters the grid.
     pub origin: DVec2,
     /// Unit vector.
     pub direction: DVec2,
@@ -13,29 +13,29 @@ pub struct Ray {
     pub col: i32,
     /// Row of the first cell.
     pub row: i32,
-    /// Distance travelled before the grid, infinite for a ray that never gets there.
+    /// Distance from the start of the ray to `origin`; infinite if the ray misses the grid.
     pub gap: f64,
 }
 
-/// Components below this move a ray by less than a float64 can tell on any grid, and count as zero.
-const NO_MOTION: f64 = 1e-300;
+/// Smaller components of a direction count as 0: on any grid they move a ray by less than a float64 can resolve.
+const MIN_COMPONENT: f64 = 1e-300;
 
 impl Ray {
-    /// One over the direction, by axis; infinite for an axis that the ray does not move along.
+    /// Returns one over each component of the direction; infinite for an axis along which the ray does not move.
     #[inline(always)]
     #[must_use]
     pub fn inverse(&self) -> DVec2 {
         DVec2::new(1.0 / self.direction.x, 1.0 / self.direction.y)
     }
 
-    /// The ray from `origin` along the unit vector `direction` over a grid of `width` by `height` cells, from its first cell on;
-    /// `None` if it passes the grid by.
+    /// Returns the part of a ray that is on a grid of `width` by `height` cells; `None` if the ray misses the grid.
     ///
-    /// From outside, the ray is clipped to the grid's box; the start cell is the one at the side it comes in by.
+    /// `origin` is the start of the ray and `direction` a unit vector. A ray from outside is clipped to the rectangle of the
+    /// grid; its first cell is the one at the side through which it enters.
     #[must_use]
     pub fn entering(width: usize, height: usize, origin: DVec2, direction: DVec2) -> Option<Self> {
         if !origin.is_finite() || !direction.is_finite() {
-            // Metres that overflow when counted in cells are beyond any range, and angles that overflow lead nowhere.
+            // The pose overflowed when it was converted to cells and to a direction. It is farther away than any range.
             return None;
         }
         let direction = DVec2::new(flush_tiny(direction.x), flush_tiny(direction.y));
@@ -65,12 +65,13 @@ impl Ray {
     }
 }
 
+/// Returns 0 for a component of a direction that is too small to move the ray.
 #[inline(always)]
 pub(super) fn flush_tiny(component: f64) -> f64 {
-    if component.abs() < NO_MOTION { 0.0 } else { component }
+    if component.abs() < MIN_COMPONENT { 0.0 } else { component }
 }
 
-/// Where a ray enters and leaves the slab `[0, size)` along one axis.
+/// Returns the distances at which a ray enters and leaves the slab `[0, size)` of one axis; `None` if it misses the slab.
 fn crossing(origin: f64, direction: f64, inverse: f64, size: f64) -> Option<(f64, f64)> {
     if direction == 0.0 {
         return (origin >= 0.0 && origin < size).then_some((f64::NEG_INFINITY, f64::INFINITY));
@@ -89,13 +90,13 @@ mod tests {
     }
 
     #[test]
-    fn a_start_on_the_grid_is_where_it_is() {
+    fn a_start_on_the_grid_is_unchanged() {
         assert_eq!(enter(2.5, 1.5, 1.0), Some((2, 1, 0.0)));
         assert_eq!(enter(0.0, 0.0, 4.0), Some((0, 0, 0.0)));
     }
 
     #[test]
-    fn a_start_outside_comes_in_by_a_side() {
+    fn a_ray_from_outside_enters_through_a_side() {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
         assert_eq!(enter(-3.0, 2.5, 0.0), Some((0, 2, 3.0)));
         assert_eq!(enter(7.0, 2.5, PI), Some((3, 2, 3.0)));
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_that_passes_by_never_enters() {
+    fn a_ray_that_misses_the_grid_is_none() {
         assert_eq!(enter(-3.0, 2.5, 3.0), None);
         assert_eq!(enter(-1.0, 3.0, 0.0), None);
         assert_eq!(enter(-1.0, 5.0, -0.1), None);
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_far_away_loses_nothing_but_precision() {
+    fn a_start_far_away_only_loses_precision() {
         assert_eq!(enter(-1e9, 1.5, 0.0), Some((0, 1, 1e9)));
     }
 }

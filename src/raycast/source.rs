@@ -7,7 +7,8 @@ use crate::grid::OccupancyGrid;
 /// Number of free boxes that [`Source::is_cluttered`] looks up.
 pub const SAMPLES: usize = Sector::COUNT;
 
-/// Rays over a grid, in cells: one or more fans with the same number of rays each, in groups of [`GROUP`](crate::numeric::GROUP).
+/// Rays over a grid, in cells: one or more fans with the same number of rays each, in groups of
+/// [`GROUP`](crate::numeric::GROUP).
 pub trait Source: Copy {
     /// True if many rays start in the same cell.
     const SHARES_START_CELLS: bool;

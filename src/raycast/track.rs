@@ -84,10 +84,11 @@ impl Track {
         Self { major, minor, sector }
     }
 
-    /// The cell that the ray enters when it leaves the free box of this length at a cell; the same cell as in the plain traversal.
+    /// The cell that the ray enters when it leaves the free box of this length at a cell; the same cell as in the plain
+    /// traversal.
     ///
-    /// A ray leaves a box through one of its two far sides. The number of that line is exact. The distance to it is computed from
-    /// the ray's origin, as in the traversal. The cell along the other axis is the one that contains the crossing.
+    /// A ray leaves a box through one of its two far sides. The number of that line is exact. The distance to it is computed
+    /// from the ray's origin, as in the traversal. The cell along the other axis is the one that contains the crossing.
     #[inline(always)]
     #[must_use]
     pub fn step(&self, (major, minor): (i32, i32), length: i32) -> (i32, i32) {
@@ -104,8 +105,8 @@ impl Track {
         }
     }
 
-    /// Distance from the origin of the ray, which may be off the grid, to the boundary at which it enters a cell; infinite if that
-    /// cell is off the grid.
+    /// Distance from the origin of the ray, which may be off the grid, to the boundary at which it enters a cell; infinite
+    /// if that cell is off the grid.
     ///
     /// The ray enters the cell at the farther of its two near lines. In the first cell both lines are behind the origin.
     #[inline(always)]

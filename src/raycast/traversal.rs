@@ -1,13 +1,21 @@
-//! The plain cell-by-cell traversal: the specification of all that is faster.
+//! The plain traversal, cell by cell: the specification of the faster kernels.
 
 use super::Ray;
 use crate::grid::{Cell, OccupancyGrid};
 
-/// Distance in cells from a ray's first cell to the boundary by which it enters a blocking one, or infinity if there is none
-/// within `limit`.
+/// Returns the distance in cells from the origin of a ray to the boundary at which it enters the first blocking cell;
+/// infinite if there is none within `limit`.
 ///
-/// Amanatides & Woo 1987, sec. 2, but for one thing: a crossing's distance is computed from the ray's origin, not summed up.
-/// A ray through a corner crosses the row's boundary first, so the path is 4-connected.
+/// The method is that of Amanatides & Woo 1987, sec. 2, with one difference: the distance of a crossing is computed from the
+/// origin of the ray, not summed up. A ray through a corner crosses the row's boundary first, so the path is 4-connected:
+///
+/// ```text
+///     +-----+-----+
+///     |  2  |  3  |     A ray from cell 1 through the corner visits the cells 1, 2 and 3.
+///     +-----+-----+
+///     |  1  |     |
+///     +-----+-----+
+/// ```
 #[must_use]
 pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
     let inverse = ray.inverse();

@@ -1,4 +1,4 @@
-//! AVX2: 8 rays to a vector.
+//! AVX2: vectors of 8 rays.
 #![allow(unsafe_code, reason = "intrinsics")]
 
 use std::arch::x86_64::{
@@ -17,15 +17,15 @@ use super::lanes::{Lanes, Work};
 pub struct Avx2(());
 
 impl Avx2 {
-    /// The instruction set, if the processor has it.
+    /// Returns the proof, if the processor has the instruction set.
     pub fn new() -> Option<Self> {
         let has = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("popcnt");
         has.then_some(Self(()))
     }
 }
 
-/// For each set of lanes, where the lanes moved down come from.
-static MOVED_DOWN: [[i32; 8]; 256] = {
+/// For each mask of lanes: the lanes with a bit set, moved to the front.
+static COMPACTIONS: [[i32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut bits = 0;
     while bits < 256 {
@@ -42,12 +42,12 @@ static MOVED_DOWN: [[i32; 8]; 256] = {
     table
 };
 
-/// Methods that are one expression of intrinsics each.
+/// Defines methods that consist of one expression of intrinsics.
 macro_rules! lanewise {
     ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty { $body:expr })*) => {
         $(#[inline(always)]
         fn $name(self, $($argument: $type),*) -> $result {
-            // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+            // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
             unsafe { $body }
         })*
     };
@@ -58,34 +58,34 @@ impl Lanes for Avx2 {
     type Float = __m256;
     type Int = __m256i;
     type Mask = __m256;
-    type Order = __m256i;
+    type Compaction = __m256i;
 
     lanewise! {
-        float(number: f32) -> __m256 { _mm256_set1_ps(number) }
-        int(number: i32) -> __m256i { _mm256_set1_epi32(number) }
+        splat(number: f32) -> __m256 { _mm256_set1_ps(number) }
+        splat_int(number: i32) -> __m256i { _mm256_set1_epi32(number) }
         add(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
         multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
-        half_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
+        half_rounded_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
-        to_float(within: __m256, a: __m256i) -> __m256 { _mm256_and_ps(within, _mm256_cvtepi32_ps(a)) }
+        to_float(mask: __m256, a: __m256i) -> __m256 { _mm256_and_ps(mask, _mm256_cvtepi32_ps(a)) }
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
         multiply_int(a: __m256i, b: __m256i) -> __m256i { _mm256_mullo_epi32(a, b) }
         pack(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(_mm256_slli_epi32::<16>(a), b) }
-        is_less(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }
-        is_at_most(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }
-        is_not_greater(within: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_NGT_UQ>(a, b)) }
-        is_positive(within: __m256, a: __m256i) -> __m256 {
-            _mm256_and_ps(within, _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))))
+        is_less(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(mask, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }
+        is_at_most(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(mask, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }
+        is_not_greater(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_and_ps(mask, _mm256_cmp_ps::<_CMP_NGT_UQ>(a, b)) }
+        is_positive(mask: __m256, a: __m256i) -> __m256 {
+            _mm256_and_ps(mask, _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, _mm256_set1_epi32(0))))
         }
-        without(a: __m256, b: __m256) -> __m256 { _mm256_andnot_ps(b, a) }
+        and_not(a: __m256, b: __m256) -> __m256 { _mm256_andnot_ps(b, a) }
         bits(mask: __m256) -> u32 { _mm256_movemask_ps(mask) as u32 }
         select(mask: __m256, a: __m256, b: __m256) -> __m256 { _mm256_blendv_ps(b, a, mask) }
     }
 
     #[inline(always)]
-    fn off_whole(self, a: __m256) -> __m256 {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+    fn distance_to_integer(self, a: __m256) -> __m256 {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
         unsafe {
             let beyond = _mm256_sub_ps(a, _mm256_floor_ps(a));
             _mm256_min_ps(beyond, _mm256_sub_ps(_mm256_set1_ps(1.0), beyond))
@@ -103,22 +103,22 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn first(self, count: usize) -> __m256 {
-        let count = self.int(count.min(Self::COUNT) as i32);
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+    fn first_lanes(self, count: usize) -> __m256 {
+        let count = self.splat_int(count.min(Self::COUNT) as i32);
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
         unsafe { _mm256_castsi256_ps(_mm256_cmpgt_epi32(count, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7))) }
     }
 
     #[inline(always)]
-    fn gather(self, bytes: &[u8], places: __m256i) -> __m256i {
+    fn gather(self, bytes: &[u8], indices: __m256i) -> __m256i {
         assert!((1..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: `self` is proof that the processor has the instruction set; a vector is as many numbers, of any bits; no place
-        // is beyond the last one after the minimum.
+        // SAFETY: `self` is proof that the processor has the instruction set. A vector and the array have the same size, and
+        // all bits are valid. After the minimum no index is past the end.
         unsafe {
-            let places = _mm256_min_epu32(places, _mm256_set1_epi32((bytes.len() - 1) as i32));
-            let places: [u32; 8] = std::mem::transmute(places);
-            debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
-            let byte = |lane: usize| u64::from(*bytes.get_unchecked(places[lane] as usize)) << (8 * lane);
+            let indices = _mm256_min_epu32(indices, _mm256_set1_epi32((bytes.len() - 1) as i32));
+            let indices: [u32; 8] = std::mem::transmute(indices);
+            debug_assert!(indices.iter().all(|&index| (index as usize) < bytes.len()));
+            let byte = |lane: usize| u64::from(*bytes.get_unchecked(indices[lane] as usize)) << (8 * lane);
             let gathered = (0..8).fold(0, |all, lane| all | byte(lane));
             _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(gathered as i64))
         }
@@ -127,45 +127,45 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> __m256 {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm256_loadu_ps(numbers.as_ptr()) }
     }
 
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> __m256i {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm256_loadu_si256(numbers.as_ptr().cast()) }
     }
 
     #[inline(always)]
-    fn order_of(self, bits: u32) -> __m256i {
-        self.load_int(&MOVED_DOWN[bits as usize], 0)
+    fn compaction(self, bits: u32) -> __m256i {
+        self.load_int(&COMPACTIONS[bits as usize], 0)
     }
 
     #[inline(always)]
-    fn store_ordered(self, order: __m256i, numbers: &mut [f32], at: usize, a: __m256) {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        self.store(numbers, at, unsafe { _mm256_permutevar8x32_ps(a, order) });
+    fn store_compacted(self, compaction: __m256i, numbers: &mut [f32], at: usize, a: __m256) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        self.store(numbers, at, unsafe { _mm256_permutevar8x32_ps(a, compaction) });
     }
 
     #[inline(always)]
-    fn store_int_ordered(self, order: __m256i, numbers: &mut [i32], at: usize, a: __m256i) {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        self.store_int(numbers, at, unsafe { _mm256_permutevar8x32_epi32(a, order) });
+    fn store_int_compacted(self, compaction: __m256i, numbers: &mut [i32], at: usize, a: __m256i) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        self.store_int(numbers, at, unsafe { _mm256_permutevar8x32_epi32(a, compaction) });
     }
 
     #[inline(always)]
     fn store(self, numbers: &mut [f32], at: usize, a: __m256) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), a) }
     }
 
     #[inline(always)]
     fn store_int(self, numbers: &mut [i32], at: usize, a: __m256i) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm256_storeu_si256(numbers.as_mut_ptr().cast(), a) }
     }
 }

@@ -1,4 +1,4 @@
-//! AVX-512: 16 rays to a vector.
+//! AVX-512: vectors of 16 rays.
 #![allow(unsafe_code, reason = "intrinsics")]
 
 use std::arch::x86_64::{
@@ -22,7 +22,7 @@ const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 
 impl Avx512 {
-    /// The instruction set, if the processor has it.
+    /// Returns the proof, if the processor has the instruction set.
     pub fn new() -> Option<Self> {
         let has = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
@@ -33,12 +33,12 @@ impl Avx512 {
     }
 }
 
-/// Methods that are one expression of intrinsics each.
+/// Defines methods that consist of one expression of intrinsics.
 macro_rules! lanewise {
     ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty { $body:expr })*) => {
         $(#[inline(always)]
         fn $name(self, $($argument: $type),*) -> $result {
-            // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+            // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
             unsafe { $body }
         })*
     };
@@ -49,25 +49,25 @@ impl Lanes for Avx512 {
     type Float = __m512;
     type Int = __m512i;
     type Mask = __mmask16;
-    type Order = __m512i;
+    type Compaction = __m512i;
 
     lanewise! {
-        float(number: f32) -> __m512 { _mm512_set1_ps(number) }
-        int(number: i32) -> __m512i { _mm512_set1_epi32(number) }
+        splat(number: f32) -> __m512 { _mm512_set1_ps(number) }
+        splat_int(number: i32) -> __m512i { _mm512_set1_epi32(number) }
         add(a: __m512, b: __m512) -> __m512 { _mm512_add_ps(a, b) }
         multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
         floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
-        half_up(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(_mm512_mul_ps(a, _mm512_set1_ps(0.5))) }
-        off_whole(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
+        half_rounded_up(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(_mm512_mul_ps(a, _mm512_set1_ps(0.5))) }
+        distance_to_integer(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
         to_int(a: __m512) -> __m512i { _mm512_cvttps_epi32(a) }
-        to_float(within: __mmask16, a: __m512i) -> __m512 { _mm512_maskz_cvtepi32_ps(within, a) }
+        to_float(mask: __mmask16, a: __m512i) -> __m512 { _mm512_maskz_cvtepi32_ps(mask, a) }
         add_int(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(a, b) }
         multiply_int(a: __m512i, b: __m512i) -> __m512i { _mm512_mullo_epi32(a, b) }
         pack(a: __m512i, b: __m512i) -> __m512i { _mm512_add_epi32(_mm512_slli_epi32::<16>(a), b) }
-        is_less(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, a, b) }
-        is_at_most(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, a, b) }
-        is_not_greater(within: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, a, b) }
-        is_positive(within: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_cmpgt_epi32_mask(within, a, _mm512_setzero_si512()) }
+        is_less(mask: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(mask, a, b) }
+        is_at_most(mask: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(mask, a, b) }
+        is_not_greater(mask: __mmask16, a: __m512, b: __m512) -> __mmask16 { _mm512_mask_cmp_ps_mask::<_CMP_NGT_UQ>(mask, a, b) }
+        is_positive(mask: __mmask16, a: __m512i) -> __mmask16 { _mm512_mask_cmpgt_epi32_mask(mask, a, _mm512_setzero_si512()) }
         select(mask: __mmask16, a: __m512, b: __m512) -> __m512 { _mm512_mask_blend_ps(mask, b, a) }
     }
 
@@ -82,12 +82,12 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn first(self, count: usize) -> __mmask16 {
+    fn first_lanes(self, count: usize) -> __mmask16 {
         if count < Self::COUNT { (1 << count) - 1 } else { !0 }
     }
 
     #[inline(always)]
-    fn without(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+    fn and_not(self, a: __mmask16, b: __mmask16) -> __mmask16 {
         a & !b
     }
 
@@ -97,16 +97,16 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn gather(self, bytes: &[u8], places: __m512i) -> __m512i {
+    fn gather(self, bytes: &[u8], indices: __m512i) -> __m512i {
         assert!((1..=i32::MAX as usize).contains(&bytes.len()));
-        // SAFETY: `self` is proof that the processor has the instruction set; a vector is as many numbers, of any bits; no place
-        // is beyond the last one after the minimum.
+        // SAFETY: `self` is proof that the processor has the instruction set. A vector and the array have the same size, and
+        // all bits are valid. After the minimum no index is past the end.
         unsafe {
-            let places = _mm512_min_epu32(places, _mm512_set1_epi32((bytes.len() - 1) as i32));
-            let places: [u32; 16] = std::mem::transmute(places);
-            debug_assert!(places.iter().all(|&place| (place as usize) < bytes.len()));
-            let byte = |lane: usize| *bytes.get_unchecked(places[lane] as usize) as i8;
-            // Four chains of insertions, a quarter as long each as one.
+            let indices = _mm512_min_epu32(indices, _mm512_set1_epi32((bytes.len() - 1) as i32));
+            let indices: [u32; 16] = std::mem::transmute(indices);
+            debug_assert!(indices.iter().all(|&index| (index as usize) < bytes.len()));
+            let byte = |lane: usize| *bytes.get_unchecked(indices[lane] as usize) as i8;
+            // Four chains of insertions run in parallel.
             let quarter = |first: usize| {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|nth| byte(first + nth));
                 _mm_setr_epi8(a, b, c, d, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
@@ -120,20 +120,20 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> __m512 {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }
 
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> __m512i {
         let numbers = &numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
     }
 
     #[inline(always)]
-    fn order_of(self, bits: u32) -> __m512i {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
+    fn compaction(self, bits: u32) -> __m512i {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
         unsafe {
             let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             _mm512_maskz_compress_epi32(bits as __mmask16, lanes)
@@ -141,28 +141,28 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn store_ordered(self, order: __m512i, numbers: &mut [f32], at: usize, a: __m512) {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        self.store(numbers, at, unsafe { _mm512_permutexvar_ps(order, a) });
+    fn store_compacted(self, compaction: __m512i, numbers: &mut [f32], at: usize, a: __m512) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        self.store(numbers, at, unsafe { _mm512_permutexvar_ps(compaction, a) });
     }
 
     #[inline(always)]
-    fn store_int_ordered(self, order: __m512i, numbers: &mut [i32], at: usize, a: __m512i) {
-        // SAFETY: `self` is proof that the processor has the instruction set; memory is not touched.
-        self.store_int(numbers, at, unsafe { _mm512_permutexvar_epi32(order, a) });
+    fn store_int_compacted(self, compaction: __m512i, numbers: &mut [i32], at: usize, a: __m512i) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        self.store_int(numbers, at, unsafe { _mm512_permutexvar_epi32(compaction, a) });
     }
 
     #[inline(always)]
     fn store(self, numbers: &mut [f32], at: usize, a: __m512) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), a) }
     }
 
     #[inline(always)]
     fn store_int(self, numbers: &mut [i32], at: usize, a: __m512i) {
         let numbers = &mut numbers[at..at + Self::COUNT];
-        // SAFETY: `self` is proof that the processor has the instruction set; the slice has as many numbers as a vector.
+        // SAFETY: `self` is proof that the processor has the instruction set; the slice is as long as a vector.
         unsafe { _mm512_storeu_si512(numbers.as_mut_ptr().cast(), a) }
     }
 }

@@ -1,87 +1,89 @@
-//! Vectors of float32 and of int32, as the march over them needs them of an instruction set.
+//! The vector operations that the march needs from an instruction set.
 
 /// Work that is compiled with the instruction set of a kernel.
 pub trait Work {
-    /// Does the work. Must be `#[inline(always)]`, so that it becomes part of the function that enables the instruction set; a
-    /// closure cannot be.
+    /// Does the work.
+    ///
+    /// Implementations must be `#[inline(always)]`, so that they become part of the function that enables the instruction
+    /// set. This is why work is not a closure: a closure cannot have this attribute.
     fn run(self);
 }
 
-/// An instruction set that the processor has, by its vectors. A value of such a type is proof that it has it.
+/// An instruction set, by its vectors. A value of such a type is proof that the processor has it.
 ///
-/// What rounds may round in any way: the march decides nothing on these numbers that rounding could change.
+/// Operations may round in any way: the march decides nothing on these numbers that rounding could change.
 pub trait Lanes: Copy {
-    /// Lanes in a vector.
+    /// Number of lanes of a vector.
     const COUNT: usize;
-    /// Steps between two times that the rays still on their way move up.
-    const STEPS: usize = 2;
-    /// Vectors in flight at the same time, none of which waits for another: 2 or 3.
+    /// Steps that a ray makes in one pass over the block.
+    const STEPS_PER_PASS: usize = 2;
+    /// Number of vectors that are stepped side by side, so that none waits for another: 2 or 3.
     const IN_FLIGHT: usize = 3;
     /// A vector of float32.
     type Float: Copy;
     /// A vector of int32.
     type Int: Copy;
-    /// Yes or no for each lane.
+    /// One bool for each lane.
     type Mask: Copy;
-    /// An order of some lanes.
-    type Order: Copy;
+    /// A permutation of lanes that moves selected lanes to the front.
+    type Compaction: Copy;
 
-    /// Does some work with the instruction set, as a function of its own.
+    /// Runs work with the instruction set enabled, in a function of its own.
     fn with_features(self, work: impl Work);
-    /// The same number in all lanes.
-    fn float(self, number: f32) -> Self::Float;
-    /// The same number in all lanes.
-    fn int(self, number: i32) -> Self::Int;
-    /// The sums.
+    /// The number in every lane.
+    fn splat(self, number: f32) -> Self::Float;
+    /// The number in every lane.
+    fn splat_int(self, number: i32) -> Self::Int;
+    /// a + b.
     fn add(self, a: Self::Float, b: Self::Float) -> Self::Float;
     /// a · b + c.
     fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
-    /// The largest whole numbers that are no greater.
+    /// The floor of a.
     fn floor(self, a: Self::Float) -> Self::Float;
-    /// Halves of whole numbers in [0, 255], rounded up.
-    fn half_up(self, a: Self::Float) -> Self::Float;
-    /// How far from the nearest whole number.
-    fn off_whole(self, a: Self::Float) -> Self::Float;
-    /// Whole numbers as such.
+    /// Half of a, rounded up; a is a whole number in [0, 255].
+    fn half_rounded_up(self, a: Self::Float) -> Self::Float;
+    /// Distance from a to the nearest integer.
+    fn distance_to_integer(self, a: Self::Float) -> Self::Float;
+    /// Whole numbers, converted to int32.
     fn to_int(self, a: Self::Float) -> Self::Int;
-    /// Whole numbers as float32, and 0 where the mask does not hold.
-    fn to_float(self, within: Self::Mask, a: Self::Int) -> Self::Float;
-    /// The sums, wrapping around.
+    /// Numbers converted to float32 in the lanes of the mask, 0 in the others.
+    fn to_float(self, mask: Self::Mask, a: Self::Int) -> Self::Float;
+    /// a + b, modulo 2³².
     fn add_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// The products' lower 32 bits.
+    /// a · b, modulo 2³².
     fn multiply_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// a, 65,536-fold, plus b.
+    /// 65536 · a + b.
     fn pack(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// The bytes at these places, counted without sign; of places beyond the last, some byte.
-    fn gather(self, bytes: &[u8], places: Self::Int) -> Self::Int;
-    /// Where a mask holds and a < b.
-    fn is_less(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
-    /// Where a mask holds and a <= b.
-    fn is_at_most(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
-    /// Where a mask holds and a > b does not, as it does not where one is not a number.
-    fn is_not_greater(self, within: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
-    /// Where a mask holds and a is positive.
-    fn is_positive(self, within: Self::Mask, a: Self::Int) -> Self::Mask;
-    /// The first lanes.
-    fn first(self, count: usize) -> Self::Mask;
-    /// Where a holds and b does not.
-    fn without(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// A bit for each lane.
+    /// The unsigned bytes at these indices; any byte for an index past the end.
+    fn gather(self, bytes: &[u8], indices: Self::Int) -> Self::Int;
+    /// Lanes of the mask with a < b.
+    fn is_less(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Lanes of the mask with a ≤ b.
+    fn is_at_most(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Lanes of the mask where a > b is false. It is false if a or b is NaN.
+    fn is_not_greater(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
+    /// Lanes of the mask with a > 0.
+    fn is_positive(self, mask: Self::Mask, a: Self::Int) -> Self::Mask;
+    /// The first `count` lanes.
+    fn first_lanes(self, count: usize) -> Self::Mask;
+    /// Lanes that are in a and not in b.
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// One bit for each lane.
     fn bits(self, mask: Self::Mask) -> u32;
-    /// a where the mask holds, else b.
+    /// a in the lanes of the mask, b in the others.
     fn select(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Float;
-    /// Numbers from a place on.
+    /// Reads a vector from index `at` on.
     fn load(self, numbers: &[f32], at: usize) -> Self::Float;
-    /// Numbers from a place on.
+    /// Reads a vector from index `at` on.
     fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
-    /// The order in which the lanes with a bit set come first, and then any.
-    fn order_of(self, bits: u32) -> Self::Order;
-    /// Puts the lanes that come first in an order from a place on, and behind them, up to a whole vector, anything.
-    fn store_ordered(self, order: Self::Order, numbers: &mut [f32], at: usize, a: Self::Float);
-    /// Puts the lanes that come first in an order from a place on, and behind them, up to a whole vector, anything.
-    fn store_int_ordered(self, order: Self::Order, numbers: &mut [i32], at: usize, a: Self::Int);
-    /// Puts all lanes from a place on.
+    /// The permutation that moves the lanes with a bit set to the front, in their order.
+    fn compaction(self, bits: u32) -> Self::Compaction;
+    /// Writes the selected lanes from index `at` on. The rest of a whole vector may be overwritten with anything.
+    fn store_compacted(self, compaction: Self::Compaction, numbers: &mut [f32], at: usize, a: Self::Float);
+    /// Writes the selected lanes from index `at` on. The rest of a whole vector may be overwritten with anything.
+    fn store_int_compacted(self, compaction: Self::Compaction, numbers: &mut [i32], at: usize, a: Self::Int);
+    /// Writes a vector from index `at` on.
     fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);
-    /// Puts all lanes from a place on.
+    /// Writes a vector from index `at` on.
     fn store(self, numbers: &mut [f32], at: usize, a: Self::Float);
 }

@@ -1,10 +1,24 @@
-//! The jump loop over vectors of rays, for any instruction set.
+//! The march: the jump loop over vectors of rays, for any instruction set.
 //!
-//! Rays go in passes over a block: each takes a few steps, then those that are still on their way move up next to each other, so
-//! that no lane idles for long. Within a pass no vector waits for another.
+//! ```text
+//! for each block of up to 1088 rays:
+//!     put each ray into its first cell
+//!     while rays are active, in passes over the block:
+//!         for each 2 or 3 vectors of active rays, a few steps side by side:
+//!             length = free_boxes[cell]                       0 ends the ray: a wall or the border
+//!             lines = cell + (length, breadth(length))        the two far sides of the free box
+//!             cell = the cell behind the line crossed first   in float32, or exactly near a corner
+//!             end the ray if its cell is beyond the limit
+//!         note the cells of the rays that have ended, move the active rays up to the front
+//!     compute the distance of each ray to its last cell       exactly, in float64
+//!     send the distances to the sink
+//! ```
 //!
-//! Steps are computed in float32 and are right unless the ray passes near a corner of a cell, by a bound on the rounding. There
-//! the exact step of [`Track`] decides. So the cell a ray ends in is exact, and the distance to it is computed once, in float64.
+//! Rays end at different times. Moving the active ones up after every pass keeps the lanes busy, and within a pass no vector
+//! waits for another.
+//!
+//! A step in float32 is right unless the ray passes near a corner of a cell, by a bound on the rounding errors. Near a
+//! corner [`Track::step`] decides, in float64. So the last cell of each ray is exact, and its distance is computed once.
 
 use std::array::from_fn;
 
@@ -18,27 +32,33 @@ use crate::raycast::sink::Sink;
 use crate::raycast::source::{RayGroup, Source};
 use crate::raycast::track::{Track, distance};
 
-/// A crossing this near to a grid line, by the way along the major axis, has to be decided exactly.
+/// Distance to a grid line, for each cell moved along the major axis, below which float32 does not decide a crossing.
 ///
-/// Where a line is crossed is off by at most 7 roundings, each of 2⁻²⁴ of that way: 3 of the slope, one of where the ray starts in
-/// its first cell, and one each of a product, a difference and a sum. If the wrong one of two lines is taken for the first, the
-/// errors of both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the way; twice that is on the safe side. What is no number, as 0 · ∞ is
-/// where a ray runs along a grid line but for less than float32 can tell, has to be decided exactly, too.
-const TIE_BY_WAY: f32 = 1.0 / 524_288.0;
+/// A computed crossing is off by at most 7 rounding errors, each of 2⁻²⁴ of the distance moved: 3 in the slope, 1 in the
+/// start of the ray within its first cell, and 1 each in a product, a difference and a sum. If the wrong one of the two far
+/// lines is taken for the first, the errors of both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the distance. The bound is
+/// twice as large, for safety.
+///
+/// NaN is not decided in float32 either. It is 0 · ∞, for a ray along a grid line whose other component float32 rounds to 0.
+const TIE_PER_CELL: f32 = 1.0 / 524_288.0;
 
-/// And by the rounding of where the ray starts in its first cell, 2⁻²⁴ along each axis, with much to spare: the way through that
-/// cell counts, too.
+/// The constant part of the same distance.
+///
+/// It covers the rounding of the start within the first cell, 2⁻²⁴ along each axis, and the way through that cell, with a
+/// wide margin.
 const TIE: f32 = 1.0 / 262_144.0;
 
-/// Cache lines of upcoming rays that are fetched at a time: so many that most of them are there after one pass over a block and all
-/// of them after a second, if that has half the rays; and so few that nothing else has to wait for memory.
-const FETCHED: usize = 12;
+/// Cache lines of upcoming rays that are prefetched for each group of vectors.
+///
+/// With this number most lines are there after one pass over a block, and all after a second pass with half the rays; and
+/// other reads do not have to wait.
+const LINES_PER_PREFETCH: usize = 12;
 
-/// Bytes of boxes from which on they are taken not to be in a cache.
-const BEYOND_CACHES: usize = 1 << 24;
+/// Size of the free boxes in bytes from which on they are assumed not to be in a cache.
+const UNCACHED: usize = 1 << 24;
 
-/// Hands over, group by group, the distances from the origins of rays to the boundaries by which they enter blocking cells,
-/// infinite if there is none; those beyond `limit` are anything beyond it. In cells.
+/// Sends each group's hit distances \[cells\] to the sink, fan by fan; infinite if a ray hits nothing. Beyond `limit` the
+/// value is unspecified but larger than it.
 pub fn cast<L: Lanes, S: Source>(
     lanes: L,
     free_boxes: &FreeBoxes,
@@ -47,27 +67,27 @@ pub fn cast<L: Lanes, S: Source>(
     block: &mut Block,
     sink: &mut impl Sink,
 ) {
-    // No ray goes farther than this on the grid, and float32 tells it apart from a cell less.
+    // No ray moves farther than this on the grid. In float32 it still differs from one cell less.
     let limit = limit.min((free_boxes.width() + free_boxes.height()) as f64) as f32;
     let (fans, groups) = (source.fans(), source.count().div_ceil(GROUP));
     assert!(fans <= 1 || fans * groups <= BLOCK / GROUP, "{fans} fans of {groups} groups do not fit into a block");
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
-        let each = (source.count() - first_group * GROUP).min(BLOCK);
-        // One after the other, each function has the registers to itself.
-        lanes.with_features(Trace { march: March { lanes, free_boxes, source, first_group, each, limit }, block });
-        let distances = &block.distances[..fans * each.div_ceil(GROUP)];
-        lanes.with_features(HandOver { first_group, distances, sink });
+        let rays_per_fan = (source.count() - first_group * GROUP).min(BLOCK);
+        // Two functions, one after the other: each has all registers to itself.
+        lanes.with_features(Trace { march: March { lanes, free_boxes, source, first_group, rays_per_fan, limit }, block });
+        let distances = &block.distances[..fans * rays_per_fan.div_ceil(GROUP)];
+        lanes.with_features(SendDistances { first_group, distances, sink });
     }
 }
 
-/// Hands over the distances of some groups.
-struct HandOver<'a, S> {
+/// Sends the distances of some groups to the sink.
+struct SendDistances<'a, S> {
     first_group: usize,
     distances: &'a [Group],
     sink: &'a mut S,
 }
 
-impl<S: Sink> Work for HandOver<'_, S> {
+impl<S: Sink> Work for SendDistances<'_, S> {
     #[inline(always)]
     fn run(self) {
         for (group, distances) in (self.first_group..).zip(self.distances) {
@@ -76,7 +96,7 @@ impl<S: Sink> Work for HandOver<'_, S> {
     }
 }
 
-/// Finds out how far the rays of a block come.
+/// Computes the distances of the rays of a block.
 struct Trace<'a, L, S> {
     march: March<'a, L, S>,
     block: &'a mut Block,
@@ -89,65 +109,67 @@ impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
     }
 }
 
-/// What the rays of a block march over.
+/// The rays of a block, and the grid that they march over.
 struct March<'a, L, S> {
     lanes: L,
     free_boxes: &'a FreeBoxes,
     source: S,
-    /// The first group of each fan that is in the block.
+    /// First group of each fan that is in the block.
     first_group: usize,
-    /// Rays of each fan that are.
-    each: usize,
+    /// Number of rays of each fan that are in the block.
+    rays_per_fan: usize,
     limit: f32,
 }
 
-/// A vector of rays on their way.
-struct Rays<L: Lanes> {
-    /// Place in the block of the first of them.
+/// A vector of rays.
+struct Vector<L: Lanes> {
+    /// Place of the first of them in the block.
     at: usize,
-    /// Those that have not ended.
+    /// Rays that have not ended.
     active: L::Mask,
-    /// The cells they are in, as the block counts them.
+    /// Cells of the rays along the major axis, numbered as in the block.
     major: L::Float,
+    /// Cells of the rays along the minor axis.
     minor: L::Float,
 }
 
 impl<L: Lanes, S: Source> March<'_, L, S> {
-    /// Aims the rays of a block, moves them, and writes down how far they came.
+    /// Fills the block with rays, moves them, and stores their distances.
     #[inline(always)]
     fn trace(&self, block: &mut Block) {
-        let Self { free_boxes, source, first_group, each, .. } = *self;
-        let (fans, groups) = (source.fans(), each.div_ceil(GROUP));
-        // What is no more than a block, which the compiler has to see to do without checks.
-        let begin = |fan: usize, group: usize| (fan * each + group * GROUP).min(BLOCK);
-        let count = (fans * each).min(BLOCK);
+        let Self { free_boxes, source, first_group, rays_per_fan, .. } = *self;
+        let (fans, groups) = (source.fans(), rays_per_fan.div_ceil(GROUP));
+        // The minima change nothing: they show the compiler that no index is past the block, so that it leaves out its
+        // checks.
+        let first_place = |fan: usize, group: usize| (fan * rays_per_fan + group * GROUP).min(BLOCK);
+        let count = (fans * rays_per_fan).min(BLOCK);
         for fan in 0..fans {
             for group in 0..groups {
-                // Behind the last ray of a fan comes the first one of the next.
-                block.set_group(free_boxes, &source.group(fan, first_group + group), begin(fan, group));
+                // The padding of a fan is overwritten by the first rays of the next one.
+                block.set_group(free_boxes, &source.group(fan, first_group + group), first_place(fan, group));
             }
         }
-        debug_assert!((0..count).all(|at| block.start(at) == self.first_place(at)), "a ray does not start where it does");
-        if !S::SHARES_START_CELLS && free_boxes.lengths().len() > BEYOND_CACHES {
+        debug_assert!((0..count).all(|at| block.start(at) == self.first_index(at)), "a ray starts in a wrong cell");
+        if !S::SHARES_START_CELLS && free_boxes.lengths().len() > UNCACHED {
             (0..count).for_each(|at| prefetch(free_boxes.lengths(), block.start(at)));
         }
         self.run(block, count);
         for fan in 0..fans {
             for group in 0..groups {
                 let cells: &[i32; GROUP] =
-                    block.cells[begin(fan, group)..].first_chunk().expect("a block has room behind it");
+                    block.cells[first_place(fan, group)..].first_chunk().expect("a block has padding at its end");
                 let rays = source.group(fan, first_group + group);
                 let mut distances = [0.0; GROUP];
-                for (place, found) in distances.iter_mut().enumerate() {
-                    let cell = (cells[place] & 0xffff, (cells[place] as u32 >> 16) as i32);
-                    *found = distance(free_boxes, &rays.ray(place), cell);
+                for (slot, found) in distances.iter_mut().enumerate() {
+                    let cell = (cells[slot] & 0xffff, (cells[slot] as u32 >> 16) as i32);
+                    *found = distance(free_boxes, &rays.ray(slot), cell);
                 }
                 block.distances[fan * groups + group] = distances;
             }
         }
     }
 
-    /// Moves each of the first `count` rays to the blocking cell it hits, or off the grid, or beyond the limit.
+    /// Moves each of the first `count` rays until it enters a blocking cell, leaves the grid, or is beyond the limit.
     #[inline(always)]
     fn run(&self, block: &mut Block, count: usize) {
         const { assert!(L::IN_FLIGHT == 2 || L::IN_FLIGHT == 3) };
@@ -160,29 +182,30 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         }
     }
 
-    /// Passes over the first rays of a block with so many vectors in flight, until all have ended.
+    /// Passes over the first `count` rays of a block until all have ended, `IN_FLIGHT` vectors at a time.
     #[inline(always)]
     fn passes<const IN_FLIGHT: usize>(&self, block: &mut Block, count: usize) {
         let lengths = self.free_boxes.lengths();
         let upcoming = self.source.upcoming();
-        let mut rest = count;
-        let (mut ended, mut fetched) = (0, 0);
-        while rest > 0 {
-            // The last ones are not worth moving up.
-            let steps = if rest > IN_FLIGHT * L::COUNT { L::STEPS } else { usize::MAX };
+        let mut active = count;
+        let (mut ended, mut prefetched) = (0, 0);
+        while active > 0 {
+            // The last vectors run until all of their rays have ended: there is nothing to move up.
+            let steps = if active > IN_FLIGHT * L::COUNT { L::STEPS_PER_PASS } else { usize::MAX };
             let mut kept = 0;
-            for at in (0..rest).step_by(IN_FLIGHT * L::COUNT) {
-                (fetched..fetched + FETCHED).for_each(|line| prefetch(upcoming, line * LINE));
-                fetched += FETCHED;
+            for at in (0..active).step_by(IN_FLIGHT * L::COUNT) {
+                (prefetched..prefetched + LINES_PER_PREFETCH).for_each(|line| prefetch(upcoming, line * LINE));
+                prefetched += LINES_PER_PREFETCH;
                 let place = |nth: usize| at + nth * L::COUNT;
-                let begun: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first(rest.saturating_sub(place(nth))));
-                let mut all: [Rays<L>; IN_FLIGHT] = from_fn(|nth| self.load(block, place(nth), begun[nth]));
+                let started: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first_lanes(active.saturating_sub(place(nth))));
+                let mut vectors: [Vector<L>; IN_FLIGHT] = from_fn(|nth| self.load(block, place(nth), started[nth]));
                 for step in 0..steps {
-                    if step >= L::STEPS && all.iter().all(|rays| self.lanes.bits(rays.active) == 0) {
+                    if step >= L::STEPS_PER_PASS && vectors.iter().all(|rays| self.lanes.bits(rays.active) == 0) {
                         break;
                     }
-                    // By name, as what loops count through is kept in memory.
-                    match all.as_mut_slice() {
+                    // Each vector has a name here: the compiler keeps an array that it loops over in memory, not in
+                    // registers.
+                    match vectors.as_mut_slice() {
                         [a, b] => {
                             *a = self.step(lengths, block, a);
                             *b = self.step(lengths, block, b);
@@ -196,104 +219,107 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                     }
                 }
                 for nth in 0..IN_FLIGHT {
-                    ended += self.end(block, ended, &all[nth], begun[nth]);
-                    kept += self.keep(block, kept, &all[nth]);
+                    ended += self.store_ended(block, ended, &vectors[nth], started[nth]);
+                    kept += self.move_up(block, kept, &vectors[nth]);
                 }
             }
-            rest = kept;
+            active = kept;
         }
     }
 
+    /// Reads a vector of rays from place `at` on.
     #[inline(always)]
-    fn load(&self, block: &Block, at: usize, active: L::Mask) -> Rays<L> {
-        Rays { at, active, major: self.lanes.load(&block.major.cell, at), minor: self.lanes.load(&block.minor.cell, at) }
+    fn load(&self, block: &Block, at: usize, active: L::Mask) -> Vector<L> {
+        Vector { at, active, major: self.lanes.load(&block.major.cell, at), minor: self.lanes.load(&block.minor.cell, at) }
     }
 
-    /// Writes down from place `to` on where the rays ended that did, of those that had begun; returns their number.
+    /// Stores the numbers and cells of the rays that have ended, of those that were active before, from place `to` on.
+    /// Returns how many there are.
     #[inline(always)]
-    fn end(&self, block: &mut Block, to: usize, rays: &Rays<L>, begun: L::Mask) -> usize {
+    fn store_ended(&self, block: &mut Block, to: usize, rays: &Vector<L>, started: L::Mask) -> usize {
         let lanes = self.lanes;
-        let bits = lanes.bits(lanes.without(begun, rays.active));
-        let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.int(1));
+        let bits = lanes.bits(lanes.and_not(started, rays.active));
+        // The block numbers cells from the second one on, from -1.
+        let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.splat_int(1));
         let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
         let number = lanes.load_int(&block.number, rays.at);
-        let order = lanes.order_of(bits);
-        lanes.store_int_ordered(order, &mut block.ended, to, number);
-        lanes.store_int_ordered(order, &mut block.ended_in, to, cell);
+        let compaction = lanes.compaction(bits);
+        lanes.store_int_compacted(compaction, &mut block.ended, to, number);
+        lanes.store_int_compacted(compaction, &mut block.ended_in, to, cell);
         bits.count_ones() as usize
     }
 
-    /// Moves the rays that are still on their way up to place `to`, not after their own; returns their number.
+    /// Moves the active rays up to place `to`, which is at or before their own. Returns how many there are.
     #[inline(always)]
-    fn keep(&self, block: &mut Block, to: usize, rays: &Rays<L>) -> usize {
+    fn move_up(&self, block: &mut Block, to: usize, rays: &Vector<L>) -> usize {
         let lanes = self.lanes;
         let bits = lanes.bits(rays.active);
-        let order = lanes.order_of(bits);
+        let compaction = lanes.compaction(bits);
         for (axis, cell) in [(&mut block.major, rays.major), (&mut block.minor, rays.minor)] {
-            lanes.store_ordered(order, &mut axis.cell, to, cell);
+            lanes.store_compacted(compaction, &mut axis.cell, to, cell);
             for numbers in [&mut axis.slope, &mut axis.intercept] {
                 let kept = lanes.load(numbers, rays.at);
-                lanes.store_ordered(order, numbers, to, kept);
+                lanes.store_compacted(compaction, numbers, to, kept);
             }
         }
         for numbers in [&mut block.base, &mut block.stride, &mut block.number] {
             let kept = lanes.load_int(numbers, rays.at);
-            lanes.store_int_ordered(order, numbers, to, kept);
+            lanes.store_int_compacted(compaction, numbers, to, kept);
         }
         bits.count_ones() as usize
     }
 
-    /// Moves the active rays out of the free boxes around their cells.
+    /// Moves each active ray out of the free box of its cell.
     #[inline(always)]
-    fn step(&self, lengths: &[u8], block: &Block, rays: &Rays<L>) -> Rays<L> {
+    fn step(&self, lengths: &[u8], block: &Block, rays: &Vector<L>) -> Vector<L> {
         let lanes = self.lanes;
         let row = lanes.multiply_int(lanes.to_int(rays.minor), lanes.load_int(&block.stride, rays.at));
         let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
-        let place = lanes.add_int(row, in_row);
-        debug_assert!(self.are_on_grid(rays.active, place), "a ray has left the border");
-        let length = lanes.gather(lengths, place);
+        let index = lanes.add_int(row, in_row);
+        debug_assert!(self.are_on_grid(rays.active, index), "a ray is past the border");
+        let length = lanes.gather(lengths, index);
         let active = lanes.is_positive(rays.active, length);
 
-        // Rays that end here have a length of 0; those that had ended are made to.
+        // Rays that end here have length 0. Rays that ended before get length 0, so that they stay in their cells.
         let along = lanes.to_float(rays.active, length);
         let far_major = lanes.add(rays.major, along);
-        let far_minor = lanes.add(rays.minor, lanes.half_up(along));
-        // Where the lines of the far sides are crossed.
+        let far_minor = lanes.add(rays.minor, lanes.half_rounded_up(along));
+        // Coordinates along one axis at which the ray crosses a line of the other axis.
         let crossing = |axis: &Axis32, line| {
             lanes.multiply_add(line, lanes.load(&axis.slope, rays.at), lanes.load(&axis.intercept, rays.at))
         };
         let (at_far_major, at_far_minor) = (crossing(&block.major, far_major), crossing(&block.minor, far_minor));
         let crosses_major = lanes.is_less(active, at_far_major, far_minor);
-        let crosses_minor = lanes.without(active, crosses_major);
+        let crosses_minor = lanes.and_not(active, crosses_major);
         let across = lanes.select(crosses_major, at_far_major, at_far_minor);
         let cell = lanes.floor(across);
         let mut major = lanes.select(crosses_minor, cell, far_major);
         let mut minor = lanes.select(crosses_major, cell, far_minor);
 
-        let near = lanes.multiply_add(far_major, lanes.float(TIE_BY_WAY), lanes.float(TIE));
-        let ties = lanes.bits(lanes.is_not_greater(active, lanes.off_whole(across), near));
+        let near = lanes.multiply_add(far_major, lanes.splat(TIE_PER_CELL), lanes.splat(TIE));
+        let ties = lanes.bits(lanes.is_not_greater(active, lanes.distance_to_integer(across), near));
         if ties != 0 {
             (major, minor) = self.step_exactly(block, rays, length, ties, (major, minor));
         }
-        debug_assert!(self.have_stayed(active, (rays.major, rays.minor), (major, minor)), "a ray has left where it ended");
-        let active = lanes.is_at_most(active, major, lanes.float(self.limit));
-        Rays { at: rays.at, active, major, minor }
+        debug_assert!(self.have_stayed(active, (rays.major, rays.minor), (major, minor)), "a ray has moved after its end");
+        let active = lanes.is_at_most(active, major, lanes.splat(self.limit));
+        Vector { at: rays.at, active, major, minor }
     }
 
-    /// A ray of the block by its number.
+    /// Returns the ray of the block with this number.
     #[inline(always)]
     fn ray(&self, number: usize) -> Ray {
-        let (fan, number) = (number / self.each, number % self.each);
+        let (fan, number) = (number / self.rays_per_fan, number % self.rays_per_fan);
         self.source.group(fan, self.first_group + number / GROUP).ray(number % GROUP)
     }
 
-    /// Where in the lengths the first cell of a ray of the block is.
-    fn first_place(&self, at: usize) -> usize {
+    /// Returns the index in the lengths of the first cell of a ray of the block.
+    fn first_index(&self, at: usize) -> usize {
         let ray = self.ray(at);
         self.free_boxes.index(ray.col, ray.row, Sector::of(ray.direction))
     }
 
-    /// Whether the rays that are not of a mask are in the cells they were in.
+    /// Returns true if the rays that are not in the mask have not moved.
     fn have_stayed(&self, active: L::Mask, was: (L::Float, L::Float), is: (L::Float, L::Float)) -> bool {
         let bits = self.lanes.bits(active);
         [(was.0, is.0), (was.1, is.1)].into_iter().all(|(was, is)| {
@@ -304,23 +330,24 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         })
     }
 
-    /// Whether the rays of a mask are at places that the lengths have.
-    fn are_on_grid(&self, active: L::Mask, places: L::Int) -> bool {
+    /// Returns true if the rays in the mask have indices in the lengths.
+    fn are_on_grid(&self, active: L::Mask, indices: L::Int) -> bool {
         let mut list = [0; 16];
-        self.lanes.store_int(&mut list, 0, places);
+        self.lanes.store_int(&mut list, 0, indices);
         let bits = self.lanes.bits(active);
         list.iter()
             .enumerate()
-            .all(|(lane, &place)| bits >> lane & 1 == 0 || (place as u32 as usize) < self.free_boxes.lengths().len())
+            .all(|(lane, &index)| bits >> lane & 1 == 0 || (index as u32 as usize) < self.free_boxes.lengths().len())
     }
 
-    /// The cells that the rays step into, those of `ties` by the exact step.
+    /// Returns the cells that the rays step into: the result of the exact step for lanes in `ties`, `(major, minor)` for the
+    /// others.
     #[cold]
     #[inline(always)]
     fn step_exactly(
         &self,
         block: &Block,
-        rays: &Rays<L>,
+        rays: &Vector<L>,
         length: L::Int,
         mut ties: u32,
         (major, minor): (L::Float, L::Float),
@@ -337,7 +364,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             let lane = ties.trailing_zeros() as usize;
             ties &= ties - 1;
             let ray = self.ray(block.number[rays.at + lane] as usize);
-            // The block counts cells from the one after the first.
+            // The block numbers cells from the second one on, a track from the first one on.
             let now = (now_major[lane] as i32 + 1, now_minor[lane] as i32 + 1);
             let next = Track::new(self.free_boxes, &ray).step(now, length[lane] as i32);
             major[lane] = (next.0 - 1) as f32;

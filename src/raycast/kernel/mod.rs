@@ -1,4 +1,4 @@
-//! The jump loop, once for each instruction set. All of them give the bytes of the plain traversal.
+//! Kernels: the jump loop for each instruction set. All of them give the same bytes as the plain traversal.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -23,31 +23,32 @@ use crate::numeric::GROUP;
 use lanes::Lanes;
 pub use lanes::Work;
 
-/// A way to cast rays. They differ in speed only.
+/// A method of casting rays. Kernels differ in speed only: all give the same bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
-    /// The plain cell-by-cell traversal.
+    /// The plain traversal, cell by cell. Needs no free boxes.
     Traversal,
-    /// Jumps, on any processor.
+    /// Jumps over free boxes, on any processor.
     Portable,
-    /// Jumps, 8 rays to a vector.
+    /// Jumps with vectors of 8 rays. Needs AVX2.
     Avx2,
-    /// Jumps, 16 rays to a vector.
+    /// Jumps with vectors of 16 rays. Needs AVX-512.
     Avx512,
 }
 
-/// The environment variable that names a kernel to use in place of the fastest.
+/// Environment variable that names the kernel to use instead of the fastest one.
 pub const KERNEL_VARIABLE: &str = "MOBILE_ROBOT_SIMULATOR_KERNEL";
 
 impl Kernel {
-    /// All there are, slowest first.
+    /// All kernels, slowest first.
     pub const ALL: [Self; 4] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The kernel that casts where none is asked for: the one that the environment variable names, or the fastest that this
-    /// machine has.
+    /// Returns the default kernel: the one named by [`KERNEL_VARIABLE`], else the fastest that this machine can run.
+    ///
+    /// The variable is read once for each process.
     ///
     /// # Errors
-    /// A name that is none, or one of a kernel that this machine cannot run.
+    /// [`Error::Kernel`]: the name is unknown, or this machine cannot run that kernel.
     pub fn chosen() -> Result<Self, Error> {
         static CHOSEN: LazyLock<Result<Kernel, Error>> = LazyLock::new(|| match std::env::var(KERNEL_VARIABLE) {
             Ok(name) => Kernel::named(&name),
@@ -59,10 +60,10 @@ impl Kernel {
         CHOSEN.clone()
     }
 
-    /// The kernel of this name.
+    /// Returns the kernel with this name.
     ///
     /// # Errors
-    /// A name that is none, or one of a kernel that this machine cannot run.
+    /// [`Error::Kernel`]: the name is unknown, or this machine cannot run that kernel.
     pub fn named(name: &str) -> Result<Self, Error> {
         let available = || Self::ALL.into_iter().filter(|kernel| kernel.is_available());
         available().find(|kernel| kernel.name() == name).ok_or_else(|| Error::Kernel {
@@ -71,7 +72,7 @@ impl Kernel {
         })
     }
 
-    /// The name, as the environment variable takes it.
+    /// Returns the name of the kernel: `traversal`, `portable`, `avx2` or `avx512`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -82,7 +83,7 @@ impl Kernel {
         }
     }
 
-    /// Does some work with the kernel's instruction set.
+    /// Runs work with the instruction set of the kernel enabled.
     #[inline]
     pub(super) fn with_features(self, work: impl Work) {
         #[cfg(target_arch = "x86_64")]
@@ -97,7 +98,8 @@ impl Kernel {
         work.run();
     }
 
-    /// The longest box that is no quicker to jump over than to traverse, as measured among cells that block at random.
+    /// Returns the length up to which jumping over boxes is no faster than traversing them, measured on grids whose cells
+    /// block at random.
     pub(super) fn break_even_length(self) -> i32 {
         match self {
             Self::Traversal | Self::Portable => 6,
@@ -106,12 +108,12 @@ impl Kernel {
         }
     }
 
-    /// True if the kernel jumps over free boxes.
+    /// Returns true if the kernel jumps over free boxes.
     pub(super) fn uses_free_boxes(self) -> bool {
         self != Self::Traversal
     }
 
-    /// Whether this machine can run it.
+    /// Returns true if this machine can run the kernel.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {
@@ -126,18 +128,18 @@ impl Kernel {
     }
 }
 
-/// Hands over, group by group and fan by fan, the distances from the origins of rays to the boundaries by which they enter blocking
-/// cells, infinite if there is none; those beyond `limit` are anything beyond it. In cells.
+/// Sends each group's hit distances \[cells\] to the sink, fan by fan; infinite if a ray hits nothing. Beyond `limit` the
+/// value is unspecified but larger than it.
 ///
-/// A kernel that this machine cannot run leaves the work to the portable one, and all but the traversal leave a grid so large that
-/// int32 cannot number its bytes to a loop over single rays.
+/// A kernel that this machine cannot run is replaced by the portable one. A grid that is too large for int32 indices is cast
+/// one ray at a time.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
     if kernel == Kernel::Traversal || source.is_cluttered(grid, kernel.break_even_length()) {
-        return kernel.with_features(Walk { grid, source, limit, sink });
+        return kernel.with_features(Traverse { grid, source, limit, sink });
     }
     let free_boxes = grid.free_boxes();
     if !fits(free_boxes) {
-        return each(source, &mut sink, |ray| scalar::cast(free_boxes, ray, limit));
+        return cast_each(source, &mut sink, |ray| scalar::cast(free_boxes, ray, limit));
     }
     #[cfg(target_arch = "x86_64")]
     {
@@ -151,32 +153,32 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     march::cast(portable::Portable, free_boxes, source, limit, block, &mut sink);
 }
 
-/// Traverses cell by cell.
-struct Walk<'a, S, K> {
+/// Casts all rays by the plain traversal.
+struct Traverse<'a, S, K> {
     grid: &'a OccupancyGrid,
     source: S,
     limit: f64,
     sink: K,
 }
 
-impl<S: Source, K: Sink> Work for Walk<'_, S, K> {
+impl<S: Source, K: Sink> Work for Traverse<'_, S, K> {
     #[inline(always)]
     fn run(mut self) {
-        each(self.source, &mut self.sink, |ray| ray.gap + traverse(self.grid, ray, self.limit).max(0.0));
+        cast_each(self.source, &mut self.sink, |ray| ray.gap + traverse(self.grid, ray, self.limit).max(0.0));
     }
 }
 
 /// Casts one ray after the other.
 #[inline(always)]
-fn each<S: Source>(source: S, sink: &mut impl Sink, cast: impl Fn(&Ray) -> f64) {
+fn cast_each<S: Source>(source: S, sink: &mut impl Sink, cast: impl Fn(&Ray) -> f64) {
     let mut distances = [f64::INFINITY; GROUP];
     let groups = source.count().div_ceil(GROUP);
     for fan in 0..source.fans() {
         for group in 0..groups {
             let count = (source.count() - group * GROUP).min(GROUP);
             let rays = source.group(fan, group);
-            for (place, distance) in distances[..count].iter_mut().enumerate() {
-                *distance = cast(&rays.ray(place));
+            for (slot, distance) in distances[..count].iter_mut().enumerate() {
+                *distance = cast(&rays.ray(slot));
             }
             sink.take(fan * groups + group, &distances);
         }

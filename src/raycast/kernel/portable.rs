@@ -1,40 +1,41 @@
-//! Any processor: 8 rays to an array, in loops that compilers make vectors of, and independent of each other where they do not.
+//! Any processor: arrays of 8 numbers, in loops that the compiler vectorises or at least runs in parallel.
 #![allow(unsafe_code, reason = "conversions to integers that do not saturate")]
 
 use super::lanes::{Lanes, Work};
 
-/// Every processor has what this needs.
+/// The instructions that every processor has.
 #[derive(Debug, Clone, Copy)]
 pub struct Portable;
 
 const COUNT: usize = 8;
 
-/// What `of` makes of each lane.
+/// Returns an array of `of(lane)`.
 #[inline(always)]
 fn each<T>(of: impl Fn(usize) -> T) -> [T; COUNT] {
     std::array::from_fn(of)
 }
 
-/// All bits set, or none.
+/// Returns 32 bits that are all `set`, or all not.
 #[inline(always)]
 fn all_bits(set: bool) -> u32 {
     if set { u32::MAX } else { 0 }
 }
 
-/// Truncates numbers that an int32 holds.
+/// Truncates a number to an int32.
 #[inline(always)]
 fn truncate(a: f32) -> i32 {
-    // Cells are counted up to 65,536 or so. Whatever else comes here is brought into range, if not into the right one.
+    // Numbers of cells are at most about 65536. Other numbers, which no active ray has, are replaced by 0.
     let a = if a < 1e9 { a } else { 0.0 };
     let a = if a > -1e9 { a } else { 0.0 };
-    // SAFETY: the number is finite and within what an int32 holds.
+    // SAFETY: the number is finite and fits in an int32.
     unsafe { a.to_int_unchecked() }
 }
 
-/// Puts the lanes with a bit set from a place on, straight to where they are kept.
+/// Writes the lanes with a bit set from index `at` on, without branches: each lane is written, and the next one overwrites
+/// it unless its bit is set.
 #[inline(always)]
-fn compress_store<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
-    let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("as many numbers as a vector has");
+fn store_selected<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
+    let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("room for a whole vector");
     let mut count = 0;
     for (lane, &a) in a.iter().enumerate() {
         numbers[count & (COUNT - 1)] = a;
@@ -44,12 +45,12 @@ fn compress_store<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT
 
 impl Lanes for Portable {
     const COUNT: usize = COUNT;
-    const STEPS: usize = 4;
+    const STEPS_PER_PASS: usize = 4;
     const IN_FLIGHT: usize = 2;
     type Float = [f32; COUNT];
     type Int = [i32; COUNT];
     type Mask = [u32; COUNT];
-    type Order = u32;
+    type Compaction = u32;
 
     #[inline(never)]
     fn with_features(self, work: impl Work) {
@@ -57,12 +58,12 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn float(self, number: f32) -> [f32; COUNT] {
+    fn splat(self, number: f32) -> [f32; COUNT] {
         [number; COUNT]
     }
 
     #[inline(always)]
-    fn int(self, number: i32) -> [i32; COUNT] {
+    fn splat_int(self, number: i32) -> [i32; COUNT] {
         [number; COUNT]
     }
 
@@ -78,19 +79,19 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn floor(self, a: [f32; COUNT]) -> [f32; COUNT] {
-        // Cells are counted from -1 on.
+        // The lowest cell is -1.
         each(|lane| (truncate(a[lane] + 1.0) - 1) as f32)
     }
 
     #[inline(always)]
-    fn half_up(self, a: [f32; COUNT]) -> [f32; COUNT] {
-        // Adding a number of 24 bits and taking it off again rounds to the nearest whole number.
+    fn half_rounded_up(self, a: [f32; COUNT]) -> [f32; COUNT] {
+        // Adding this number and subtracting it again rounds to the nearest integer.
         const ROUND: f32 = 12_582_912.0;
         each(|lane| (a[lane] * 0.5 + 0.25 + ROUND) - ROUND)
     }
 
     #[inline(always)]
-    fn off_whole(self, a: [f32; COUNT]) -> [f32; COUNT] {
+    fn distance_to_integer(self, a: [f32; COUNT]) -> [f32; COUNT] {
         let floor = self.floor(a);
         each(|lane| {
             let beyond = a[lane] - floor[lane];
@@ -104,8 +105,8 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn to_float(self, within: [u32; COUNT], a: [i32; COUNT]) -> [f32; COUNT] {
-        each(|lane| (a[lane] & within[lane] as i32) as f32)
+    fn to_float(self, mask: [u32; COUNT], a: [i32; COUNT]) -> [f32; COUNT] {
+        each(|lane| (a[lane] & mask[lane] as i32) as f32)
     }
 
     #[inline(always)]
@@ -124,37 +125,37 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn gather(self, bytes: &[u8], places: [i32; COUNT]) -> [i32; COUNT] {
-        each(|lane| bytes.get(places[lane] as u32 as usize).copied().unwrap_or(0).into())
+    fn gather(self, bytes: &[u8], indices: [i32; COUNT]) -> [i32; COUNT] {
+        each(|lane| bytes.get(indices[lane] as u32 as usize).copied().unwrap_or(0).into())
     }
 
     #[inline(always)]
-    fn is_less(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
-        each(|lane| within[lane] & all_bits(a[lane] < b[lane]))
+    fn is_less(self, mask: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| mask[lane] & all_bits(a[lane] < b[lane]))
     }
 
     #[inline(always)]
-    fn is_at_most(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
-        each(|lane| within[lane] & all_bits(a[lane] <= b[lane]))
+    fn is_at_most(self, mask: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| mask[lane] & all_bits(a[lane] <= b[lane]))
     }
 
     #[inline(always)]
-    fn is_not_greater(self, within: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
-        each(|lane| within[lane] & !all_bits(a[lane] > b[lane]))
+    fn is_not_greater(self, mask: [u32; COUNT], a: [f32; COUNT], b: [f32; COUNT]) -> [u32; COUNT] {
+        each(|lane| mask[lane] & !all_bits(a[lane] > b[lane]))
     }
 
     #[inline(always)]
-    fn is_positive(self, within: [u32; COUNT], a: [i32; COUNT]) -> [u32; COUNT] {
-        each(|lane| within[lane] & all_bits(a[lane] > 0))
+    fn is_positive(self, mask: [u32; COUNT], a: [i32; COUNT]) -> [u32; COUNT] {
+        each(|lane| mask[lane] & all_bits(a[lane] > 0))
     }
 
     #[inline(always)]
-    fn first(self, count: usize) -> [u32; COUNT] {
+    fn first_lanes(self, count: usize) -> [u32; COUNT] {
         each(|lane| all_bits(lane < count))
     }
 
     #[inline(always)]
-    fn without(self, a: [u32; COUNT], b: [u32; COUNT]) -> [u32; COUNT] {
+    fn and_not(self, a: [u32; COUNT], b: [u32; COUNT]) -> [u32; COUNT] {
         each(|lane| a[lane] & !b[lane])
     }
 
@@ -170,27 +171,27 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn load(self, numbers: &[f32], at: usize) -> [f32; COUNT] {
-        *numbers[at..].first_chunk().expect("as many numbers as a vector has")
+        *numbers[at..].first_chunk().expect("room for a whole vector")
     }
 
     #[inline(always)]
     fn load_int(self, numbers: &[i32], at: usize) -> [i32; COUNT] {
-        *numbers[at..].first_chunk().expect("as many numbers as a vector has")
+        *numbers[at..].first_chunk().expect("room for a whole vector")
     }
 
     #[inline(always)]
-    fn order_of(self, bits: u32) -> u32 {
+    fn compaction(self, bits: u32) -> u32 {
         bits
     }
 
     #[inline(always)]
-    fn store_ordered(self, order: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
-        compress_store(order, numbers, at, a);
+    fn store_compacted(self, compaction: u32, numbers: &mut [f32], at: usize, a: [f32; COUNT]) {
+        store_selected(compaction, numbers, at, a);
     }
 
     #[inline(always)]
-    fn store_int_ordered(self, order: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
-        compress_store(order, numbers, at, a);
+    fn store_int_compacted(self, compaction: u32, numbers: &mut [i32], at: usize, a: [i32; COUNT]) {
+        store_selected(compaction, numbers, at, a);
     }
 
     #[inline(always)]

@@ -1,13 +1,11 @@
-//! The jump loop over single rays, in float64: for grids whose bytes int32 cannot number.
+//! The jump loop over single rays, in float64: for grids whose free boxes have too many bytes for int32 indices.
 
 use crate::free_boxes::FreeBoxes;
 use crate::raycast::Ray;
 use crate::raycast::track::Track;
 
-/// Distance in cells from a ray's origin to the boundary by which it enters a blocking cell, infinite if there is none; one beyond
-/// `limit` may be infinite.
-///
-/// A ray in a cell leaves that cell's free box through one of its two far sides.
+/// Returns the distance in cells from the start of a ray to the boundary at which it enters the first blocking cell;
+/// infinite if there is none. Beyond `limit` the distance may be infinite.
 #[inline]
 pub fn cast(free_boxes: &FreeBoxes, ray: &Ray, limit: f64) -> f64 {
     let track = Track::new(free_boxes, ray);
@@ -33,7 +31,7 @@ mod tests {
     use rand::{Rng, RngExt};
 
     #[test]
-    fn distances_are_the_traversals() {
+    fn distances_equal_those_of_the_traversal() {
         let mut stream = random::stream(9, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 90, 40), (90, 1, 40), (60, 50, 3), (150, 120, 200)] {
             let cells =

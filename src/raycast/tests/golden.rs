@@ -1,4 +1,4 @@
-//! Hand-derived ranges on small maps.
+//! Ranges on small maps, derived by hand.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -6,7 +6,7 @@ use super::methods::{by_every_square, cast, check, drawn_grid, kernels, toward};
 use crate::grid::OccupancyGrid;
 use glam::DVec2;
 
-/// What every method makes of a ray from `(x, y)` at `angle`, the reference first.
+/// Checks the distance that the reference and every kernel find for a ray from `(x, y)` at `angle`.
 fn expect(grid: &OccupancyGrid, (x, y): (f64, f64), angle: f64, expected: f64) {
     let start = (DVec2::new(x, y), toward(angle));
     let (crossed, _) = by_every_square(grid, start);
@@ -44,13 +44,13 @@ fn a_single_pole() {
 }
 
 #[test]
-fn the_start_cell_counts_and_its_edges_are_its_own() {
+fn a_start_in_or_on_the_edge_of_a_wall() {
     let grid = drawn_grid(".#.");
     for angle in [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0] {
         expect(&grid, (1.5, 0.5), angle, 0.0);
     }
     expect(&grid, (1.0, 0.5), 0.0, 0.0);
-    // On the pole's far edge the cell is the next one: a beam back enters at once, a beam away never.
+    // The far edge of the wall belongs to the next cell: a beam back hits at once, a beam away never.
     expect(&grid, (2.0, 0.5), PI, 0.0);
     expect(&grid, (2.0, 0.5), 0.0, NONE);
 }
@@ -65,7 +65,7 @@ fn walls_that_touch_at_a_corner_do_not_leak() {
          .....",
     );
     for step in 0..50 {
-        // At right angles onto the wall, through its corners and beside them.
+        // Perpendicular to the wall, through its corners and beside them.
         let offset = f64::from(step) / 25.0 - 1.0;
         let start = DVec2::new(0.5 + offset, 0.5 - offset) + DVec2::new(0.5, 0.5);
         for angle in [FRAC_PI_4, FRAC_PI_4 + 1e-9, FRAC_PI_4 - 1e-9] {
@@ -80,9 +80,8 @@ fn walls_that_touch_at_a_corner_do_not_leak() {
 }
 
 #[test]
-fn a_corner_is_passed_on_one_side_only() {
-    // A ray through a corner crosses the row's boundary first: of the two cells beside the corner it visits the upper one going
-    // up, the lower one going down.
+fn a_ray_through_a_corner_crosses_the_row_boundary_first() {
+    // Of the two cells beside the corner, the ray visits the upper one on its way up and the lower one on its way down.
     let above = drawn_grid(".. #.");
     let beside = drawn_grid("#. ..");
     for kernel in kernels() {
@@ -108,7 +107,7 @@ fn a_range_is_never_negative_zero() {
 }
 
 #[test]
-fn both_zeros_and_all_that_is_as_good_as_zero_go_straight() {
+fn components_that_are_zero_or_tiny_give_straight_rays() {
     let grid = drawn_grid("....#");
     for zero in [0.0, -0.0, 6e-17, -6e-17, 1e-310, -1e-310] {
         for kernel in kernels() {
@@ -126,7 +125,7 @@ fn both_zeros_and_all_that_is_as_good_as_zero_go_straight() {
 }
 
 #[test]
-fn far_starts_and_those_that_are_not_numbers_end() {
+fn rays_from_far_or_from_nan_end() {
     let grid = drawn_grid("..#");
     for kernel in kernels() {
         let name = kernel.name();
@@ -137,9 +136,9 @@ fn far_starts_and_those_that_are_not_numbers_end() {
     }
 }
 
-/// A ray on a grid line, off it by less than float32 can tell: 0 · ∞ in the march.
+/// Rays on a grid line that leave it by less than float32 can resolve: 0 · ∞ in the march.
 #[test]
-fn a_ray_that_all_but_runs_along_a_grid_line() {
+fn rays_almost_along_a_grid_line() {
     let grid = drawn_grid(
         "..........
          ..........

@@ -1,4 +1,4 @@
-//! Rays over real maps. The maps are no part of the project: where their folder is absent, there is nothing to do.
+//! Rays over real maps. The maps are not part of the project; without their folder the test is skipped.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -21,10 +21,10 @@ const IMAGES: [&str; 8] = [
 ];
 
 #[test]
-fn every_method_agrees_with_the_traversal_on_real_maps() {
+fn every_kernel_agrees_with_the_traversal_on_real_maps() {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
     if !maps.is_dir() {
-        eprintln!("passed over: no real maps in {}", maps.display());
+        eprintln!("skipped: no real maps in {}", maps.display());
         return;
     }
     for image in IMAGES {

@@ -1,4 +1,4 @@
-//! The ways to find a range, all of one shape: `(grid, ray) -> distance in cells`, infinite for no hit.
+//! Methods to find the distance of a hit, in cells; infinite for no hit. And checks that they agree.
 
 use std::sync::Once;
 
@@ -9,26 +9,26 @@ use crate::raycast::rays::{RayColumns, Rays};
 use crate::raycast::{Caster, Kernel, Ray};
 use glam::DVec2;
 
-/// Start (in cells) and direction (a unit vector) of a ray.
+/// Origin of a ray in cells, and its direction as a unit vector.
 pub type Start = (DVec2, DVec2);
 
-/// No ray of these tests goes as far as this.
+/// Maximum range. No ray of these tests is as long.
 const FAR: f64 = 1e12;
 
-/// The kernels that this machine has, the plain traversal first.
+/// Kernels that this machine can run, the plain traversal first.
 ///
-/// Says once which ones are passed over.
+/// Prints once which ones are skipped.
 pub fn kernels() -> impl Iterator<Item = Kernel> {
-    static PASSED_OVER: Once = Once::new();
-    PASSED_OVER.call_once(|| {
+    static PRINT_SKIPPED: Once = Once::new();
+    PRINT_SKIPPED.call_once(|| {
         for kernel in Kernel::ALL.into_iter().filter(|kernel| !kernel.is_available()) {
-            eprintln!("passed over: this machine has no {}", kernel.name());
+            eprintln!("skipped: this machine cannot run {}", kernel.name());
         }
     });
     Kernel::ALL.into_iter().filter(|kernel| kernel.is_available())
 }
 
-/// Distances in cells along rays to the first blocking cell, infinite for no hit.
+/// Distances of rays to the first blocking cell.
 pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f64> {
     let mut groups = vec![RayColumns::MISSES; starts.len().div_ceil(GROUP)];
     for (index, &(origin, direction)) in starts.iter().enumerate() {
@@ -51,10 +51,10 @@ pub fn by_traversal(grid: &OccupancyGrid, start: Start) -> f64 {
     cast(Kernel::Traversal, grid, start)
 }
 
-/// How far a ray gets into and through the square of every blocking cell: nothing is skipped, and there is no order to get wrong.
+/// Intersects a ray with the square of every blocking cell. No cell is skipped, and the order does not matter.
 ///
-/// Returns the distance to the nearest square that the ray surely crosses, and for all that it may at least touch
-/// from where to where it does.
+/// Returns the distance to the nearest square that the ray certainly crosses, and the intervals of distances within all
+/// squares that it may touch.
 pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64, Vec<(f64, f64)>) {
     let (mut crossed, mut touched) = (f64::INFINITY, Vec::new());
     for row in 0..grid.height() {
@@ -67,12 +67,12 @@ pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64
                 let (enter_y, leave_y) = slab(origin.y, direction.y, row as f64, margin);
                 (enter_x.max(enter_y).max(0.0), leave_x.min(leave_y))
             };
-            // One that all but runs along a side is moved across it by rounding.
+            // Smaller squares: rounding can move a ray that runs almost along a side across it.
             let (enter, leave) = within(-ROUNDING);
             if leave > enter + TOLERANCE {
                 crossed = crossed.min(enter);
             }
-            // A ray along a side may be taken for one on either side of it.
+            // Larger squares: a ray along a side may count as on either side of it.
             let (enter, leave) = within(TOLERANCE);
             if leave >= enter {
                 touched.push((enter, leave));
@@ -82,7 +82,8 @@ pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64
     (crossed, touched)
 }
 
-/// Where a ray enters and leaves a cell along one axis, the cell being larger by a margin, or smaller if the ray moves along it.
+/// Distances at which a ray enters and leaves a cell along one axis. The cell is larger by `margin`; a negative margin,
+/// which makes it smaller, applies only if the ray moves along the axis.
 fn slab(origin: f64, direction: f64, cell: f64, margin: f64) -> (f64, f64) {
     let margin = if direction.abs() > 1e-300 { margin } else { margin.max(0.0) };
     let (low, high) = (cell - margin, cell + 1.0 + margin);
@@ -98,26 +99,26 @@ fn slab(origin: f64, direction: f64, cell: f64, margin: f64) -> (f64, f64) {
 
 const TOLERANCE: f64 = 1e-9;
 
-/// More than rounding moves a ray that comes from beside these grids.
+/// Larger than the rounding errors of rays that start near these grids.
 const ROUNDING: f64 = 1e-12;
 
-/// Holds every method against the reference, and against the plain traversal to the last bit.
+/// Checks the plain traversal against the reference, and that every kernel gives the same bits as the traversal.
 pub fn check(grid: &OccupancyGrid, start: Start) {
     check_methods(grid, start);
     let (crossed, touched) = by_every_square(grid, start);
     let found = by_traversal(grid, start);
-    assert!(found <= crossed + TOLERANCE, "{start:?}: a beam that goes through a wall at {crossed} went on to {found}");
+    assert!(found <= crossed + TOLERANCE, "{start:?}: a beam passed through a wall at {crossed} and ended at {found}");
     let near = |&(enter, leave): &(f64, f64)| enter - TOLERANCE < found && found < leave + TOLERANCE;
     let stops = found.is_infinite() || touched.iter().any(near);
-    assert!(stops, "{start:?}: nothing to stop a beam at {found}, only at {touched:?}");
+    assert!(stops, "{start:?}: a beam ended at {found}, but walls are only at {touched:?}");
 }
 
-/// Holds every kernel against the plain traversal to the last bit.
+/// Checks that every kernel gives the same bits as the plain traversal.
 pub fn check_methods(grid: &OccupancyGrid, start: Start) {
     check_all(grid, &[start]);
 }
 
-/// [`check_methods`] of many rays at once.
+/// [`check_methods`] for many rays.
 pub fn check_all(grid: &OccupancyGrid, starts: &[Start]) {
     let expected = cast_all(Kernel::Traversal, grid, starts);
     for kernel in kernels() {
@@ -128,7 +129,7 @@ pub fn check_all(grid: &OccupancyGrid, starts: &[Start]) {
     }
 }
 
-/// A grid of cells of one unit at the origin; `blocking` row by row from the bottom.
+/// A grid at the origin with cells of 1 m; `blocking` is row by row from the bottom.
 pub fn unit_grid(blocking: &[bool], width: usize) -> OccupancyGrid {
     let cells = blocking.iter().map(|&blocks| if blocks { 100 } else { 0 }).collect();
     let (origin, occupied_threshold) = (Pose::default(), OCCUPIED_THRESHOLD);
@@ -136,14 +137,14 @@ pub fn unit_grid(blocking: &[bool], width: usize) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a grid of free and occupied cells")
 }
 
-/// A grid drawn in text, `#` blocking, top row first.
+/// A grid from a drawing, top row first; `#` blocks.
 pub fn drawn_grid(drawing: &str) -> OccupancyGrid {
     let rows: Vec<&str> = drawing.split_whitespace().rev().collect();
     let blocking: Vec<bool> = rows.iter().flat_map(|row| row.bytes().map(|byte| byte == b'#')).collect();
     unit_grid(&blocking, rows[0].len())
 }
 
-/// The unit vector at an angle.
+/// The unit vector in the direction of an angle.
 pub fn toward(angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
     DVec2::new(cos, sin)

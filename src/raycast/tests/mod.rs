@@ -1,4 +1,4 @@
-//! Casting: every method goes through the same runner, and the reference too simple to be wrong goes first.
+//! All kernels in one runner, against a reference that is easy to check by reading.
 
 mod golden;
 mod maps;

@@ -1,4 +1,4 @@
-//! Rays over grids of every kind, drawn at random but with a liking for boundaries, corners and axes.
+//! Random rays over random grids, with many boundaries, corners and axes among them.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -12,7 +12,7 @@ use crate::random;
 
 const SEED: u64 = 20;
 
-/// Whether a cell blocks, by its column, row and a number drawn for it.
+/// Returns true if a cell blocks, from its column, its row and a random number in [0, 1).
 type Kind = fn(usize, usize, f64) -> bool;
 
 const KINDS: [(&str, Kind); 7] = [
@@ -31,7 +31,7 @@ fn grid(kind: Kind, width: usize, height: usize, seed: u64) -> OccupancyGrid {
     unit_grid(&blocking, width)
 }
 
-/// A coordinate: anywhere, outside, on a line, near a line, or a quarter of a cell.
+/// A coordinate: anywhere, outside, on a grid line, near one, or at a multiple of a quarter of a cell.
 fn coordinate(size: usize) -> impl Strategy<Value = f64> {
     let end = size as f64;
     prop_oneof![
@@ -43,7 +43,7 @@ fn coordinate(size: usize) -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A direction: any, near a multiple of 45°, all but along an axis, or from corner to corner of cells.
+/// A direction: any, near a multiple of 45°, at one, almost along an axis, or from corner to corner of cells.
 fn direction() -> impl Strategy<Value = DVec2> {
     prop_oneof![
         2 => (-PI..PI).prop_map(toward),
@@ -69,13 +69,13 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_method_agrees_with_every_square((kind, width, height, seed, x, y, direction) in case()) {
+    fn every_kernel_agrees_with_the_reference((kind, width, height, seed, x, y, direction) in case()) {
         check(&grid(KINDS[kind].1, width, height, seed), (DVec2::new(x, y), direction));
     }
 }
 
 #[test]
-fn every_method_agrees_with_the_traversal_on_large_grids() {
+fn every_kernel_agrees_with_the_traversal_on_large_grids() {
     for (name, kind) in KINDS {
         let (width, height) = (700, 450);
         let grid = grid(kind, width, height, SEED);
@@ -94,7 +94,7 @@ fn every_method_agrees_with_the_traversal_on_large_grids() {
     }
 }
 
-/// Distances from the same start on a grid turned by quarter turns and mirrored are the same.
+/// Turning by a quarter turn, mirroring or shifting grid and ray does not change the distance.
 #[test]
 fn symmetries_hold() {
     let mut stream = random::stream(SEED, 3);
