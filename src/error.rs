@@ -1,51 +1,51 @@
-//! The one error type: what was wrong, what was given, what was needed.
+//! The error type of the crate: what is wrong, what was given, and what is needed.
 
-/// A value that the simulator cannot work with.
+/// An invalid value.
 ///
-/// Constructors and batch entry points check their input, so that nothing behind them can fail.
+/// Constructors and functions on batches check their input, so the code behind them cannot fail.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A number outside of its domain.
+    /// A number outside its domain.
     #[error("{name} must be {needed}, got {value}")]
     Number {
-        /// What the number is.
+        /// Name of the number.
         name: &'static str,
         /// The number given.
         value: f64,
-        /// The domain.
+        /// Its domain.
         needed: &'static str,
     },
-    /// A row of a batch that holds a NaN or an infinity.
+    /// A row of a batch that contains NaN or an infinity.
     #[error("{name} must be finite, got {value:?} in row {row}")]
     Row {
-        /// What the batch holds.
+        /// Name of the batch.
         name: &'static str,
         /// Index of the first such row.
         row: usize,
         /// The row given.
         value: [f64; 3],
     },
-    /// A whole number outside of its domain.
+    /// A count outside its domain.
     #[error("{name} must be {needed}, got {value}")]
     Count {
-        /// What is counted.
+        /// Name of the count.
         name: &'static str,
-        /// The number given.
+        /// The count given.
         value: usize,
-        /// The domain.
+        /// Its domain.
         needed: &'static str,
     },
-    /// An array that does not have the extent it must have.
+    /// An array of the wrong length.
     #[error("{name} must have {needed} elements, got {value}")]
     Length {
-        /// What the array holds.
+        /// Name of the array.
         name: &'static str,
-        /// The number of elements given.
+        /// Number of elements given.
         value: usize,
-        /// The number needed.
+        /// Number of elements needed.
         needed: usize,
     },
-    /// A cell outside of -1..100.
+    /// A cell value outside -1 to 100.
     #[error("cells must be in -1..100, got {value} at row {row}, column {col}")]
     Cell {
         /// Row of the first such cell.
@@ -55,22 +55,22 @@ pub enum Error {
         /// The value given.
         value: i8,
     },
-    /// A cell that the grid does not have.
+    /// A cell that is not on the grid.
     #[error("row and column must be below {height} and {width}, got {row} and {col}")]
     OffGrid {
         /// Row of the cell.
         row: usize,
         /// Column of the cell.
         col: usize,
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         height: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         width: usize,
     },
-    /// Beam model weights of which none is positive.
+    /// Weights of a beam model that are all 0.
     #[error("at least one of z_hit, z_short, z_max, z_rand must be positive, got {0:?}")]
     Weights([f64; 4]),
-    /// A corner of a polygon that is not finite or too far away.
+    /// A corner of a polygon that is not finite or too far from the origin.
     #[error("a corner must be finite and within 1e6 of the origin, got {value:?} in row {row}")]
     Corner {
         /// Index of the first such corner.
@@ -78,47 +78,47 @@ pub enum Error {
         /// The corner given.
         value: [f64; 2],
     },
-    /// A corner of a polygon given twice in a row.
+    /// Two consecutive corners of a polygon that are equal.
     #[error("corners must differ, got the same in rows {row} and {next}")]
     RepeatedCorner {
-        /// Index of the corner.
+        /// Index of the first of the two corners.
         row: usize,
-        /// Index of its repetition.
+        /// Index of the second.
         next: usize,
     },
     /// A polygon that crosses or touches itself.
     #[error("edges must meet only at the corners they share, got edges {first} and {second} that meet elsewhere")]
     Edges {
-        /// Index of an edge, which is that of its first corner.
+        /// Index of the first edge: the index of the corner where it starts.
         first: usize,
-        /// Index of another.
+        /// Index of the second edge.
         second: usize,
     },
-    /// No place for a robot of this radius.
+    /// A grid without free space for a robot of this radius.
     #[error("no known free place for a disc of radius {radius} m on this grid")]
     NoFreePlace {
         /// Radius of the robot in metres.
         radius: f64,
     },
-    /// A name that is not one of the kernels that this machine can run.
+    /// A name that is no kernel, or a kernel that this machine cannot run.
     #[error("MOBILE_ROBOT_SIMULATOR_KERNEL must be one of {available} on this machine, got {value:?}")]
     Kernel {
         /// The name given.
         value: String,
-        /// The names of those that can run.
+        /// Names of the kernels that can run.
         available: String,
     },
-    /// The operating system gave no threads.
+    /// Threads that the operating system did not start.
     #[error("could not start {threads} threads: {reason}")]
     Threads {
-        /// The number asked for.
+        /// Number of threads needed.
         threads: usize,
-        /// What the system said.
+        /// Reason that the system gave.
         reason: String,
     },
 }
 
-/// Checks that `value` is finite and in its domain: `is_valid` is true for it, and `needed` describes the domain.
+/// Returns `value` if it is finite and `is_valid` is true for it; `needed` describes these values in the error.
 pub(crate) fn check_number(
     name: &'static str,
     value: f64,
@@ -128,7 +128,7 @@ pub(crate) fn check_number(
     if value.is_finite() && is_valid(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
 }
 
-/// Checks that `value` is finite.
+/// Returns `value` if it is finite.
 pub(crate) fn check_finite(name: &'static str, value: f64) -> Result<f64, Error> {
     check_number(name, value, "finite", |_| true)
 }

@@ -1,4 +1,4 @@
-//! Occupancy grids: the only owner of world ↔ cell.
+//! Occupancy grids, and all conversions between the map frame, the frame of a grid and cells.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -12,67 +12,104 @@ use crate::free_boxes::FreeBoxes;
 use crate::pose::Pose;
 use crate::random;
 
-/// Whether beams pass cells of which nothing is known.
+/// What unknown cells are to beams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unknown {
-    /// Beams pass.
+    /// Free: beams pass.
     #[default]
     Free,
-    /// Beams stop.
+    /// Occupied: beams stop.
     Occupied,
 }
 
-/// A cell of a grid, by its column (along the grid's x) and row (along its y).
+/// Column and row of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cell {
-    /// Column, 0 at the left.
+    /// Column, along the x axis of the grid; 0 at the origin.
     pub col: usize,
-    /// Row, 0 at the bottom.
+    /// Row, along the y axis of the grid; 0 at the origin.
     pub row: usize,
 }
 
-/// What an [`OccupancyGrid`] is, but for its cells.
+/// Parameters of an [`OccupancyGrid`]: everything except its cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridOptions {
-    /// Side of a cell in metres.
+    /// Side of a cell \[m\].
     pub resolution: f64,
     /// Pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
     pub origin: Pose,
-    /// Cells of this value and above block beams, 1..=100.
+    /// Smallest value of a cell that blocks beams, 1 to 100.
     pub occupied_threshold: i8,
-    /// Whether unknown cells block beams.
+    /// Whether unknown cells are free or occupied.
     pub unknown: Unknown,
 }
 
-/// Occupancy of the plane in square cells, as `nav_msgs/OccupancyGrid` has it.
+/// Occupancy of the plane in square cells, like `nav_msgs/OccupancyGrid`.
+///
+/// The origin is the pose of the grid's frame in the map frame. The frame of the grid has its x axis along the columns and
+/// its y axis along the rows, in metres; "cells from the corner" are the same coordinates in cells.
+///
+/// ```text
+///        +---+---+---+
+///  row 1 |   |   |   |     The marked cell has column 2 and row 0. With a resolution of 0.5 m, its lower-left corner is
+///        +---+---+---+     at (2, 0) cells from the corner and at (1, 0) m in the frame of the grid; if the yaw of the
+///  row 0 |   |   | # |     origin is 0, it is at origin + (1, 0) m in the map frame.
+///        o---+---+---+
+///      origin  1   2  column
+/// ```
+///
+/// ```
+/// use glam::DVec2;
+/// use mobile_robot_simulator::{Cell, GridOptions, OccupancyGrid, Pose, Unknown};
+///
+/// // Two rows of three cells of 0.5 m, the lower row first; the lower-left corner is at (1, 2).
+/// let cells = vec![
+///     0, 0, 100, // row 0
+///     0, 0, -1, // row 1
+/// ];
+/// let origin = Pose::new(1.0, 2.0, 0.0);
+/// let options = GridOptions { resolution: 0.5, origin, occupied_threshold: 60, unknown: Unknown::Free };
+/// let grid = OccupancyGrid::new(cells, 3, options)?;
+///
+/// assert_eq!(grid.cell_at(DVec2::new(2.1, 2.4)), Some(Cell { col: 2, row: 0 }));
+/// assert_eq!(grid.cell_at(DVec2::new(0.9, 2.4)), None);
+/// assert_eq!(grid.checked_center(Cell { col: 2, row: 0 })?, DVec2::new(2.25, 2.25));
+/// assert!(grid.is_blocking(Cell { col: 2, row: 0 }));
+/// assert!(!grid.is_blocking(Cell { col: 2, row: 1 }));
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct OccupancyGrid {
     cells: Vec<i8>,
     width: usize,
     height: usize,
     options: GridOptions,
-    /// Cosine and sine of the turn from the map frame into the grid's.
-    turn: DVec2,
+    /// Cosine and sine of the rotation from the map frame to the frame of the grid.
+    grid_from_map: DVec2,
     free_boxes: OnceLock<FreeBoxes>,
 }
 
-/// The threshold of a grid unless it says otherwise.
+/// Default of [`GridOptions::occupied_threshold`].
 pub const OCCUPIED_THRESHOLD: i8 = 60;
 
-/// The longest side of a grid in cells.
+/// Largest number of columns and of rows.
 ///
-/// Up to here a crossing computed in float64 is off by less than 1e-10 cells, which the casters' tie check builds on.
+/// Up to this size, the float64 coordinate at which a ray crosses a grid line is off by less than 1e-10 cells. The kernels
+/// rely on this bound.
 pub const MAX_SIDE: usize = 65_535;
 
-/// The largest number of cells: with their border they are counted in 31 bits.
+/// Largest number of cells. With a border around the grid their number still fits in 31 bits.
 pub const MAX_CELLS: usize = 2_000_000_000;
 
 impl OccupancyGrid {
-    /// The grid of `width` columns whose rows, lower first, are one after the other in `cells`.
+    /// Returns the grid with these cells, row by row from row 0 on, with `width` cells in each row.
     ///
     /// # Errors
-    /// No cells, too many of them, a side that does not divide them, values outside of -1..=100, a resolution that is not
-    /// positive, an origin that is not finite, a threshold outside of 1..=100.
+    /// - [`Error::Count`]: no cells, or more than [`MAX_CELLS`], or a side longer than [`MAX_SIDE`].
+    /// - [`Error::Length`]: the number of cells is not a multiple of `width`.
+    /// - [`Error::Cell`]: a value outside -1 to 100.
+    /// - [`Error::Number`]: a resolution that is not positive, an origin that is not finite, or a threshold outside 1 to
+    ///   100.
     pub fn new(cells: Vec<i8>, width: usize, options: GridOptions) -> Result<Self, Error> {
         if width == 0 || cells.is_empty() {
             return Err(Error::Count { name: "the number of cells", value: cells.len(), needed: "at least 1" });
@@ -101,70 +138,74 @@ impl OccupancyGrid {
         check_finite("origin y", origin[1])?;
         check_finite("origin yaw", origin[2])?;
         let (sin, cos) = libm::sincos(-options.origin.yaw);
-        Ok(Self { cells, width, height, options, turn: DVec2::new(cos, sin), free_boxes: OnceLock::new() })
+        Ok(Self { cells, width, height, options, grid_from_map: DVec2::new(cos, sin), free_boxes: OnceLock::new() })
     }
 
-    /// Values of the cells, row by row from the bottom.
+    /// Returns the values of the cells, row by row from row 0 on.
     #[must_use]
     pub fn cells(&self) -> &[i8] {
         &self.cells
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// What the grid is, but for its cells.
+    /// Returns the parameters.
     #[must_use]
     pub fn options(&self) -> GridOptions {
         self.options
     }
 
-    /// Side of a cell in metres.
+    /// Returns the side of a cell \[m\].
     #[must_use]
     pub fn resolution(&self) -> f64 {
         self.options.resolution
     }
 
-    /// Builds what fast casting needs, unless it is built already; on `threads` threads (default: all cores).
+    /// Builds the free boxes, which the fast kernels need, unless they exist; on `threads` threads (default: all cores).
     ///
-    /// Casting does this at its first call. It takes 8 bytes a cell.
+    /// Otherwise the first cast builds them. They take 8 bytes for each cell.
     pub fn prepare(&self, threads: Option<usize>) {
         self.free_boxes_by(threads);
     }
 
-    /// The free boxes of the cells, built at the first call on all cores.
+    /// Returns the free boxes of the cells; the first call builds them on all cores.
     pub(crate) fn free_boxes(&self) -> &FreeBoxes {
         self.free_boxes_by(None)
     }
 
     fn free_boxes_by(&self, threads: Option<usize>) -> &FreeBoxes {
         let blocks = |&value: &i8| self.options.blocks(value);
-        // A pool thread that waits may take up other work, and that work may need the free boxes of this grid: a deadlock.
+        // A pool thread must not wait for other threads here: it could take up work that needs these free boxes, a deadlock.
         let threads = if is_pool_thread() { Some(1) } else { threads };
         self.free_boxes.get_or_init(|| FreeBoxes::new(&self.cells, self.width, threads, blocks))
     }
 
-    /// True if the free boxes are built.
+    /// Returns true if the free boxes exist.
     #[cfg(test)]
     pub(crate) fn is_prepared(&self) -> bool {
         self.free_boxes.get().is_some()
     }
 
-    /// Gives the cells of a rectangle new values: as many columns as `width`, row by row from `corner` on.
+    /// Sets the cells of a rectangle: `values` row by row, `width` values in each row, from the cell `corner` on.
     ///
-    /// What casting needs is kept, but for what the rectangle changes.
+    /// Free boxes that exist are updated, at a cost that grows with the rectangle, not with the grid.
     ///
     /// # Errors
-    /// Values outside of -1..=100, a width that does not divide their number, a rectangle that does not lie on the grid.
+    /// The grid is unchanged after an error.
+    ///
+    /// - [`Error::Count`], [`Error::Length`]: no values, or a number that is not a multiple of `width`.
+    /// - [`Error::OffGrid`]: the rectangle is not on the grid.
+    /// - [`Error::Cell`]: a value outside -1 to 100.
     pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
         if values.is_empty() || width == 0 {
             return Err(Error::Count { name: "the number of cells", value: 0, needed: "at least 1" });
@@ -188,32 +229,32 @@ impl OccupancyGrid {
         Ok(())
     }
 
-    /// A pose of the map frame in the frame of the grid, in metres from its corner.
+    /// Returns the pose in the frame of the grid \[m\] of a pose in the map frame.
     #[must_use]
     pub fn pose_in_grid(&self, pose: Pose) -> Pose {
         let origin = self.options.origin;
-        Pose { position: self.turn.rotate(pose.position - origin.position), yaw: pose.yaw - origin.yaw }
+        Pose { position: self.grid_from_map.rotate(pose.position - origin.position), yaw: pose.yaw - origin.yaw }
     }
 
-    /// A point of the grid's frame \[m\], or a length along its axes, in cells.
+    /// Converts a point in the frame of the grid, or a pair of lengths, from metres to cells.
     #[inline(always)]
     pub(crate) fn in_cells(&self, point: DVec2) -> DVec2 {
         point / self.options.resolution
     }
 
-    /// A point of the map frame in cells from the grid's corner; its floor is the cell.
+    /// Converts a point in the map frame to cells from the corner. The floor of the result is the column and row.
     #[must_use]
     pub fn to_cells(&self, point: DVec2) -> DVec2 {
         self.in_cells(self.pose_in_grid(Pose { position: point, yaw: 0.0 }).position)
     }
 
-    /// The cell that contains a point of the map frame, `None` off the grid.
+    /// Returns the cell that contains a point in the map frame; `None` off the grid.
     #[must_use]
     pub fn cell_at(&self, point: DVec2) -> Option<Cell> {
         self.cell_around(self.to_cells(point))
     }
 
-    /// The cell that contains a point, given in cells from the grid's corner; `None` off the grid.
+    /// Returns the cell that contains a point, given in cells from the corner; `None` off the grid.
     #[inline]
     pub(crate) fn cell_around(&self, at: DVec2) -> Option<Cell> {
         let at = at.floor();
@@ -221,20 +262,20 @@ impl OccupancyGrid {
         Some(Cell { col, row })
     }
 
-    /// Columns and rows of the cells that meet a rectangle; its corners `low` and `high` are in cells from the grid's corner.
+    /// Returns the columns and rows of the cells that a rectangle meets; `low` and `high` are in cells from the corner.
     pub(crate) fn cells_between(&self, low: DVec2, high: DVec2) -> (Range<usize>, Range<usize>) {
         (span(low.x, high.x, self.width), span(low.y, high.y, self.height))
     }
 
-    /// The lower-left corner of a cell in the grid's frame \[m\].
+    /// Returns the lower-left corner of a cell in the frame of the grid \[m\].
     pub(crate) fn corner(&self, cell: Cell) -> DVec2 {
         cell.corner() * self.resolution()
     }
 
-    /// The centre of a cell in the map frame.
+    /// Returns the centre of a cell in the map frame \[m\].
     ///
     /// # Errors
-    /// A cell that the grid does not have.
+    /// [`Error::OffGrid`]: the cell is not on the grid.
     pub fn checked_center(&self, cell: Cell) -> Result<DVec2, Error> {
         let (Cell { col, row }, width, height) = (cell, self.width, self.height);
         if col < width && row < height { Ok(self.center(cell)) } else { Err(Error::OffGrid { row, col, height, width }) }
@@ -244,7 +285,7 @@ impl OccupancyGrid {
         self.options.origin.transform_point((cell.corner() + 0.5) * self.resolution())
     }
 
-    /// Whether a cell of the grid stops beams.
+    /// Returns true if a cell blocks beams.
     ///
     /// # Panics
     /// If the cell is not on the grid.
@@ -254,12 +295,13 @@ impl OccupancyGrid {
         self.options.blocks(self.cells[cell.row * self.width + cell.col])
     }
 
-    /// Whether no blocking cell reaches into a disc around a point of the map frame. Off the grid is free.
+    /// Returns true if no blocking cell overlaps the disc of this centre (in the map frame) and radius \[m\].
     ///
-    /// Exact: each cell near the disc is a square, and a square that touches the disc's edge from outside does not reach in.
+    /// Exact: blocking cells are squares, and a square that only touches the edge of the disc does not overlap it.
+    /// Everything off the grid is free. The cost grows with the number of cells around the disc.
     ///
     /// # Errors
-    /// A centre that is not finite, a radius that is not finite or negative.
+    /// [`Error::Number`]: a centre that is not finite, or a radius that is not finite or negative.
     pub fn is_free_disc(&self, center: DVec2, radius: f64) -> Result<bool, Error> {
         check_finite("x", center.x)?;
         check_finite("y", center.y)?;
@@ -280,12 +322,14 @@ impl OccupancyGrid {
         })
     }
 
-    /// A pose drawn from the grid's known free space, on a cell's centre, where a disc of `radius` metres is free.
+    /// Draws a random pose at which a disc of this radius \[m\] is free, from the centres of the cells that are known to be
+    /// free.
     ///
-    /// The draw is named by `seed` alone: the same on every machine.
+    /// The pose depends only on the grid, the radius and `seed`, and is the same on every machine.
     ///
     /// # Errors
-    /// [`Error::NoFreePlace`] if there is none.
+    /// - [`Error::NoFreePlace`]: there is no such cell.
+    /// - [`Error::Number`]: a radius that is not finite or negative.
     pub fn draw_free_pose(&self, radius: f64, seed: u64) -> Result<Pose, Error> {
         check_radius(radius)?;
         let mut candidates: Vec<usize> = (0..self.cells.len())
@@ -303,34 +347,34 @@ impl OccupancyGrid {
         Err(Error::NoFreePlace { radius })
     }
 
-    /// True if a point, given in cells from the grid's corner, lies in a blocking cell.
+    /// Returns true if a point, given in cells from the corner, lies in a blocking cell.
     pub(crate) fn block_at(&self, at: DVec2) -> bool {
         self.cell_around(at).is_some_and(|cell| self.is_blocking(cell))
     }
 
-    /// True if the cell is on the grid and stops beams.
+    /// Returns true if a cell is on the grid and blocks beams.
     pub(crate) fn blocks(&self, Cell { col, row }: Cell) -> bool {
         col < self.width && row < self.height && self.options.blocks(self.cells[row * self.width + col])
     }
 
-    /// True if one of these cells of a row stops beams.
+    /// Returns true if one of these cells of a row blocks beams.
     pub(crate) fn has_blocking(&self, row: usize, cols: Range<usize>) -> bool {
         self.cells[row * self.width..][cols].iter().any(|&value| self.options.blocks(value))
     }
 }
 
 impl Cell {
-    /// The lower-left corner in cells from the grid's corner.
+    /// Returns the lower-left corner, in cells from the corner of the grid.
     fn corner(self) -> DVec2 {
         DVec2::new(self.col as f64, self.row as f64)
     }
 }
 
 impl GridOptions {
-    /// Whether a cell of this value stops beams.
+    /// Returns true if a cell with this value blocks beams.
     #[must_use]
     pub fn blocks(&self, value: i8) -> bool {
-        // Without branches, for loops over cells.
+        // No branches, so that loops over cells vectorise.
         (value >= self.occupied_threshold) | ((value < 0) & (self.unknown == Unknown::Occupied))
     }
 }
@@ -339,7 +383,7 @@ fn check_radius(radius: f64) -> Result<f64, Error> {
     check_number("radius", radius, "at least 0", |value| value >= 0.0)
 }
 
-/// Checks that all values are occupancies, and names the first that is not.
+/// Checks that all values are in -1 to 100. The error names the first one that is not.
 fn check_cells(cells: &[i8], width: usize) -> Result<(), Error> {
     match cells.iter().position(|value| !(-1..=100).contains(value)) {
         Some(index) => Err(Error::Cell { row: index / width, col: index % width, value: cells[index] }),
@@ -347,19 +391,19 @@ fn check_cells(cells: &[i8], width: usize) -> Result<(), Error> {
     }
 }
 
-/// A whole number as an index, if it lies in `0..count`.
+/// Converts a whole number to an index; `None` if it is not in `0..count`.
 fn index_below(whole: f64, count: usize) -> Option<usize> {
     (whole >= 0.0 && whole < count as f64).then_some(whole as usize)
 }
 
-/// Indices in `0..count` of the unit intervals that meet the interval from `low` to `high`.
+/// Returns the indices in `0..count` of the unit intervals that meet the interval from `low` to `high`.
 fn span(low: f64, high: f64, count: usize) -> Range<usize> {
     // The cast saturates: negative numbers become 0.
     let (first, last) = (low.floor() as usize, high.floor() as usize);
     first.min(count)..if high < 0.0 { 0 } else { last.saturating_add(1).min(count) }
 }
 
-/// A whole number of `0..count`, each as likely to within 2⁻³³.
+/// Draws an index from `0..count`. All are equally likely to within 2⁻³³.
 fn draw_below(count: usize, stream: &mut impl Rng) -> usize {
     ((u128::from(stream.next_u64()) * count as u128) >> 64) as usize
 }
@@ -377,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn points_fall_into_the_cell_that_covers_them() {
+    fn points_are_in_the_cell_that_contains_them() {
         let grid = grid(&[0; 6], 3, OPTIONS);
         let cell = |x, y| grid.cell_at(DVec2::new(x, y)).map(|cell| (cell.col, cell.row));
         assert_eq!(cell(1.0, 2.0), Some((0, 0)));
@@ -392,15 +436,15 @@ mod tests {
     }
 
     #[test]
-    fn the_yaw_of_the_origin_counts() {
+    fn the_yaw_of_the_origin_turns_the_grid() {
         let grid = grid(&[0; 6], 3, GridOptions { origin: Pose::new(1.0, 2.0, FRAC_PI_2), ..OPTIONS });
-        // The grid's x axis points along the map's y: three columns up, two rows to the left.
+        // The x axis of the grid points along the y axis of the map: three columns up, two rows to the left.
         assert_eq!(grid.cell_at(DVec2::new(0.3, 3.2)), Some(Cell { col: 2, row: 1 }));
         assert!((grid.center(Cell { col: 2, row: 1 }) - DVec2::new(0.25, 3.25)).length() < 1e-15);
     }
 
     #[test]
-    fn the_threshold_and_the_unknown_decide_what_blocks() {
+    fn the_threshold_and_the_unknown_option_decide_what_blocks() {
         let cells = [-1, 0, 59, 60, 100];
         let blocking = |options| {
             let grid = grid(&cells, 5, options);
@@ -412,12 +456,12 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_is_free_up_to_the_walls_it_touches() {
+    fn a_disc_that_touches_a_wall_is_free() {
         let mut cells = [0; 25];
         cells[12] = 100;
         let grid = grid(&cells, 5, GridOptions { resolution: 1.0, origin: Pose::default(), ..OPTIONS });
         let free = |x, y, radius| grid.is_free_disc(DVec2::new(x, y), radius).expect("a disc");
-        // The one wall is the square from (2, 2) to (3, 3).
+        // The only blocking cell is the square from (2, 2) to (3, 3).
         assert!(free(0.5, 2.5, 1.5) && !free(0.5, 2.5, 1.5 + 1e-9));
         let corner = 0.5 * 2f64.sqrt();
         assert!(free(1.5, 1.5, corner - 1e-9) && !free(1.5, 1.5, corner + 1e-9));
@@ -427,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_pose_is_known_free_and_the_same_for_the_same_seed() {
+    fn a_drawn_pose_is_free_and_depends_on_the_seed() {
         let mut cells = vec![-1; 900];
         (0..900).filter(|index| index % 30 > 10).for_each(|index| cells[index] = if index % 7 == 0 { 100 } else { 0 });
         let grid = grid(&cells, 30, OPTIONS);
@@ -443,7 +487,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_grids_are_refused_by_name() {
+    fn the_error_names_the_bad_parameter() {
         let error =
             |cells: &[i8], width, options| OccupancyGrid::new(cells.to_vec(), width, options).unwrap_err().to_string();
         assert_eq!(error(&[], 3, OPTIONS), "the number of cells must be at least 1, got 0");
@@ -459,13 +503,13 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_are_set_block_or_pass_at_once() {
+    fn setting_cells_updates_the_free_boxes() {
         let mut grid = grid(&[0; 12], 4, OPTIONS);
         grid.prepare(Some(1));
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
-        let anew = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
-        assert_eq!(grid.free_boxes().lengths(), anew.free_boxes().lengths());
+        let rebuilt = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
+        assert_eq!(grid.free_boxes().lengths(), rebuilt.free_boxes().lengths());
         let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
             grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()
         };
@@ -474,6 +518,6 @@ mod tests {
         assert_eq!(error(&mut grid, 0, 2, &[0; 3]), "cells must have 4 elements, got 3");
         assert_eq!(error(&mut grid, 0, 2, &[]), "the number of cells must be at least 1, got 0");
         assert_eq!(error(&mut grid, 0, 2, &[0, 101]), "cells must be in -1..100, got 101 at row 0, column 1");
-        assert_eq!(grid.cells(), anew.cells());
+        assert_eq!(grid.cells(), rebuilt.cells());
     }
 }
