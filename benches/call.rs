@@ -1,7 +1,7 @@
-//! The other half of `throughput.py`: scans of its map from its poses, called from Rust.
+//! `cargo bench --bench call -- FOLDER WIDTH RESOLUTION`: the Rust side of `throughput.py`.
 //!
-//! `cargo bench --bench call -- FOLDER WIDTH RESOLUTION`: for each number on standard input, so many scans, and the seconds they
-//! took on standard output.
+//! Reads the map and the poses that `throughput.py` wrote to FOLDER. For each number on standard input it casts that many
+//! scans and prints the seconds they took.
 
 use std::io::{Write, stdin, stdout};
 use std::path::Path;

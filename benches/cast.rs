@@ -1,4 +1,4 @@
-//! `cargo bench --bench cast`: scans and rays on maps of all kinds, by every kernel; ids are workload/map/kernel.
+//! `cargo bench --bench cast`: scans and rays on many maps, with every kernel. Ids are workload/map/kernel.
 
 mod workloads;
 

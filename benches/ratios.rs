@@ -1,7 +1,7 @@
-//! `cargo bench --bench ratios [-- MAP...]`: how many times as fast as the plain traversal each kernel is, in one run.
+//! `cargo bench --bench ratios [-- MAP...]`: speed of each kernel relative to the plain traversal, in one run.
 //!
-//! Kernels take turns, so that a busy machine slows all of them alike, and in its turn each has a whole batch, so that what it
-//! looks up is not in the cache because the one before it looked there. Of the turns the median counts. Single thread.
+//! Kernels take turns, so a busy machine slows all of them equally. In its turn a kernel casts a whole batch, so it does not
+//! profit from what the kernel before it left in the cache. Figures are medians of the turns, on one thread.
 
 mod workloads;
 
@@ -31,14 +31,14 @@ fn main() {
         let build = build(&grid);
         let [scans, noisy] = scans(&grid, &kernels);
         line(&format!("scan {map}"), build, &scans, |nth| scans[0] / scans[nth]);
-        // Over the same without.
+        // Relative to the same scans without noise.
         line(&format!("with noise {map}"), build, &noisy, |nth| noisy[nth] / scans[nth]);
         let [rays] = rays(&grid, &kernels);
         line(&format!("rays {map}"), build, &rays, |nth| rays[0] / rays[nth]);
     }
 }
 
-/// Nanoseconds per cell for building what casting needs, the median.
+/// Nanoseconds per cell to build the free boxes: the median of several runs.
 fn build(grid: &OccupancyGrid) -> f64 {
     let times = (0..TURNS).map(|_| {
         let grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), grid.options()).expect("a grid");
@@ -49,7 +49,7 @@ fn build(grid: &OccupancyGrid) -> f64 {
     median(times.collect()) * 1e9 / grid.cells().len() as f64
 }
 
-/// Nanoseconds per range of each kernel, and how many times those of another.
+/// Prints a line: nanoseconds per range of each kernel, and a ratio.
 fn line(name: &str, build: f64, times: &[f64], ratio: impl Fn(usize) -> f64) {
     print!("{name:22}{build:>10.1}");
     for (nth, time) in times.iter().enumerate() {
@@ -58,7 +58,7 @@ fn line(name: &str, build: f64, times: &[f64], ratio: impl Fn(usize) -> f64) {
     println!();
 }
 
-/// Scans without noise, and with it.
+/// Nanoseconds per range of scans without noise and with noise.
 fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
     let poses = poses(grid, SCANS);
     let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
@@ -76,7 +76,7 @@ fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 1] {
     })
 }
 
-/// Nanoseconds per range of each kernel, for some ways to `cast` each: the median of its turns.
+/// Nanoseconds per range of each kernel, for each way to `cast`: the median of its turns.
 fn in_turns<const WAYS: usize>(
     kernels: &[Kernel],
     count: usize,

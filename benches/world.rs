@@ -1,4 +1,4 @@
-//! What a world that pushes back costs: obstacles in a scan, and steps of a robot near to walls and far from them.
+//! `cargo bench --bench world`: obstacles in a scan, and steps of a robot near walls and far from them.
 
 use std::hint::black_box;
 
@@ -18,7 +18,7 @@ fn rooms() -> OccupancyGrid {
     OccupancyGrid::new(cells, 800, options).expect("a good grid")
 }
 
-/// Twenty robots around the one that scans, discs and rectangles by turns.
+/// Twenty robots around the one that scans, discs and rectangles in turn.
 fn others() -> Obstacles {
     let shapes = [Shape::disc(0.2).unwrap(), Shape::rectangle(0.6, 0.4).unwrap()];
     let pose = |index: usize| {
@@ -47,7 +47,7 @@ fn scans(criterion: &mut Criterion) {
 fn steps(criterion: &mut Criterion) {
     let (grid, others) = (rooms(), others());
     let footprints = [("disc", Shape::disc(0.2).unwrap()), ("rectangle", Shape::rectangle(0.6, 0.4).unwrap())];
-    // Far from all walls, past one at 0.1 m, and pressed to one.
+    // Far from all walls, along a wall at a distance of 0.1 m, and pressed against a wall.
     let places =
         [("far", 12.5, 10.0, 0.0), ("along", 10.4, 10.7, std::f64::consts::FRAC_PI_2), ("pressed", 10.4, 10.7, 3.0)];
     for (footprint_name, footprint) in &footprints {

@@ -11,7 +11,7 @@ use rand::RngExt;
 
 const SEED: u64 = 5;
 
-/// Real maps of the folder beside the project: name, image, metres per cell. Passed over where there is no such folder.
+/// Real maps, in a folder beside the project: name, image, metres per cell. Skipped if the folder is absent.
 const REAL: [(&str, &str, f64); 5] = [
     // Long corridors: few jumps, far apart in memory.
     ("hallways", "rl_basement_hallways_5cm/basement_hallways_5cm.png", 0.05),
@@ -19,53 +19,53 @@ const REAL: [(&str, &str, f64); 5] = [
     ("willow", "willow_2010_0.10/willow-2010-02-18-0.10.pgm", 0.10),
     // One large hall.
     ("depot", "nav2_depot/depot.pgm", 0.05),
-    // Small: ranges so short that what a beam costs at least shows.
+    // Small: ranges are short, so the constant cost of a beam shows.
     ("sandbox", "nav2_tb3_sandbox/tb3_sandbox.pgm", 0.05),
-    // 45 million cells: no cache holds it.
+    // 45 million cells: larger than any cache.
     ("huge", "rl_huge/huge_map.png", 0.05),
 ];
 
-/// Whether a cell of a map of [`SIDE`] by [`SIDE`] blocks, by column and row.
+/// True if a cell of a map of [`SIDE`] by [`SIDE`] cells blocks, from its column and row.
 type Blocks = fn(usize, usize) -> bool;
 
 const SIDE: usize = 2000;
 
-const MADE: [(&str, Blocks); 5] = [
+const GENERATED: [(&str, Blocks); 5] = [
     // Nothing to hit: a plain traversal walks to the maximum range.
     ("empty", |_, _| false),
-    // Every jump is one cell: nothing is won by jumping.
+    // Every jump is one cell: jumping gains nothing.
     ("checkerboard", |col, row| (col + row) % 2 == 0),
-    // One cell in five blocks at random: rays are short, and no jump is long.
+    // One cell in five blocks, at random: rays and jumps are short.
     ("clutter", |col, row| scattered(col, row).is_multiple_of(5)),
-    // Walls along a grid line: beams that graze them see short boxes all the way.
+    // Walls along grid lines: beams that graze them meet short boxes all the way.
     ("grid_lines", |_, row| row % 30 == 0),
-    // A wall at 45°, on which every box ends in a corner.
+    // Walls at 45°: every box ends at a corner of a wall.
     ("diagonal", |col, row| (col + row) % 200 == 0),
 ];
 
-/// A number that looks random, by column and row.
+/// A pseudo-random number for a column and row.
 fn scattered(col: usize, row: usize) -> usize {
     (col.wrapping_mul(0x9e37_79b9) ^ row.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 15 & 0xffff
 }
 
-/// The maps that there are.
+/// The real maps that are present, and the generated maps.
 pub fn maps() -> impl Iterator<Item = (&'static str, OccupancyGrid)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
     if !folder.is_dir() {
-        eprintln!("passed over: no real maps in {}", folder.display());
+        eprintln!("skipped: no real maps in {}", folder.display());
     }
     let real = REAL.into_iter().filter_map(move |(name, image, resolution)| {
         let pixels = image::open(folder.join(image)).ok()?.into_luma8();
-        // Dark is occupied, white is free, and grey is unknown, where no pose is put.
+        // Dark is occupied, white is free, grey is unknown. Poses are in free cells only.
         let value = |pixel: u8| if pixel < 90 { 100 } else { -i8::from(pixel < 250) };
         let lines = pixels.as_raw().chunks(pixels.width() as usize).rev();
         Some((name, grid(lines.flatten().map(|&pixel| value(pixel)).collect(), pixels.width() as usize, resolution)))
     });
-    let made = MADE.into_iter().map(|(name, blocks)| {
+    let generated = GENERATED.into_iter().map(|(name, blocks)| {
         let value = |index: usize| if blocks(index % SIDE, index / SIDE) { 100 } else { 0 };
         (name, grid((0..SIDE * SIDE).map(value).collect(), SIDE, 0.05))
     });
-    real.chain(made)
+    real.chain(generated)
 }
 
 fn grid(cells: Vec<i8>, width: usize, resolution: f64) -> OccupancyGrid {
@@ -74,7 +74,7 @@ fn grid(cells: Vec<i8>, width: usize, resolution: f64) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a map")
 }
 
-/// Poses uniform in the free space of a grid at the origin.
+/// Poses drawn uniformly from the free space of a grid at the origin.
 pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
     let free: Vec<usize> = (0..grid.cells().len()).filter(|&index| grid.cells()[index] == 0).collect();
     let mut stream = random::stream(SEED, 0);
@@ -88,7 +88,7 @@ pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|_| draw()).collect()
 }
 
-/// 541 beams over 270°, up to 600 cells.
+/// A scanner with 541 beams over 270° and a maximum range of 600 cells.
 pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
     let options = ScannerOptions {
         fov: 0.75 * TAU,
@@ -99,7 +99,7 @@ pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
     LaserScanner::new(options).expect("a scanner").with_kernel(kernel)
 }
 
-/// The kernels of this machine, the plain traversal first.
+/// Kernels that this machine can run, the plain traversal first.
 pub fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.into_iter().filter(|kernel| kernel.is_available())
 }

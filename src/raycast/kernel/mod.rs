@@ -131,7 +131,8 @@ impl Kernel {
 /// Sends each group's hit distances \[cells\] to the sink, fan by fan; infinite if a ray hits nothing. Beyond `limit` the
 /// value is unspecified but larger than it.
 ///
-/// A kernel that this machine cannot run is replaced by the portable one. A grid that is too large for int32 indices is cast
+/// In clutter, where jumps gain nothing, every kernel uses the plain traversal. A kernel that this machine cannot run is
+/// replaced by the portable one. A grid that is too large for int32 indices is cast
 /// one ray at a time.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
     if kernel == Kernel::Traversal || source.is_cluttered(grid, kernel.break_even_length()) {
