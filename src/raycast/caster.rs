@@ -128,7 +128,7 @@ impl<'grid> Caster<'grid> {
     /// The maximum range means no return. The result does not depend on `threads` (default: all cores).
     ///
     /// # Errors
-    /// If a ray is not finite, if `ranges` has not one element for each ray, or if the threads cannot be started.
+    /// If a ray is not finite, if `ranges` does not have one element per ray, or if the threads cannot be started.
     pub fn cast_rays(
         &self,
         obstacles: &Obstacles,
