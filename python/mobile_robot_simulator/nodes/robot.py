@@ -155,11 +155,11 @@ class MobileRobotSimulator(Handle):
             return
         now = self._world.now_ns()
         if after.velocity_timeout != before.velocity_timeout:
-            self._motion.hold_anew(after.velocity_timeout, now)
+            self._motion.set_timeout(after.velocity_timeout, now)
         self._parameters = after
         if any(getattr(before, name) != getattr(after, name) for name in PUSHED):
             self._footprint = after.shape
-            self._motion = self._motion_from(now, self._motion.map_from_own, self._motion.pose(now)).after(self._motion)
+            self._motion = self._motion_from(now, self._motion.map_from_own, self._motion.pose(now)).continuing(self._motion)
             self._world.changed()
         if self._running is None:
             return
@@ -195,7 +195,7 @@ class MobileRobotSimulator(Handle):
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """From now on, have odometry err so; as sure of where it is now as it was at first."""
         now, self._drifting = self._world.now_ns(), (noise, seed)
-        self._odometer = Odometer(self._motion.wheels(now), now, noise=noise, seed=seed)
+        self._odometer = Odometer(self._motion.wheel_pose(now), now, noise=noise, seed=seed)
 
     def start(self) -> None:
         """Take commands and publish from now on."""
@@ -233,7 +233,7 @@ class MobileRobotSimulator(Handle):
         if self._running is not None:
             self._running.close()
             self._running = None
-            self._motion.stand(self._world.now_ns())
+            self._motion.stop(self._world.now_ns())
 
     def save(self) -> Any:
         """All that `restore` needs, but for what the node's surroundings keep."""
@@ -316,7 +316,7 @@ class MobileRobotSimulator(Handle):
         now, stamp, parameters, motion = self._world.now_ns(), self._stamp(), self._parameters, self._motion
         if parameters.clock_rate == 0.0 and self._clock is not None:
             self._clock.publish(Clock(stamp))
-        odom_from_base, covariance = self._odometer.read(motion.wheels(now).wrapped(), now)
+        odom_from_base, covariance = self._odometer.read(motion.wheel_pose(now).wrapped(), now)
         self._believed = odom_from_base
         pose = messages.Pose.from_planar(odom_from_base)
         vx, vy, wz = motion.wheel_velocity(now)
@@ -334,7 +334,7 @@ class MobileRobotSimulator(Handle):
         transforms = [TransformStamped(header, parameters.base_link_frame, odom_from_base_message)]
         if parameters.publish_map_transform:
             map_from_odom = motion.map_from_own
-            if motion.slipped or self._odometer.errs:
+            if motion.slipped or self._odometer.is_noisy:
                 map_from_odom = (motion.map_pose(now) * odom_from_base.inverse()).wrapped()
             map_header = Header(stamp, parameters.map_frame_id)
             transform = Transform.from_planar(map_from_odom)

@@ -1,1 +1,7 @@
-"""What moves: robots under velocity commands, obstacles, contact between them, and odometry."""
+"""Physics of a simulation: motion of robots, obstacles, contact between them, and odometry."""
+
+from .motion import ContactEvent, Velocity
+from .obstacles import Obstacle, PoseLike, Trajectory, Waypoints
+from .world import Carrier, Placed, World
+
+__all__ = ["Carrier", "ContactEvent", "Obstacle", "Placed", "PoseLike", "Trajectory", "Velocity", "Waypoints", "World"]

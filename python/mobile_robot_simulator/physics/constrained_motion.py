@@ -1,27 +1,53 @@
-"""ConstrainedMotion: the way of a robot that limits and contact hold back, gone step by step."""
+"""ConstrainedMotion: the trajectory of a robot with velocity limits and contact, computed in time steps."""
 
 from __future__ import annotations
 
 import copy
 import math
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from .._core import Limits, Pose, advance
+from .._core import Contact, Limits, Pose, advance
 from ..instant import NANOSECONDS
-from .motion import FOREVER, STANDING, ContactEvent, Motion, Piece, Velocity
+from .motion import FOREVER, STANDING, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot, Velocity
 from .world import Body, World
 
 Mode = Literal["stop", "slide", "report"]
 
 
-class ConstrainedMotion(Motion):
-    """As `Motion`, but velocities change no faster than limits let them, and what is in the way counts.
+class _Step(NamedTuple):
+    """A time step that ended in contact; poses in the map frame, velocities of the wheels, `twist` that of the robot."""
 
-    While nothing holds the robot back its way is that of `Motion`, to the last bit. world: what there is to meet, and when
-    steps are taken. body: the robot, as the world knows it. mode: what contact does, as in `advance`.
+    start_ns: int
+    end_ns: int
+    duration: float
+    start: Pose
+    reached: Pose
+    before: Velocity
+    """Velocity before the step."""
+    velocity: Velocity
+    """Velocity during the step, had there been no contact."""
+    twist: Velocity
+
+
+class ConstrainedMotion(Motion):
+    """A `Motion` with limits on velocity and acceleration, and contact with walls, obstacles and other robots.
+
+    While neither limits nor contact act, the trajectory is bit-identical to that of `Motion`.
+    A pose between two time steps comes from a preview: a copy that takes a shorter step. It does not affect later steps.
+
+    Args:
+        time_ns: Start time [ns].
+        timeout: Time for which a command is held [s]; 0 holds it until the next command.
+        map_from_own: Pose of the motion's own frame in the map frame.
+        start: First pose of the robot, in the motion's own frame.
+        world: Holds the map, the obstacles and the other robots, and calls `step`.
+        body: The robot, as the world knows it.
+        limits: Limits on the velocity and its change; None for none.
+        mode: Effect of contact on the motion, as in `advance`.
+
     """
 
-    steps = True
+    is_stepped = True
 
     def __init__(
         self,
@@ -37,149 +63,176 @@ class ConstrainedMotion(Motion):
     ) -> None:
         self._world, self._body, self._limits, self._mode = world, body, limits, mode
         self._stepped_ns = time_ns
-        self._wanted: Velocity = STANDING
-        self._wanted_until = time_ns
-        self._met: str | None = None
-        self._ahead: ConstrainedMotion | None = None
-        self._standing: Pose | None = None
+        self._requested: Velocity = STANDING
+        self._requested_until_ns = time_ns
+        self._touched: str | None = None
+        self._preview: ConstrainedMotion | None = None
+        self._reached: Pose | None = None
+        """Pose in the map frame after the last step, once it is known."""
         super().__init__(time_ns, timeout, map_from_own, start)
 
     def step(self, time_ns: int) -> None:
-        """Go on to a time."""
-        self._ahead = None
-        if self._stepped_ns < self._wanted_until < time_ns:
-            self._go_on(self._wanted_until)
+        """Advances to a time [ns], in two steps if the command ends before it."""
+        self._preview = None
+        if self._stepped_ns < self._requested_until_ns < time_ns:
+            self._take_step(self._requested_until_ns)
         if self._stepped_ns < time_ns:
-            self._go_on(time_ns)
+            self._take_step(time_ns)
 
-    def standing_pose(self, time_ns: int) -> Pose:
-        """Where the robot has come to, in the map."""
-        if self._standing is None:
-            self._standing = self.map_from_own * super().pose(self._stepped_ns)
-        return self._standing
+    def pose_for_others(self, time_ns: int) -> Pose:
+        """Pose in the map frame after the last step, which other robots meet during the current one."""
+        if self._reached is None:
+            self._reached = self.map_from_own * super().pose(self._stepped_ns)
+        return self._reached
 
     def pose(self, time_ns: int) -> Pose:
-        """Where the robot is, in the motion's own frame."""
+        """Pose of the robot in the motion's own frame."""
         return super().pose(time_ns) if time_ns <= self._stepped_ns else Motion.pose(self._at(time_ns), time_ns)
 
     def map_pose_at(self, time_ns: int) -> Pose:
-        """Where the robot was in the map at a time past."""
+        """Pose of the robot in the map frame, at a time in the past."""
         return super().map_pose_at(time_ns) if time_ns <= self._stepped_ns else self.map_pose(time_ns)
 
-    def way(self, time_ns: int) -> list[Piece]:
-        """The way up to a time that has come."""
-        return self.pieces if time_ns <= self._stepped_ns else self.pieces + self._at(time_ns).pieces
+    def trajectory(self, time_ns: int) -> list[Segment]:
+        """Trajectory from the start up to a time, at most the present."""
+        return self.segments if time_ns <= self._stepped_ns else self.segments + self._at(time_ns).segments
 
-    def met(self, time_ns: int) -> list[ContactEvent]:
-        """The contacts up to a time that has come."""
+    def contacts_until(self, time_ns: int) -> list[ContactEvent]:
+        """Contacts from the start up to a time, at most the present."""
         return self.contacts if time_ns <= self._stepped_ns else self.contacts + self._at(time_ns).contacts
 
-    def wheels(self, time_ns: int) -> Pose:
-        """Where the robot would be had its wheels never slipped, in the motion's own frame."""
-        return super().wheels(time_ns) if time_ns <= self._stepped_ns else Motion.wheels(self._at(time_ns), time_ns)
+    def wheel_pose(self, time_ns: int) -> Pose:
+        """Pose that the robot would have if its wheels had never slipped, in the motion's own frame."""
+        return super().wheel_pose(time_ns) if time_ns <= self._stepped_ns else Motion.wheel_pose(self._at(time_ns), time_ns)
 
     def velocity(self, time_ns: int) -> Velocity:
-        """How the robot moves: forward, leftward [m/s] and turning [rad/s]."""
+        """Velocity of the robot."""
         return super().velocity(time_ns) if time_ns <= self._stepped_ns else Motion.velocity(self._at(time_ns), time_ns)
 
     def wheel_velocity(self, time_ns: int) -> Velocity:
-        """How the robot would move did its wheels not slip."""
+        """Velocity that the robot would have if its wheels did not slip."""
         at = self if time_ns <= self._stepped_ns else self._at(time_ns)
         return Motion.wheel_velocity(at, time_ns)
 
     def distance(self, time_ns: int) -> float:
-        """Length of the way so far [m]."""
+        """Length of the trajectory up to a time [m]."""
         return super().distance(time_ns) if time_ns <= self._stepped_ns else Motion.distance(self._at(time_ns), time_ns)
 
     def command(self, velocity: Velocity, time_ns: int) -> None:
-        """Move at a velocity from now on, as far as the robot can."""
+        """Requests a velocity from now on; limits and contact decide what the robot does."""
         self.step(time_ns)
-        self._wanted = velocity
-        self._wanted_until = self._end_of_command(time_ns)
+        self._requested = velocity
+        self._requested_until_ns = self._end_of_command(time_ns)
 
-    def hold_anew(self, timeout: float, time_ns: int) -> None:
-        """Hold commands so long from now on, the one in force too, as if it came now."""
+    def set_timeout(self, timeout: float, time_ns: int) -> None:
+        """Changes the timeout [s]. A command in force is held for the new timeout, counted from now."""
         self.timeout = timeout
-        if time_ns < self._wanted_until:
-            self.command(self._wanted, time_ns)
+        if time_ns < self._requested_until_ns:
+            self.command(self._requested, time_ns)
 
-    def stand(self, time_ns: int) -> None:
-        """Move no more."""
+    def stop(self, time_ns: int) -> None:
+        """Stops the robot at once, regardless of the limits, and drops the command."""
         self.step(time_ns)
-        self._wanted = STANDING
-        super().stand(time_ns)
+        self._requested = STANDING
+        super().stop(time_ns)
 
     def place(self, pose: Pose, time_ns: int) -> None:
-        """Be at a pose of the motion's own frame, the wheels too, and go on from there as before."""
+        """Moves the robot, wheel pose included, to a pose in the motion's own frame. A command in force continues."""
         self.step(time_ns)
         super().place(pose, time_ns)
-        self._standing = None
+        self._reached = None
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
-        """Have the motion's own frame elsewhere in the map, and the robot with it."""
+        """Moves the motion's own frame in the map, and the robot with it."""
         self.step(time_ns)
         super().move_frame(map_from_own, time_ns)
-        self._standing = None
+        self._reached = None
 
     def slip(self, share: float, time_ns: int) -> None:
-        """From now on, move by this share less than the wheels turn."""
+        """Sets the slip from now on; see `Motion.slip`."""
         self.step(time_ns)
         super().slip(share, time_ns)
 
+    def restore(self, state: MotionSnapshot) -> None:
+        """Returns to the state of a snapshot."""
+        super().restore(state)
+        stepping = state.stepping
+        assert stepping is not None and (stepping.preview is None or isinstance(stepping.preview, ConstrainedMotion))
+        self._stepped_ns, self._touched = stepping.stepped_ns, stepping.touched
+        self._requested, self._requested_until_ns = stepping.requested, stepping.requested_until_ns
+        self._preview, self._reached = stepping.preview, stepping.reached
+
+    def _save_stepping(self) -> SteppingSnapshot:
+        return SteppingSnapshot(
+            self._stepped_ns, self._requested, self._requested_until_ns, self._touched, self._preview, self._reached
+        )
+
     def _at(self, time_ns: int) -> ConstrainedMotion:
-        """Where it gets to by a time between two steps: a copy of it, which itself stays where it is."""
-        ahead = self._ahead
-        if ahead is None or ahead._stepped_ns != time_ns:
-            ahead = copy.copy(self)
-            ahead.pieces, ahead.contacts = [], []
-            ahead.step(time_ns)
-            self._ahead = ahead
-        return ahead
+        """Preview of this motion at a time between two steps, with the segments and contacts since the last step only."""
+        preview = self._preview
+        if preview is None or preview._stepped_ns != time_ns:
+            preview = copy.copy(self)
+            preview.segments, preview.contacts = [], []
+            preview.step(time_ns)
+            self._preview = preview
+        return preview
 
-    def _go_on(self, to_ns: int) -> None:
-        """Take a step under one command."""
-        from_ns, grid, footprint = self._stepped_ns, self._world.grid, self._body.footprint
-        dt = (to_ns - from_ns) / NANOSECONDS
-        wanted = self._wanted if from_ns < self._wanted_until else STANDING
-        command = Motion.wheel_velocity(self, from_ns)
+    def _take_step(self, end_ns: int) -> None:
+        """Takes a time step during which the command does not change."""
+        start_ns, grid, footprint = self._stepped_ns, self._world.grid, self._body.footprint
+        duration = (end_ns - start_ns) / NANOSECONDS
+        before = Motion.wheel_velocity(self, start_ns)
+        velocity = self._requested if start_ns < self._requested_until_ns else STANDING
         if self._limits is not None:
-            wanted = self._limits.apply(wanted, command, dt)
+            velocity = self._limits.apply(velocity, before, duration)
         if grid is None or footprint is None:
-            self._stepped_ns, self._standing = to_ns, None
-            self._take_up(wanted, command, from_ns)
+            self._stepped_ns, self._reached = end_ns, None
+            self._drive(velocity, before, start_ns)
             return
-        start, rest = self.standing_pose(from_ns), 1.0 - self._slip
-        self._stepped_ns = to_ns
-        twist = wanted if rest == 1.0 else (wanted[0] * rest, wanted[1] * rest, wanted[2] * rest)
-        others = self._world.in_the_way(self._body)
-        reached, contact = advance(grid, footprint, start, twist, dt, obstacles=others, mode=self._mode)
-        self._standing = reached
+        start, twist = self.pose_for_others(start_ns), self._with_slip(velocity)
+        self._stepped_ns = end_ns
+        others = self._world.obstacles_for(self._body)
+        self._reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
         if contact is None:
-            self._met = None
-            self._take_up(wanted, command, from_ns)
+            self._touched = None
+            self._drive(velocity, before, start_ns)
             return
-        what = self._world.name(self._body, contact.obstacle)
-        if what != self._met:
-            self._met = what
-            time = from_ns / NANOSECONDS + contact.fraction * dt
-            touching = start.integrate(twist, contact.fraction * dt).wrapped()
-            self.contacts.append(ContactEvent(time, what, contact.point, math.hypot(twist[0], twist[1]), touching))
+        step = _Step(start_ns, end_ns, duration, start, self._reached, before, velocity, twist)
+        self._record_contact(step, contact)
         if self._mode == "report":
-            self._take_up(wanted, command, from_ns)
-            return
-        end = self.map_from_own.inverse() * reached
-        if self._mode == "stop" and contact.fraction > 0.0:
-            self._begin(from_ns, wanted, from_ns + int(contact.fraction * (to_ns - from_ns)))
-            self._begin(to_ns, STANDING, to_ns, pose=end)
-        elif reached == start:
-            self._take_up(STANDING, command, from_ns)
-        else:  # along what it met, or out of what came over it
-            vx, vy, wz = start.twist_to(reached, dt)
-            held = (vx / rest, vy / rest, wz / rest) if rest else wanted
-            self._begin(from_ns, held, to_ns)
-            self._begin(to_ns, held, FOREVER, pose=end)
+            self._drive(velocity, before, start_ns)
+        else:
+            self._hold_back(step, contact)
 
-    def _take_up(self, wanted: Velocity, current: Velocity, time_ns: int) -> None:
-        """Move at a velocity from a time on, unless the robot does so already."""
-        if wanted != current:
-            self._begin(time_ns, wanted, FOREVER if wanted != STANDING else time_ns)
+    def _drive(self, velocity: Velocity, before: Velocity, time_ns: int) -> None:
+        """Begins a segment at a velocity, unless the robot moves at it already."""
+        if velocity != before:
+            self._begin(time_ns, velocity, FOREVER if velocity != STANDING else time_ns)
+
+    def _record_contact(self, step: _Step, contact: Contact) -> None:
+        """Appends a contact event, unless the robot touched the same thing in the step before."""
+        what = self._world.obstacle_name(self._body, contact.obstacle)
+        if what == self._touched:
+            return
+        self._touched = what
+        elapsed = contact.fraction * step.duration
+        time = step.start_ns / NANOSECONDS + elapsed
+        speed = math.hypot(step.twist[0], step.twist[1])
+        pose = step.start.integrate(step.twist, elapsed).wrapped()
+        self.contacts.append(ContactEvent(time, what, contact.point, speed, pose))
+
+    def _hold_back(self, step: _Step, contact: Contact) -> None:
+        """Begins the segments of a step in which contact stopped or deflected the robot."""
+        end = self.map_from_own.inverse() * step.reached
+        if self._mode == "stop" and contact.fraction > 0.0:
+            stopped_ns = step.start_ns + int(contact.fraction * (step.end_ns - step.start_ns))
+            self._begin(step.start_ns, step.velocity, stopped_ns)
+            self._begin(step.end_ns, STANDING, step.end_ns, pose=end)
+        elif step.reached == step.start:
+            self._drive(STANDING, step.before, step.start_ns)
+        else:  # The robot slides along the contact, or drives out of an obstacle that moved onto it.
+            vx, vy, wz = step.start.twist_to(step.reached, step.duration)
+            grip = 1.0 - self._slip
+            velocity = (vx / grip, vy / grip, wz / grip) if grip else step.velocity
+            self._begin(step.start_ns, velocity, step.end_ns)
+            self._begin(step.end_ns, velocity, FOREVER, pose=end)

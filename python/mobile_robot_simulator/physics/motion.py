@@ -1,28 +1,37 @@
-"""Motion: the way of a robot under velocity commands, exact at any time."""
+"""Motion: the trajectory of a robot under velocity commands, exact at any time."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeAlias, TypeVar
 
 from .._core import Pose
 from ..instant import NANOSECONDS
 
 M = TypeVar("M", bound="Motion")
 
-Velocity = tuple[float, float, float]
+Velocity: TypeAlias = tuple[float, float, float]
+"""Velocity (vx, vy, wz) in the robot's frame: forward and to the left [m/s], counter-clockwise [rad/s]."""
+
 STANDING: Velocity = (0.0, 0.0, 0.0)
 
-
 FOREVER = 2**62
-"""The time at which what holds for ever ends [ns]."""
+"""End time of a command without a timeout [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
-    """A part of the way: from a time on, from a pose in the map, under one velocity, and standing from `until_ns` on."""
+class Segment:
+    """A part of a trajectory: constant velocity, then standing still.
+
+    Attributes:
+        start_ns: Start time [ns]. The segment ends where the next one starts.
+        pose: Pose of the robot at the start, in the map frame.
+        velocity: Velocity of the robot until `until_ns`.
+        until_ns: Time from which the robot stands still [ns].
+
+    """
 
     start_ns: int
     pose: Pose
@@ -32,7 +41,16 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class ContactEvent:
-    """A contact begun: when [s], with what, where in the map [m], how fast [m/s], and where the robot was then."""
+    """The start of a contact between a robot and a wall, an obstacle or another robot.
+
+    Attributes:
+        time: Simulated time [s].
+        what: What the robot touched: `a wall`, `obstacle NAME` or `robot NAME`.
+        point: Contact point (x, y) in the map frame [m].
+        speed: Linear speed of the robot at that time [m/s].
+        pose: Pose of the robot at that time, in the map frame.
+
+    """
 
     time: float
     what: str
@@ -41,12 +59,51 @@ class ContactEvent:
     pose: Pose
 
 
-class Motion:
-    """Commands, each held until the next or for `timeout` seconds (0: for ever), integrated exactly.
+@dataclass(frozen=True, slots=True)
+class SteppingSnapshot:
+    """State that only a `ConstrainedMotion` has; see its attributes."""
 
-    The pose at any time is computed from the last change of velocity on, so that it does not depend on when it is asked for.
-    Poses are in a frame of the motion's own, whose pose in the map can be changed.
-    Wheels that slip turn as told while the robot moves by less: `wheels` is where the robot would be had they not.
+    stepped_ns: int
+    requested: Velocity
+    requested_until_ns: int
+    touched: str | None
+    preview: Motion | None
+    reached: Pose | None
+
+
+@dataclass(frozen=True, slots=True)
+class MotionSnapshot:
+    """State of a `Motion` at one time, as returned by `Motion.save`. Shallow: poses and segments are immutable."""
+
+    map_from_own: Pose
+    timeout: float
+    start_ns: int
+    start: Pose
+    command: Velocity
+    twist: Velocity
+    until_ns: int
+    slip: float
+    wheels: Pose | None
+    driven: float
+    segments: tuple[Segment, ...]
+    contacts: tuple[ContactEvent, ...]
+    stepping: SteppingSnapshot | None
+
+
+class Motion:
+    """Executes velocity commands and integrates them exactly.
+
+    The pose at any time is computed from the last change of velocity, so it does not depend on when it is read.
+    Poses are in the motion's own frame (for a robot: its odometry frame), whose pose in the map can change.
+    When wheels slip, they turn as commanded while the robot moves by less; `wheel_pose` is where the robot would be without
+    slip.
+
+    Args:
+        time_ns: Start time [ns].
+        timeout: Time for which a command is held [s]; 0 holds it until the next command.
+        map_from_own: Pose of the motion's own frame in the map frame.
+        start: First pose of the robot, in the motion's own frame.
+
     """
 
     def __init__(self, time_ns: int, timeout: float, map_from_own: Pose, start: Pose) -> None:
@@ -58,135 +115,164 @@ class Motion:
         self._slip = 0.0
         self._wheels: Pose | None = None
         self._driven = 0.0
-        self.pieces: list[Piece] = []
+        self.segments: list[Segment] = []
         self.contacts: list[ContactEvent] = []
         self._begin(time_ns, STANDING, time_ns)
 
-    steps = False
-    """Whether the way must be gone step by step."""
+    is_stepped = False
+    """True if the world must advance this motion in time steps."""
 
     def step(self, time_ns: int) -> None:
-        """Go on to a time."""
+        """Advances to a time [ns]."""
 
-    def standing_pose(self, time_ns: int) -> Pose:
-        """Where the robot is in the map while others take the step to a time."""
+    def pose_for_others(self, time_ns: int) -> Pose:
+        """Pose in the map frame at which other robots meet this one during the step that ends at a time [ns]."""
         return self.map_pose(time_ns)
 
     def pose(self, time_ns: int) -> Pose:
-        """Where the robot is, in the motion's own frame."""
+        """Pose of the robot in the motion's own frame."""
         return self._start.integrate(self._twist, self._moving(time_ns))
 
     def map_pose(self, time_ns: int) -> Pose:
-        """Where the robot is, in the map."""
+        """Pose of the robot in the map frame, now."""
         return (self.map_from_own * self.pose(time_ns)).wrapped()
 
     def map_pose_at(self, time_ns: int) -> Pose:
-        """Where the robot was in the map at a time past."""
-        index = bisect_right(self.pieces, time_ns, key=lambda piece: piece.start_ns)
-        piece = self.pieces[max(0, index - 1)]
-        moving = max(0, min(time_ns, piece.until_ns) - piece.start_ns) / NANOSECONDS
-        return piece.pose.integrate(piece.velocity, moving).wrapped()
+        """Pose of the robot in the map frame, at a time in the past."""
+        index = bisect_right(self.segments, time_ns, key=lambda segment: segment.start_ns)
+        segment = self.segments[max(0, index - 1)]
+        moving = max(0, min(time_ns, segment.until_ns) - segment.start_ns) / NANOSECONDS
+        return segment.pose.integrate(segment.velocity, moving).wrapped()
 
-    def way(self, time_ns: int) -> list[Piece]:
-        """The way up to a time that has come."""
-        return self.pieces
+    def trajectory(self, time_ns: int) -> list[Segment]:
+        """Trajectory from the start up to a time, at most the present."""
+        return self.segments
 
-    def met(self, time_ns: int) -> list[ContactEvent]:
-        """The contacts up to a time that has come."""
+    def contacts_until(self, time_ns: int) -> list[ContactEvent]:
+        """Contacts from the start up to a time, at most the present."""
         return self.contacts
 
-    def wheels(self, time_ns: int) -> Pose:
-        """Where the robot would be had its wheels never slipped, in the motion's own frame."""
+    def wheel_pose(self, time_ns: int) -> Pose:
+        """Pose that the robot would have if its wheels had never slipped, in the motion's own frame."""
         if self._wheels is None:
             return self.pose(time_ns)
         return self._wheels.integrate(self._command, self._moving(time_ns))
 
     @property
     def slipped(self) -> bool:
-        """Whether the wheels ever slipped."""
+        """True if the wheels have ever slipped."""
         return self._wheels is not None
 
     def velocity(self, time_ns: int) -> Velocity:
-        """How the robot moves: forward, leftward [m/s] and turning [rad/s]."""
+        """Velocity of the robot."""
         return self._twist if time_ns < self._until_ns else STANDING
 
     def wheel_velocity(self, time_ns: int) -> Velocity:
-        """How the robot would move did its wheels not slip."""
+        """Velocity that the robot would have if its wheels did not slip."""
         return self._command if time_ns < self._until_ns else STANDING
 
     def distance(self, time_ns: int) -> float:
-        """Length of the way so far [m]."""
+        """Length of the trajectory up to a time [m]."""
         return self._driven + math.hypot(self._twist[0], self._twist[1]) * self._moving(time_ns)
 
     def command(self, velocity: Velocity, time_ns: int) -> None:
-        """Move at a velocity from now on."""
+        """Sets the velocity from now on."""
         if velocity == self._command and time_ns < self._until_ns:
             self._until_ns = self._end_of_command(time_ns)
-            self.pieces[-1] = replace(self.pieces[-1], until_ns=self._until_ns)
+            self.segments[-1] = replace(self.segments[-1], until_ns=self._until_ns)
         else:
             self._begin(time_ns, velocity, self._end_of_command(time_ns))
 
-    def hold_anew(self, timeout: float, time_ns: int) -> None:
-        """Hold commands so long from now on, the one in force too, as if it came now."""
+    def set_timeout(self, timeout: float, time_ns: int) -> None:
+        """Changes the timeout [s]. A command in force is held for the new timeout, counted from now."""
         self.timeout = timeout
         velocity = self.wheel_velocity(time_ns)
         if velocity != STANDING:
             self.command(velocity, time_ns)
 
-    def stand(self, time_ns: int) -> None:
-        """Move no more."""
+    def stop(self, time_ns: int) -> None:
+        """Stops the robot and drops the command."""
         self._begin(time_ns, STANDING, time_ns)
 
     def place(self, pose: Pose, time_ns: int) -> None:
-        """Be at a pose of the motion's own frame, the wheels too, and go on from there as before."""
+        """Moves the robot, wheel pose included, to a pose in the motion's own frame. A command in force continues."""
         self._begin(time_ns, self._command, self._until_ns, pose=pose)
         if self._wheels is not None:
             self._wheels = pose
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
-        """Have the motion's own frame elsewhere in the map, and the robot with it."""
+        """Moves the motion's own frame in the map, and the robot with it."""
         self.map_from_own = map_from_own
         self._begin(time_ns, self._command, self._until_ns)
 
     def slip(self, share: float, time_ns: int) -> None:
-        """From now on, move by this share less than the wheels turn."""
+        """Sets the slip from now on.
+
+        Args:
+            share: Slip, 0 to 1: the robot moves at (1 - share) times the velocity of its wheels.
+            time_ns: The present [ns].
+
+        """
         self._begin(time_ns, self._command, self._until_ns)
         if self._wheels is None:
             self._wheels = self._start
         self._slip = share
-        self.pieces.pop()
+        self.segments.pop()
         self._begin(time_ns, self._command, self._until_ns)
 
-    def after(self: M, before: Motion) -> M:
-        """The same, as the rest of a way that began before."""
-        self.pieces[:0], self.contacts[:0] = before.pieces, before.contacts
+    def continuing(self: M, before: Motion) -> M:
+        """Returns this motion, after prepending the trajectory, contacts, distance and slip of an earlier one."""
+        self.segments[:0], self.contacts[:0] = before.segments, before.contacts
         self._driven = before.distance(self._start_ns)
-        self._slip, self._wheels = before._slip, before._wheels and before.wheels(self._start_ns)
+        self._slip, self._wheels = before._slip, before._wheels and before.wheel_pose(self._start_ns)
         return self
 
-    def save(self) -> Any:
-        """All that `restore` needs."""
-        return {**vars(self), "pieces": tuple(self.pieces), "contacts": tuple(self.contacts)}
+    def save(self) -> MotionSnapshot:
+        """Returns a snapshot for `restore`."""
+        return MotionSnapshot(
+            self.map_from_own,
+            self.timeout,
+            self._start_ns,
+            self._start,
+            self._command,
+            self._twist,
+            self._until_ns,
+            self._slip,
+            self._wheels,
+            self._driven,
+            tuple(self.segments),
+            tuple(self.contacts),
+            self._save_stepping(),
+        )
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        vars(self).update(state)
-        self.pieces, self.contacts = list(state["pieces"]), list(state["contacts"])
+    def restore(self, state: MotionSnapshot) -> None:
+        """Returns to the state of a snapshot."""
+        self.map_from_own, self.timeout = state.map_from_own, state.timeout
+        self._start_ns, self._start = state.start_ns, state.start
+        self._command, self._twist, self._until_ns = state.command, state.twist, state.until_ns
+        self._slip, self._wheels, self._driven = state.slip, state.wheels, state.driven
+        self.segments, self.contacts = list(state.segments), list(state.contacts)
+
+    def _save_stepping(self) -> SteppingSnapshot | None:
+        return None
 
     def _begin(self, time_ns: int, command: Velocity, until_ns: int, *, pose: Pose | None = None) -> None:
-        """Begin another piece of the way, at a pose if not where the robot is."""
-        driven, wheels = self.distance(time_ns), self._wheels and self.wheels(time_ns)
+        """Begins a segment, at the robot's pose unless another one is given."""
+        driven, wheels = self.distance(time_ns), self._wheels and self.wheel_pose(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
-        vx, vy, wz = command
-        rest = 1.0 - self._slip
-        self._command, self._twist = command, command if rest == 1.0 else (vx * rest, vy * rest, wz * rest)
+        self._command, self._twist = command, self._with_slip(command)
         self._driven, self._wheels, self._start = driven, wheels, start
         self._start_ns, self._until_ns = time_ns, max(time_ns, until_ns)
-        self.pieces.append(Piece(time_ns, (self.map_from_own * start).wrapped(), self._twist, self._until_ns))
+        self.segments.append(Segment(time_ns, (self.map_from_own * start).wrapped(), self._twist, self._until_ns))
+
+    def _with_slip(self, command: Velocity) -> Velocity:
+        """Velocity of the robot when its wheels turn at the commanded velocity."""
+        grip = 1.0 - self._slip
+        return command if grip == 1.0 else (command[0] * grip, command[1] * grip, command[2] * grip)
 
     def _end_of_command(self, time_ns: int) -> int:
         return time_ns + round(min(self.timeout * NANOSECONDS, FOREVER)) if self.timeout else FOREVER
 
     def _moving(self, time_ns: int) -> float:
-        """Seconds that the robot has moved since the piece began."""
+        """Time for which the robot has moved in the current segment [s]."""
         return max(0, min(time_ns, self._until_ns) - self._start_ns) / NANOSECONDS

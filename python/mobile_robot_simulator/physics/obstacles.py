@@ -1,4 +1,4 @@
-"""Obstacles: things that stand or move in a simulation, that scanners see and robots bump into."""
+"""Obstacles: things that stand or move in a simulation. Scanners see them, and robots collide with them."""
 
 from __future__ import annotations
 
@@ -12,52 +12,77 @@ from .._core import Pose, Shape
 from ..handle import Handle
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
+"""A pose, or its x, y [m] and yaw [rad]."""
+
 Waypoints: TypeAlias = Sequence[tuple[float, float, float, float]]
-Way: TypeAlias = PoseLike | Waypoints | Callable[[float], PoseLike]
-"""Where an obstacle is: for good, on a path of (time [s], x, y [m], yaw [rad]), or as a function of the time [s]."""
+"""Rows of time [s], x, y [m] and yaw [rad], with increasing times."""
+
+Trajectory: TypeAlias = PoseLike | Waypoints | Callable[[float], PoseLike]
+"""Where an obstacle is: one pose, waypoints, or a function from the time [s] to a pose."""
 
 
 class Obstacle(Handle):
-    """A shape on its way through the map.
+    """A shape that stands or moves in the map.
 
-    way: a pose to stand at; waypoints (time, x, y, yaw) with times that increase, to move between evenly, before the first
-    and after the last of which it stands; or a function of the time that gives the pose. The function is called as often as
-    need be, also for times past: what it gives must hang on the time, and on what the simulation saves, alone.
+    Args:
+        name: Name of the obstacle, as contacts report it.
+        shape: Outline in the obstacle's own frame.
+        trajectory: Poses in the map frame, in one of three forms:
 
-    raises: ValueError for waypoints that are none, or whose times do not increase.
+            - a pose: the obstacle stands there;
+            - waypoints (time [s], x, y [m], yaw [rad]) with increasing times: x, y and yaw are interpolated linearly;
+              the obstacle stands at the first waypoint before its time and at the last one after its time;
+            - a function from the time [s] to a pose. It can be called at any time and any number of times, also for past
+              times. Its result must depend only on the time and on state that the simulation saves.
+
+    Raises:
+        ValueError: There are no waypoints, a waypoint is not four finite numbers, or the times do not increase.
+
     """
 
-    def __init__(self, name: str, shape: Shape, way: Way) -> None:
+    def __init__(self, name: str, shape: Shape, trajectory: Trajectory) -> None:
         self.name, self.shape = name, shape
-        self._at = _function_of(way)
+        self._pose_at = _function_of(trajectory)
 
     def pose(self, time_ns: int) -> Pose:
-        """Where it is at a time. raises: what its function raises, and TypeError or ValueError for what is no pose."""
-        pose = self._at(time_ns / 1e9)
+        """Returns the pose in the map frame at a time.
+
+        Args:
+            time_ns: The time [ns].
+
+        Raises:
+            TypeError: The trajectory's function did not return a pose.
+            ValueError: The pose is not finite.
+            Exception: Any error that the trajectory's function raises.
+
+        """
+        pose = self._pose_at(time_ns / 1e9)
         if isinstance(pose, Pose):
             return pose
         try:
             return Pose(*pose)
         except TypeError as error:
-            raise TypeError(f"the way of obstacle {self.name} must give poses (x, y, yaw), got {pose!r}") from error
+            message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {pose!r}"
+            raise TypeError(message) from error
 
 
-def _function_of(way: Way) -> Callable[[float], PoseLike]:
-    if callable(way):
-        return way
-    if not len(way):
-        raise ValueError("waypoints must be one or more, got none")
-    if isinstance(way, Pose) or isinstance(way[0], (int, float)):
-        pose = Pose(*way)
+def _function_of(trajectory: Trajectory) -> Callable[[float], PoseLike]:
+    """The trajectory as a function from the time [s] to a pose."""
+    if callable(trajectory):
+        return trajectory
+    if not len(trajectory):
+        raise ValueError("there must be at least one waypoint, got none")
+    if isinstance(trajectory, Pose) or isinstance(trajectory[0], (int, float)):
+        pose = Pose(*trajectory)
         return lambda time: pose
-    rows = [tuple(map(float, row)) for row in way]  # type: ignore[arg-type]
+    rows = [tuple(map(float, row)) for row in trajectory]  # type: ignore[arg-type]
     if any(len(row) != 4 or not math.isfinite(row[0]) for row in rows):
-        raise ValueError(f"a waypoint must be time, x, y, yaw, all finite, got {rows}")
+        raise ValueError(f"a waypoint must be four finite numbers (time, x, y, yaw), got {rows}")
     times, poses = [row[0] for row in rows], [Pose(*row[1:]) for row in rows]
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ValueError(f"the times of waypoints must increase, got {times}")
 
-    def at(time: float) -> PoseLike:
+    def interpolated(time: float) -> PoseLike:
         after = bisect_right(times, time)
         if after in (0, len(times)):
             return poses[max(0, after - 1)]
@@ -65,4 +90,4 @@ def _function_of(way: Way) -> Callable[[float], PoseLike]:
         (x0, y0, yaw0), (x1, y1, yaw1) = poses[after - 1], poses[after]
         return x0 + share * (x1 - x0), y0 + share * (y1 - y0), yaw0 + share * (yaw1 - yaw0)
 
-    return at
+    return interpolated

@@ -1,9 +1,10 @@
-"""World: what robots move in and bump into, and the time they move by."""
+"""World: the map, the obstacles and the robots of a simulation, advanced on one clock."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol, TypeAlias
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
 from .._core import OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
@@ -11,46 +12,58 @@ from .motion import Motion
 from .obstacles import Obstacle
 
 STEP_NS = 20_000_000
-"""Robots that something can push back move by steps of so many nanoseconds, during which all others stand."""
+"""Time step for robots with a footprint or limits [ns]; all other bodies are frozen during a step."""
 
 Placed: TypeAlias = tuple[Shape, Pose]
+"""A shape and its pose in the map frame."""
 
 
 class Body(Protocol):
-    """A robot, as others meet it."""
+    """A robot, as the world knows it."""
 
     body_name: str
 
     @property
     def footprint(self) -> Shape | None:
-        """Its outline; without one, nobody meets it."""
+        """Outline of the robot; None if nothing collides with it or sees it."""
 
     @property
     def motion(self) -> Motion:
-        """Its way."""
+        """Motion of the robot."""
 
 
 class Carrier(Protocol):
-    """What a scanner stands on."""
+    """The body on which a scanner is mounted."""
 
     @property
     def pose(self) -> Pose:
-        """Where it really is now, in the map frame."""
+        """True pose now, in the map frame."""
 
     @property
     def surroundings(self) -> list[Placed]:
-        """What can be seen from it now, but for the map."""
+        """Obstacles and other robots now; scanners see these in addition to the map."""
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSnapshot:
+    """State of a `World` at one time, as returned by `World.save`. The motion of each robot is saved with the robot."""
+
+    stepped_ns: int
+    obstacles: tuple[Obstacle, ...]
+    bodies: tuple[Body, ...]
 
 
 class World(Handle):
-    """What robots move in.
+    """The map, the obstacles and the robots of a simulation.
 
-    Robots without footprint and limits move exactly as they are told, at any time. The others are pushed back, in steps of
-    STEP_NS on a grid of times of the world's own, in the order in which they joined; while one takes a step, all others
-    stand. What is asked for between steps does not change what happens later.
+    Robots without footprint and limits move exactly as commanded and can be read at any time. The others advance in time
+    steps of `STEP_NS`, which start at multiples of `STEP_NS`, in the order in which they joined. While one robot takes a
+    step, everything else is frozen. Reading a state between two steps does not change later results.
 
-    clock: the time [ns] that things move by, which goes on steadily whatever the clocks of nodes show. grid: the map;
-    without one there are no walls, and nobody meets anybody.
+    Args:
+        clock: Returns the simulated time [ns]. It increases steadily, even if the clock that nodes see jumps.
+        grid: The map; without one there is no contact, neither with walls nor between bodies.
+
     """
 
     def __init__(self, clock: Callable[[], int], grid: OccupancyGrid | None = None) -> None:
@@ -59,103 +72,106 @@ class World(Handle):
         self._bodies: list[Body] = []
         self._stepped_ns = clock()
         self._stepping = False
-        self._standing: list[tuple[Body | Obstacle, Placed]] = []
-        self._places: dict[Body, int] = {}
-        self._seen: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
+        self._frozen: list[tuple[Body | Obstacle, Placed]] = []
+        """Obstacles and robots where others meet them during a step."""
+        self._index_of: dict[Body, int] = {}
+        """Index of each robot in `_frozen`."""
+        self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
+        """Result of `everybody` for the last time at which it was called."""
 
     def now_ns(self) -> int:
-        """The time it is, to which all robots have come."""
+        """Advances all robots to the present and returns it [ns]."""
         now = self._clock()
         if now - self._stepped_ns >= STEP_NS:
             self._step_to(now)
         return now
 
     def join(self, body: Body) -> None:
-        """Have another robot in the world."""
+        """Adds a robot."""
         self.now_ns()
         self._bodies.append(body)
         self.changed()
 
     def place(self, obstacle: Obstacle) -> None:
-        """Have another obstacle in the world."""
+        """Adds an obstacle."""
         self.now_ns()
         self.obstacles.append(obstacle)
         self.changed()
 
     def changed(self) -> None:
-        """Something is elsewhere all of a sudden."""
-        self._seen = None
-        self._stand()
+        """Must be called after something was added, or moved other than by its motion."""
+        self._latest = None
+        self._freeze()
 
-    def in_the_way(self, body: Body) -> list[Placed]:
-        """All but the map that a robot can meet while it takes a step."""
-        return [placed for other, placed in self._standing if other is not body]
+    def obstacles_for(self, body: Body) -> list[Placed]:
+        """Obstacles and other robots that a robot can collide with during the current step."""
+        return [placed for other, placed in self._frozen if other is not body]
 
-    def name(self, body: Body, index: int | None) -> str:
-        """What a robot met: the wall, or the thing of an index in `in_the_way`."""
+    def obstacle_name(self, body: Body, index: int | None) -> str:
+        """Name of the thing at an index of `obstacles_for`; None stands for a wall."""
         if index is None:
             return "a wall"
-        return _named([other for other, _ in self._standing if other is not body][index])
+        return _name_of([other for other, _ in self._frozen if other is not body][index])
 
     def touched(self, shape: Shape, pose: Pose) -> str | None:
-        """What a shape at a pose would touch now, but for walls; None if nothing."""
+        """Name of an obstacle or robot that a shape at a pose would touch now; None if there is none."""
         for other, placed in self.everybody():
             if self.grid is not None and touches(self.grid, shape, pose, obstacles=[placed]):
-                return _named(other)
+                return _name_of(other)
         return None
 
     def everybody(self) -> list[tuple[Body | Obstacle, Placed]]:
-        """All but the map, where it is now."""
+        """All obstacles and all robots with a footprint, where they are now."""
         now = self.now_ns()
-        if self._seen is None or self._seen[0] != now:
-            self._seen = now, self._everybody(now, lambda body: body.motion.map_pose(now))
-        return self._seen[1]
+        if self._latest is None or self._latest[0] != now:
+            self._latest = now, self._everybody(now, lambda body: body.motion.map_pose(now))
+        return self._latest[1]
 
     def seen_by(self, body: Body) -> list[Placed]:
-        """All but the map that can be seen from a robot now."""
+        """Obstacles and other robots, where they are now."""
         return [placed for other, placed in self.everybody() if other is not body]
 
     def around_at(self, body: Body, time_ns: int) -> list[Placed]:
-        """All but the map that was around a robot at a time past."""
+        """Obstacles and other robots, where they were at a time in the past."""
         everybody = self._everybody(time_ns, lambda body: body.motion.map_pose_at(time_ns))
         return [placed for other, placed in everybody if other is not body]
 
-    def save(self) -> Any:
-        """All that `restore` needs but the robots' ways."""
-        return self._stepped_ns, tuple(self.obstacles), tuple(self._bodies)
+    def save(self) -> WorldSnapshot:
+        """Returns a snapshot for `restore`."""
+        return WorldSnapshot(self._stepped_ns, tuple(self.obstacles), tuple(self._bodies))
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved, once the robots' ways are."""
-        self._stepped_ns, obstacles, bodies = state
-        self.obstacles, self._bodies = list(obstacles), list(bodies)
+    def restore(self, state: WorldSnapshot) -> None:
+        """Returns to the state of a snapshot. The motions of the robots must be restored before."""
+        self._stepped_ns = state.stepped_ns
+        self.obstacles, self._bodies = list(state.obstacles), list(state.bodies)
         self.changed()
 
     def _step_to(self, now: int) -> None:
-        stepping = [body for body in self._bodies if body.motion.steps]
-        if not stepping:
+        stepped = [body for body in self._bodies if body.motion.is_stepped]
+        if not stepped:
             self._stepped_ns = now - now % STEP_NS
             return
-        if self._stepping:  # an obstacle's function asks
+        if self._stepping:  # The function of an obstacle reads the world.
             return
         self._stepping = True
         try:
             while now - self._stepped_ns >= STEP_NS:
                 self._stepped_ns += STEP_NS - self._stepped_ns % STEP_NS
                 for index, obstacle in enumerate(self.obstacles):
-                    self._standing[index] = obstacle, (obstacle.shape, obstacle.pose(self._stepped_ns))
-                for body in stepping:
+                    self._frozen[index] = obstacle, (obstacle.shape, obstacle.pose(self._stepped_ns))
+                for body in stepped:
                     motion = body.motion
                     motion.step(self._stepped_ns)
-                    if body in self._places:
-                        place = self._places[body]
-                        shape, _ = self._standing[place][1]
-                        self._standing[place] = body, (shape, motion.standing_pose(self._stepped_ns))
+                    if body in self._index_of:
+                        index = self._index_of[body]
+                        shape, _ = self._frozen[index][1]
+                        self._frozen[index] = body, (shape, motion.pose_for_others(self._stepped_ns))
         finally:
             self._stepping = False
 
-    def _stand(self) -> None:
-        self._standing = self._everybody(self._stepped_ns, lambda body: body.motion.standing_pose(self._stepped_ns))
-        self._places = {other: index for index, (other, _) in enumerate(self._standing) if not isinstance(other, Obstacle)}
+    def _freeze(self) -> None:
+        self._frozen = self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns))
+        self._index_of = {other: index for index, (other, _) in enumerate(self._frozen) if not isinstance(other, Obstacle)}
 
     def _everybody(self, time_ns: int, pose_of: Callable[[Body], Pose]) -> list[tuple[Body | Obstacle, Placed]]:
         everybody: list[tuple[Body | Obstacle, Placed]] = [
@@ -165,5 +181,5 @@ class World(Handle):
         return everybody
 
 
-def _named(other: Body | Obstacle) -> str:
+def _name_of(other: Body | Obstacle) -> str:
     return f"obstacle {other.name}" if isinstance(other, Obstacle) else f"robot {other.body_name}"

@@ -57,7 +57,7 @@ class GroundTruth(Handle):
         """Contacts that began so far. raises: ValueError if the robot has no footprint."""
         if self._robot.footprint is None:
             raise ValueError("contacts need a footprint: give the parameter robot_radius or footprint")
-        return list(self._robot.motion.met(self._world.now_ns()))
+        return list(self._robot.motion.contacts_until(self._world.now_ns()))
 
     @property
     def clearance(self) -> float:
@@ -79,7 +79,7 @@ class GroundTruth(Handle):
         return self._robot.motion.map_pose_at(self._time_ns(time))
 
     def _time_ns(self, time: float) -> int:
-        first, now = self._robot.motion.pieces[0].start_ns, self._world.now_ns()
+        first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()
         time_ns = round(time * NANOSECONDS) if math.isfinite(time) else -1
         if not first <= time_ns <= now:
             raise ValueError(f"the time must be in {first / NANOSECONDS:g}..{now / NANOSECONDS:g} s, got {time}")
@@ -98,7 +98,7 @@ class GroundTruth(Handle):
         robot was put elsewhere there are two points at one time.
         """
         now = self._world.now_ns()
-        pieces = self._robot.motion.way(now)
+        pieces = self._robot.motion.trajectory(now)
         rows: list[tuple[float, ...]] = []
         for piece, end_ns in zip(pieces, [*(after.start_ns for after in pieces[1:]), now], strict=True):
             start, length = piece.start_ns / NANOSECONDS, (end_ns - piece.start_ns) / NANOSECONDS

@@ -26,7 +26,7 @@ from ..nodes.map_server import MapServer
 from ..nodes.robot import MobileRobotSimulator
 from ..nodes.transforms import TransformBuffer, TransformListener
 from ..parameters import LaserParameters, RobotParameters, check_names, for_node
-from ..physics.obstacles import Obstacle, PoseLike, Way
+from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
 from .fault import Fault
 from .ground_truth import GroundTruth
@@ -197,15 +197,15 @@ class Simulation(Handle):
         laser.start()
         return added
 
-    def add_obstacle(self, shape: Shape, way: Way, name: str | None = None) -> Obstacle:
+    def add_obstacle(self, shape: Shape, trajectory: Trajectory, name: str | None = None) -> Obstacle:
         """Something that stands or moves in the map, that scanners see and robots with a footprint bump into.
 
-        way: a pose, waypoints (time, x, y, yaw), or a function of the time that gives the pose, as for `Obstacle`.
+        trajectory: a pose, waypoints (time, x, y, yaw), or a function of the time that gives the pose, as for `Obstacle`.
         name: what contacts call it; its number if not given.
         """
         if not isinstance(shape, Shape):
             raise TypeError(f"an obstacle's shape must be a Shape, got {type(shape).__name__}")
-        obstacle = Obstacle(f"{len(self._world.obstacles) + 1}" if name is None else name, shape, way)
+        obstacle = Obstacle(f"{len(self._world.obstacles) + 1}" if name is None else name, shape, trajectory)
         self._world.place(obstacle)
         return obstacle
 

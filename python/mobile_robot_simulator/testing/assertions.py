@@ -65,7 +65,9 @@ def assert_reaches(
     )
     if distances[nearest] <= tolerance:
         text += f"; yaw {goal[2]:g} was wanted to {yaw_tolerance:g} rad"
-    contacts = [contact for contact in one.robot.motion.met(round(sim.time * NANOSECONDS)) if contact.time >= began]
+    contacts = [
+        contact for contact in one.robot.motion.contacts_until(round(sim.time * NANOSECONDS)) if contact.time >= began
+    ]
     if contacts:
         text += f"; on its way it {_touched(contacts[0])}"
     _fail(sim, text)

@@ -253,7 +253,7 @@ def test_waypoints_and_functions():
     ]
     with pytest.raises(ValueError, match="times of waypoints must increase"):
         Obstacle("x", mrs.Shape.disc(1.0), [(1.0, 0, 0, 0), (1.0, 1, 1, 1)])
-    with pytest.raises(ValueError, match="a waypoint must be time, x, y, yaw"):
+    with pytest.raises(ValueError, match=r"a waypoint must be four finite numbers \(time, x, y, yaw\)"):
         Obstacle("x", mrs.Shape.disc(1.0), [(1.0, 0, 0), (2.0, 1, 1)])
 
 

@@ -200,11 +200,11 @@ def test_what_makes_no_simulation_is_refused(arguments, error, message):
         (lambda sim: sim.run_until(True, 1.0), TypeError, "predicate must be a function of the simulation, got True"),
         (lambda sim: sim.add_fault("drop"), TypeError, "a fault must be one of faults, got str"),
         (lambda sim: sim.add_obstacle(0.2, (1, 1, 0)), TypeError, "an obstacle's shape must be a Shape, got float"),
-        (lambda sim: sim.add_obstacle(DISC, []), ValueError, "waypoints must be one or more, got none"),
+        (lambda sim: sim.add_obstacle(DISC, []), ValueError, "there must be at least one waypoint, got none"),
         (
             lambda sim: sim.add_obstacle(DISC, lambda time: None, "cat"),
             TypeError,
-            "way of obstacle cat must give poses .* None",
+            "trajectory of obstacle cat must return poses .* None",
         ),
         (lambda sim: sim.truth.pose_at(float("inf")), ValueError, r"time must be in 0\.\.0 s, got inf"),
     ],
