@@ -24,7 +24,8 @@ fn all_bits(set: bool) -> u32 {
 /// Truncates a number to an int32.
 #[inline(always)]
 fn truncate(a: f32) -> i32 {
-    // Numbers of cells are at most about 65536. Other numbers, which no active ray has, are replaced by 0.
+    // Numbers of cells are at most about 65536. Other numbers (NaN, infinity, padding) become 0, and their results are not
+    // used.
     let a = if a < 1e9 { a } else { 0.0 };
     let a = if a > -1e9 { a } else { 0.0 };
     // SAFETY: the number is finite and fits in an int32.
