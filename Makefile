@@ -1,27 +1,32 @@
 # `make demo` and `make test` do everything on a machine with Rust, Python, make and a C compiler.
 #
-# make build         .venv with an importable release build and the tools of development
-# make demo          a robot driving through a generated floor plan: the recording and a picture in demo/
-# make test          all of: lint, test-rust, test-python
-# make test-ros      the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
-# make wheel         one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
-# make lock          newest versions of what requirements-dev.txt pins
-# make clean         none of the above
+# make build         makes .venv with the development tools and an importable release build
+# make demo          drives a robot through a generated floor plan; the recording and a picture are in demo/
+# make check         lints and the fast tests, with a development build: within a minute when little has changed
+# make test          lints, documentation and all tests
+# make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
+# make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
+# make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
+# make lock          updates requirements-dev.txt to the newest versions
+# make clean         removes everything that the other targets make
 #
-# PYTHON=python3.12 make build        the interpreter for a new .venv
+# PYTHON=python3.12 make build        chooses the interpreter of a new .venv
+# PYTEST_ARGS='-k laser -x' make test-python        passes arguments to pytest
 
 PYTHON ?= python3
 BIN := .venv/bin
 CORE := python/mobile_robot_simulator/_core.abi3.so
+CORE_SOURCES := pyproject.toml Cargo.toml Cargo.lock $(shell find src -name '*.rs')
 
 export VIRTUAL_ENV := $(CURDIR)/.venv
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo test lint test-rust test-python test-ros wheel lock clean
+.PHONY: build demo check test lint lint-rust lint-python lint-workflows test-rust test-python docs test-ros wheel lock clean
 
-build: $(CORE)
+build: .venv/release
 
 .venv/tools: requirements-dev.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "CPython 3.10 or later is needed, $(PYTHON) is " + sys.version)'
@@ -29,32 +34,56 @@ build: $(CORE)
 	$(BIN)/python -m pip install --quiet --requirement requirements-dev.txt
 	@touch $@
 
-$(CORE): .venv/tools pyproject.toml Cargo.toml Cargo.lock $(shell find src -name '*.rs')
+# The package has one extension module: .venv/release or .venv/development marks which build it is.
+.venv/release: .venv/tools $(CORE_SOURCES)
 	PIP_QUIET=1 $(BIN)/maturin develop --release --locked
+	@rm -f .venv/development
+	@touch $@
+
+.venv/development: .venv/tools $(CORE_SOURCES)
+	PIP_QUIET=1 $(BIN)/maturin develop --locked
+	@rm -f .venv/release
 	@touch $@
 
 demo: build
 	$(BIN)/mobile-robot-simulator floor-plan demo/office.yaml --seed 1
 	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
 
-test: lint test-rust test-python
+check: .venv/development lint-rust lint-python
+	cargo test --quiet --locked --lib
+	$(BIN)/pytest --quiet --numprocesses auto -m "not slow" $(PYTEST_ARGS)
 
-lint: build
-	cargo fmt --check
-	cargo clippy --locked --all-targets -- --deny warnings
-	cargo clippy --locked --all-targets --features python -- --deny warnings
+test: build lint docs test-rust test-python
+
+lint: build lint-rust lint-python lint-workflows
 	RUSTDOCFLAGS='--deny warnings' cargo doc --locked --no-deps
-	$(BIN)/ruff check
-	$(BIN)/ruff format --check
+
+lint-rust:
+	cargo fmt --check
+	cargo clippy --quiet --locked --all-targets -- --deny warnings
+	cargo clippy --quiet --locked --all-targets --features python -- --deny warnings
+
+lint-python: .venv/tools
+	$(BIN)/ruff check --quiet
+	$(BIN)/ruff format --check --quiet
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest mobile_robot_simulator._core
+
+lint-workflows: .venv/tools
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/zizmor --offline --quiet .github/workflows
 
 test-rust:
 	cargo test --locked
 	cargo test --locked --release --test exact
 
 test-python: build
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto $(PYTEST_ARGS)
+
+docs: build
+	$(BIN)/python docs/tools/generate_pages.py
+	$(BIN)/mkdocs build --quiet --strict
+	$(BIN)/python docs/tools/check_reference.py
 
 test-ros: wheel
 	tests/ros/run dist/*.whl
@@ -70,4 +99,4 @@ lock: .venv/tools
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv .venv-ros1 .venv-ros2 target dist demo $(CORE)
+	rm -rf .venv .venv-ros1 .venv-ros2 target dist demo site $(CORE)

@@ -1,0 +1,93 @@
+"""Every snippet of the README and of the documentation runs, and prints what stands below it.
+
+In a page, in this order and in one empty folder:
+
+- `python` blocks run one after another in one namespace. Blocks that define tests are run by pytest too.
+- a `text` block is what the block before it prints, to the letter.
+- `sh` blocks run in bash and must succeed.
+- `<!-- skip: next "reason" -->` before a block leaves it out, with the reason.
+
+Other blocks (`console`, `yaml`, ...) are only shown.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import subprocess
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+from unittest import SkipTest
+
+import pytest
+from sybil import Example, Sybil
+from sybil.evaluators.python import PythonEvaluator
+from sybil.parsers.markdown import CodeBlockParser, SkipParser
+
+ROOT = Path(__file__).parents[2]
+GENERATED = ("command_line.md", "parameters.md")
+PAGES = [ROOT / "README.md", *(path for path in sorted((ROOT / "docs").rglob("*.md")) if path.name not in GENERATED)]
+
+
+class Page:
+    """Evaluates the snippets of one page."""
+
+    def __init__(self) -> None:
+        self._run = PythonEvaluator()
+        self._tests = 0
+        self.printed: str | None = None
+
+    def python(self, example: Example) -> None:
+        printed = io.StringIO()
+        with redirect_stdout(printed):
+            self._run(example)
+        self.printed = printed.getvalue()
+        if re.search(r"^def test_", example.parsed, re.MULTILINE):
+            self._tests += 1
+            file = Path(f"test_snippet_{self._tests}.py")
+            file.write_text(example.parsed, encoding="utf-8")
+            self._call([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(file)])
+
+    def text(self, example: Example) -> None:
+        assert self.printed is not None, "a text block must follow the snippet that prints it"
+        assert example.parsed == self.printed
+
+    def sh(self, example: Example) -> None:
+        self.printed = self._call(["bash", "-euo", "pipefail", "-c", example.parsed])
+
+    @staticmethod
+    def _call(command: list[str]) -> str:
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        done = subprocess.run(
+            command,
+            env={**os.environ, "PATH": path, "COLUMNS": "120"},
+            capture_output=True,
+            text=True,
+            timeout=300,
+            stdin=subprocess.DEVNULL,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_snippets_run_and_print_what_stands_below_them(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = Page()
+    parsers = [CodeBlockParser(language, getattr(page, language)) for language in ("python", "text", "sh")]
+    document = Sybil([*parsers, SkipParser()]).parse(path)
+    monkeypatch.chdir(tmp_path)
+    for example in document.examples():
+        try:
+            example.evaluate()
+        except SkipTest as reason:
+            assert len(str(reason)) > 8, f"line {example.line}: say why the snippet is left out"
+            page.printed = None
+
+
+def test_generated_pages_are_those_of_the_code() -> None:
+    script = ROOT / "docs" / "tools" / "generate_pages.py"
+    code = f"import runpy; print(all(p.read_text() == t for p, t in runpy.run_path({str(script)!r})['pages']().items()))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.strip() == "True", "make docs writes them anew"
