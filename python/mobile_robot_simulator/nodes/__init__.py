@@ -1,10 +1,27 @@
-"""The nodes: robot, laser scanner and map server, written against one node interface.
+"""The simulator's nodes: robot, laser scanner and map server.
 
-They run unchanged on the in-process bus, on ROS 1 and on ROS 2.
+They use only the node interface (`nodes.interface.Node`), so they run unchanged on the in-process bus, on ROS 1 and on
+ROS 2.
 """
 
+from .future import Future
+from .interface import Node, QoS
 from .laser import LaserScannerSimulator
+from .map_messages import from_message, to_message
 from .map_server import MapFileServer, MapServer
 from .robot import MobileRobotSimulator
+from .transforms import TransformBuffer, TransformListener
 
-__all__ = ["LaserScannerSimulator", "MapFileServer", "MapServer", "MobileRobotSimulator"]
+__all__ = [
+    "Future",
+    "LaserScannerSimulator",
+    "MapFileServer",
+    "MapServer",
+    "MobileRobotSimulator",
+    "Node",
+    "QoS",
+    "TransformBuffer",
+    "TransformListener",
+    "from_message",
+    "to_message",
+]

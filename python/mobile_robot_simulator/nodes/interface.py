@@ -1,6 +1,7 @@
-"""What a node may ask of its surroundings: the few names of rclpy's Node that the simulator's nodes are written against.
+"""The node interface: the few methods of rclpy's Node that the simulator's nodes use.
 
-The in-process bus provides them, and so do ROS 1 and ROS 2, so that each node's behaviour is written once.
+Three implementations exist: the in-process bus, ROS 1 and ROS 2. Each node's behaviour is therefore written once. All
+protocols keep the names and the argument order of rclpy.
 """
 
 from __future__ import annotations
@@ -10,124 +11,112 @@ from enum import Enum
 from typing import Any, Protocol, TypeVar
 
 from ..messages import Message
+from .future import Future
 
 M = TypeVar("M", bound=Message)
 M_contra = TypeVar("M_contra", bound=Message, contravariant=True)
 
 
 class QoS(Enum):
-    """How messages of a topic are handed on."""
+    """Quality of service of a topic."""
 
     DEFAULT = "default"
-    """Reliable, for those who are there."""
+    """Reliable; only current subscribers receive a message."""
     SENSOR_DATA = "sensor_data"
-    """The newest reading counts; offered so that every subscriber matches."""
+    """Only the newest reading matters. Publishers offer a profile that is compatible with every subscriber."""
     LATCHED = "latched"
-    """The last message is kept for those who come later (transient local)."""
+    """Reliable; a new subscriber also receives the last message (transient local)."""
     CLOCK = "clock"
-    """The newest time counts."""
+    """Only the newest time matters."""
 
 
 class Publisher(Protocol[M_contra]):
     """Sends messages to a topic."""
 
     def publish(self, message: M_contra, /) -> None:
-        """Send one message."""
+        """Sends a message."""
 
 
 class Timer(Protocol):
-    """Calls back at a steady rate."""
+    """Calls a callback periodically."""
 
     def cancel(self) -> None:
-        """Never call back again."""
-
-
-class Future(Protocol):
-    """A service's answer, once it is there."""
-
-    def done(self) -> bool:
-        """Whether the answer is there."""
-
-    def result(self) -> Any:
-        """The answer."""
-
-    def add_done_callback(self, callback: Callable[[Any], None], /) -> None:
-        """Call back with the future once the answer is there."""
+        """Stops the timer."""
 
 
 class Client(Protocol):
     """Calls a service."""
 
     def service_is_ready(self) -> bool:
-        """Whether anyone answers."""
+        """Returns True if a node offers the service."""
 
     def call_async(self, request: Any, /) -> Future:
-        """Ask; the answer comes later."""
+        """Calls the service and returns the future of the response."""
 
 
 class Instant(Protocol):
-    """A moment of a clock."""
+    """A time read from a clock."""
 
     @property
     def nanoseconds(self) -> int:
-        """Nanoseconds since the clock's zero."""
+        """Time since the clock's zero [ns]."""
 
 
 class Clock(Protocol):
     """Tells the time."""
 
     def now(self) -> Instant:
-        """The moment it is."""
+        """Returns the current time."""
 
 
 class Logger(Protocol):
-    """Takes notes."""
+    """Logs messages of a node."""
 
     def info(self, message: str, /) -> Any:
-        """What is going on."""
+        """Logs normal progress."""
 
     def warning(self, message: str, /) -> Any:
-        """What should not be."""
+        """Logs a problem that the node can work around."""
 
 
 class Node(Protocol):
-    """The surroundings of one node."""
+    """Gives one node access to topics, services, timers, a clock and a logger."""
 
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS, /) -> Publisher[M]:
-        """A publisher of messages of one type to a topic."""
+        """Creates a publisher of messages of one type."""
 
     def create_subscription(self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS, /) -> Any:
-        """Have every message of a topic handed to the callback."""
+        """Calls a callback with every message of a topic. Returns a handle for `destroy_subscription`."""
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None], /) -> Timer:
-        """Have the callback called once a period, first after one period."""
+        """Calls a callback once per period [s], the first time after one period."""
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], /) -> Any:
-        """Answer requests: the callback fills in and returns the response it is given."""
+        """Offers a service. Its callback takes the request and an empty response, and returns the response."""
 
     def create_client(self, srv_type: Any, srv_name: str, /) -> Client:
-        """A client of a service."""
+        """Creates a client of a service."""
 
     def destroy_publisher(self, publisher: Any, /) -> Any:
-        """Take a publisher away."""
+        """Destroys a publisher."""
 
     def destroy_subscription(self, subscription: Any, /) -> Any:
-        """Take a subscription away."""
+        """Destroys a subscription."""
 
     def destroy_timer(self, timer: Any, /) -> Any:
-        """Take a timer away."""
+        """Destroys a timer."""
 
     def destroy_service(self, service: Any, /) -> Any:
-        """Take a service away."""
+        """Stops offering a service."""
 
     def destroy_client(self, client: Any, /) -> Any:
-        """Take a client away."""
+        """Destroys a client."""
 
     def get_clock(self) -> Clock:
-        """The clock that stamps are taken from."""
+        """Returns the clock that message stamps are taken from."""
 
     def set_speed(self, factor: float, /) -> None:
-        """Have the clock go so many times as fast as the wall's from now on, where that is this node's to say."""
+        """Sets simulated seconds per wall second from now on. Without effect where this node does not control the clock."""
 
     def get_logger(self) -> Logger:
-        """Where notes go."""
+        """Returns the node's logger."""

@@ -1,31 +1,37 @@
-"""LaserScannerSimulator: transforms and a map in, laser scans out."""
+"""LaserScannerSimulator: the node that turns transforms and a map into laser scans."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from .. import messages
-from .._core import LaserScanner, OccupancyGrid, Pose
+from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose
 from ..handle import Handle, Handles
 from ..messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
 from ..parameters import LaserParameters
-from ..physics.world import Carrier, Placed
-from .interface import Client, Future, Node, QoS
-from .map_messages import from_message, is_of, with_unknown
-from .transforms import TransformBuffer, TransformListener
+from ..physics.world import Carrier
+from .future import Future
+from .interface import Client, Node, Publisher, QoS
+from .map_messages import carries_grid, from_message, with_unknown
+from .transforms import TransformBuffer, TransformListener, TransformSnapshot
 
 NO_INTENSITIES = np.zeros(0, np.float32)
 
-PATIENCE_NS = 10_000_000_000
-"""How long an answer of the map's service is waited for before it is asked again."""
+MAP_REQUEST_PERIOD = 1.0
+"""Time between two attempts to request the map [s]."""
+
+MAP_REQUEST_TIMEOUT_NS = 10_000_000_000
+"""Time after which an unanswered map request is repeated [ns]."""
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
+"""Parameters that are the weights of the beam model."""
 
-SET_UP = (
+RESTART_PARAMETERS = (
     "laser_topic",
     "odometry_topic",
     "map_service",
@@ -35,21 +41,57 @@ SET_UP = (
     "laser_frequency",
     "base_link_frame",
 )
-"""Parameters that what `start` sets up hangs on."""
+"""Changing one of these restarts the node."""
+
+
+@dataclass(frozen=True)
+class LaserSnapshot:
+    """Saved state of a `LaserScannerSimulator`.
+
+    Attributes:
+        parameters: Parameters.
+        scanner: Scanner with its mount.
+        beam_model: Noise of the ranges.
+        grid: Map, None before it has arrived. The cells themselves are not saved.
+        scan_count: Number of scans so far, which is the position in the random stream.
+        map_requested_ns: Time of the unanswered map request [ns], None if there is none.
+        running: Publishers, subscriptions and timers, None while the node is stopped.
+        scans: Publisher of the scans, None before the first start.
+        transforms: State of the transform buffer.
+    """
+
+    parameters: LaserParameters
+    scanner: LaserScanner
+    beam_model: BeamModel
+    grid: OccupancyGrid | None
+    scan_count: int
+    map_requested_ns: int | None
+    running: Handles | None
+    scans: Publisher[LaserScan] | None
+    transforms: TransformSnapshot
 
 
 class LaserScannerSimulator(Handle):
-    """A laser scanner that sees the map from where tf says it is.
+    """A laser scanner that measures a map from the pose that tf reports.
 
-    Scans at `laser_frequency`, from the pose at the scan's own stamp: the last transform, carried on by the twist of the
-    last odometry, so that it never waits for one. The map is asked of `map_service`, each second until it is there; before
-    that, and before the scanner's pose is known, there are no scans. A map that arrives on `map_topic` takes its place. The
-    scanner's mount is its transform from the robot's base if tf knows it, else `laser_mount`. If the map frame is not known
-    to tf, the frame that the robot's base hangs from stands for it.
+    Time:
+        Scans are measured at `laser_frequency`, each from the pose at the scan's own stamp. That pose is extrapolated from
+        the last transform by the last odometry twist, so a scan never waits for a transform. There are no scans before both
+        the map and the pose are known.
+    Map:
+        The node requests the map from `map_service` once per second until it arrives. A map on `map_topic` replaces the
+        current one.
+    Frames:
+        The scanner's mount is its transform from the robot's base if tf knows it, and `laser_mount` otherwise. If tf does
+        not know the map frame, the root of the base's tf tree replaces it.
 
-    node: what to publish and subscribe through. grid: the map, if it need not be asked of a service. carrier: the robot that
-    it really stands on, which then says where it is, and what else is there to see. transforms: what is known of tf, if that
-    is kept elsewhere.
+    Args:
+        node: Node to publish and subscribe through.
+        parameters: Parameters; the defaults if None.
+        grid: Map. If None, it is requested from the map service.
+        carrier: Simulated robot that carries the scanner. Its true pose then replaces the one from tf, and the scanner also
+            sees obstacles and other robots.
+        transforms: Transform buffer that another node fills. If None, this node listens to tf itself.
     """
 
     def __init__(
@@ -63,170 +105,224 @@ class LaserScannerSimulator(Handle):
     ) -> None:
         self._node = node
         self._grid = grid
+        self._prepared_grid: OccupancyGrid | None = None
         self._carrier = carrier
         self._transforms = TransformBuffer() if transforms is None else transforms
         self._listener = TransformListener(node, self._transforms) if transforms is None else None
-        self._index = 0
-        self._asked_ns: int | None = None
+        self._scan_count = 0
+        self._map_requested_ns: int | None = None
         self._running: Handles | None = None
-        self._use(parameters or LaserParameters())
+        self._scans: Publisher[LaserScan] | None = None
+        self._use_parameters(parameters or LaserParameters())
 
     @property
     def parameters(self) -> LaserParameters:
-        """The parameters in use."""
+        """Current parameters."""
         return self._parameters
 
     @property
     def scanner(self) -> LaserScanner:
-        """The scanner as it is mounted."""
+        """Current scanner, with its mount on the robot."""
         return self._scanner
 
     def set_parameters(self, **values: Any) -> None:
-        """Change parameters by their names, from the next scan on.
+        """Changes parameters by name, from the next scan on.
 
-        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
+        Raises:
+            ValueError: A value is invalid. The message names the parameter, its value and what is allowed. Nothing changes.
+            TypeError: A topic carries another message type. Nothing changes.
         """
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
             return
-        self._use(after)
+        self._use_parameters(after)
         if self._grid is not None and after.unknown != before.unknown:
             self._grid = with_unknown(self._grid, after.unknown)
-        if self._running is None or all(getattr(before, name) == getattr(after, name) for name in SET_UP):
+        if self._running is None or all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
             return
         try:
             self._restart()
         except Exception:
-            self._use(before)
+            self._use_parameters(before)
             self._restart()
             raise
 
     def set_laser_params(self, **values: Any) -> None:
-        """As `set_parameters`, under the original's name."""
+        """Same as `set_parameters`; the name in the original ROS package."""
         self.set_parameters(**values)
 
     def set_noise_params(self, **values: Any) -> None:
-        """As `set_parameters`, under the original's name."""
+        """Same as `set_parameters`; the name in the original ROS package."""
         self.set_parameters(**values)
 
     def start(self) -> None:
-        """Scan from now on."""
+        """Publishes scans from now on, the first one after one period. Has no effect if the node is running."""
         if self._running is not None:
             return
-        node, parameters = self._node, self._parameters
-        self._asked_ns = None
         with Handles() as handles:
-            self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
-            handles.add(node.destroy_publisher, self._scans)
-            if parameters.laser_mount is not None:
-                static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-                handles.add(node.destroy_publisher, static)
-                transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
-                header = Header(Time.from_nanoseconds(self._now()), parameters.base_link_frame)
-                static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
-            if self._listener is not None:
-                self._listener.start(parameters.odometry_topic)
-                handles.add(self._listener.stop)
-            if parameters.map_topic:
-                maps = node.create_subscription(messages.OccupancyGrid, parameters.map_topic, self._take_map, QoS.LATCHED)
-                handles.add(node.destroy_subscription, maps)
-            client = node.create_client(GetMap, parameters.map_service)
-            handles.add(node.destroy_client, client)
-            self._ask_for_map(client)
-            asking = node.create_timer(1.0, partial(self._ask_for_map, client))
-            handles.add(node.destroy_timer, asking)
-            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.laser_frequency, self._scan))
+            self._create_publishers(handles)
+            self._create_subscriptions(handles)
+            self._create_map_client(handles)
+            scanning = self._node.create_timer(1.0 / self._parameters.laser_frequency, self._publish_scan)
+            handles.add(self._node.destroy_timer, scanning)
             self._running = handles
 
     def stop(self) -> None:
-        """Scan no more; `start` goes on from here."""
+        """Publishes nothing from now on. `start` resumes."""
         if self._running is not None:
             self._running.close()
             self._running = None
 
-    def save(self) -> Any:
-        """All that `restore` needs, but for what the node's surroundings keep."""
-        return dict(vars(self)), self._transforms.save()
+    def save(self) -> LaserSnapshot:
+        """Returns the state that `restore` takes. The state of the node interface and of the carrier is not part of it."""
+        return LaserSnapshot(
+            parameters=self._parameters,
+            scanner=self._scanner,
+            beam_model=self._beam_model,
+            grid=self._grid,
+            scan_count=self._scan_count,
+            map_requested_ns=self._map_requested_ns,
+            running=self._running,
+            scans=self._scans,
+            transforms=self._transforms.save(),
+        )
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        attributes, transforms = state
-        vars(self).update(attributes)
-        self._transforms.restore(transforms)
+    def restore(self, state: LaserSnapshot) -> None:
+        """Puts the node back into a saved state."""
+        self._parameters, self._scanner, self._beam_model = state.parameters, state.scanner, state.beam_model
+        self._grid, self._scan_count, self._map_requested_ns = state.grid, state.scan_count, state.map_requested_ns
+        self._running, self._scans = state.running, state.scans
+        self._transforms.restore(state.transforms)
 
     def _restart(self) -> None:
-        """Set everything up afresh."""
         self.stop()
         self.start()
 
-    def _use(self, parameters: LaserParameters) -> None:
-        scanner, noise = parameters.scanner(), parameters.beam_model
-        self._parameters, self._scanner, self._noise = parameters, scanner, noise
+    def _create_publishers(self, handles: Handles) -> None:
+        """Creates the publisher of scans, and publishes `laser_mount` to /tf_static if it is given."""
+        node, parameters = self._node, self._parameters
+        self._scans = node.create_publisher(LaserScan, parameters.laser_topic, QoS.SENSOR_DATA)
+        handles.add(node.destroy_publisher, self._scans)
+        if parameters.laser_mount is not None:
+            static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
+            handles.add(node.destroy_publisher, static)
+            transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
+            header = Header(Time.from_nanoseconds(self._now_ns()), parameters.base_link_frame)
+            static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
+
+    def _create_subscriptions(self, handles: Handles) -> None:
+        """Subscribes to transforms, odometry and maps."""
+        node, parameters = self._node, self._parameters
+        if self._listener is not None:
+            self._listener.start(parameters.odometry_topic)
+            handles.add(self._listener.stop)
+        if parameters.map_topic:
+            maps = node.create_subscription(messages.OccupancyGrid, parameters.map_topic, self._take_map, QoS.LATCHED)
+            handles.add(node.destroy_subscription, maps)
+
+    def _create_map_client(self, handles: Handles) -> None:
+        """Requests the map now, and periodically until it has arrived."""
+        node = self._node
+        self._map_requested_ns = None
+        client = node.create_client(GetMap, self._parameters.map_service)
+        handles.add(node.destroy_client, client)
+        self._request_map(client)
+        requesting = node.create_timer(MAP_REQUEST_PERIOD, partial(self._request_map, client))
+        handles.add(node.destroy_timer, requesting)
+
+    def _use_parameters(self, parameters: LaserParameters) -> None:
+        scanner, beam_model = parameters.scanner(), parameters.beam_model
+        self._parameters, self._scanner, self._beam_model = parameters, scanner, beam_model
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
-            shares = {name: round(getattr(self._noise, name), 6) for name in weights}
-            self._node.get_logger().warning(f"the noise's weights must sum to 1, got {weights}; normalised to {shares}")
+            normalised = {name: round(getattr(beam_model, name), 6) for name in weights}
+            self._node.get_logger().warning(
+                f"the weights of the noise must sum to 1, got {weights}; normalised to {normalised}"
+            )
 
-    def _now(self) -> int:
+    def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds
 
-    def _ask_for_map(self, client: Client) -> None:
-        now = self._now()
-        waiting = self._asked_ns is not None and 0 <= now - self._asked_ns < PATIENCE_NS
-        if self._grid is None and not waiting and client.service_is_ready():
-            self._asked_ns = now
-            client.call_async(GetMap.Request()).add_done_callback(self._take_answer)
+    def _request_map(self, client: Client) -> None:
+        """Requests the map, unless it is there or a request is under way."""
+        now_ns = self._now_ns()
+        requested_ns = self._map_requested_ns
+        is_waiting = requested_ns is not None and 0 <= now_ns - requested_ns < MAP_REQUEST_TIMEOUT_NS
+        if self._grid is None and not is_waiting and client.service_is_ready():
+            self._map_requested_ns = now_ns
+            client.call_async(GetMap.Request()).add_done_callback(self._take_map_response)
 
-    def _take_answer(self, future: Future) -> None:
-        self._asked_ns = None
+    def _take_map_response(self, future: Future) -> None:
+        self._map_requested_ns = None
         self._take_map(future.result().map)
 
     def _take_map(self, message: messages.OccupancyGrid) -> None:
-        if self._grid is not None and is_of(message, self._grid):
+        """Replaces the map, unless the message carries the same one or is invalid."""
+        if self._grid is not None and carries_grid(message, self._grid):
             return
         try:
             self._grid = from_message(message, unknown=self._parameters.unknown)
         except ValueError as error:
             self._node.get_logger().warning(f"map refused: {error}")
             return
+        self._prepare(self._grid)
         height, width = self._grid.shape
-        self._node.get_logger().info(f"map of {width}x{height} cells of {self._grid.resolution:g} m in use")
+        self._node.get_logger().info(f"using a map of {width}x{height} cells of {self._grid.resolution:g} m")
 
-    def _scan(self) -> None:
-        now, parameters = self._now(), self._parameters
-        base, frame = parameters.base_link_frame, parameters.laser_frame_id
-        obstacles: list[Placed] = []
-        if self._carrier is not None:
-            map_from_base: Pose | None = self._carrier.pose
-            obstacles = self._carrier.surroundings
-        else:
-            map_from_base = self._transforms.lookup_or_root(parameters.map_frame_id, base, now)
+    def _prepare(self, grid: OccupancyGrid) -> None:
+        """Builds the free boxes of a grid with all cores, once. A scan would build them on its own single thread."""
+        if self._prepared_grid is not grid:
+            grid.prepare()
+            self._prepared_grid = grid
+
+    def _publish_scan(self) -> None:
+        """Measures a scan from the current pose and publishes it, if map and pose are known."""
+        assert self._scans is not None
+        now_ns, parameters = self._now_ns(), self._parameters
+        map_from_base = self._base_pose(now_ns)
         if self._grid is None or map_from_base is None:
             return
-        mount = self._transforms.lookup(base, frame, now) if frame != base else None
-        if mount is not None and mount != self._scanner.mount:
-            self._scanner = parameters.scanner(mount)
+        self._update_mount(now_ns)
         scanner = self._scanner
-        readings = scanner.scan_batch(
-            self._grid,
-            np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
-            obstacles=obstacles,
-            noise=self._noise if parameters.apply_noise else None,
-            seed=parameters.seed,
-            first_index=self._index,
-            threads=1,
-        )[0]
-        self._index += 1
+        ranges = self._measure(self._grid, map_from_base)
         self._scans.publish(
             LaserScan(
-                Header(Time.from_nanoseconds(now), frame),
+                Header(Time.from_nanoseconds(now_ns), parameters.laser_frame_id),
                 angle_min=scanner.angle_min,
                 angle_max=scanner.angle_max,
                 angle_increment=scanner.angle_increment,
                 scan_time=1.0 / parameters.laser_frequency,
                 range_min=scanner.min_range,
                 range_max=scanner.max_range,
-                ranges=scanner.mark_invalid(readings, no_return=parameters.no_return),
+                ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
                 intensities=NO_INTENSITIES,
             )
         )
+
+    def _base_pose(self, now_ns: int) -> Pose | None:
+        """Returns the pose of the robot's base in the map frame, None if it is not known."""
+        if self._carrier is not None:
+            return self._carrier.pose
+        return self._transforms.lookup_or_root(self._parameters.map_frame_id, self._parameters.base_link_frame, now_ns)
+
+    def _update_mount(self, now_ns: int) -> None:
+        """Mounts the scanner where tf says it is, if tf knows."""
+        base, frame = self._parameters.base_link_frame, self._parameters.laser_frame_id
+        mount = self._transforms.lookup(base, frame, now_ns) if frame != base else None
+        if mount is not None and mount != self._scanner.mount:
+            self._scanner = self._parameters.scanner(mount)
+
+    def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> Any:
+        """Returns the ranges of the next scan, (beam_count,) float32 [m]."""
+        self._prepare(grid)
+        ranges = self._scanner.scan_batch(
+            grid,
+            np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
+            obstacles=[] if self._carrier is None else self._carrier.surroundings,
+            noise=self._beam_model if self._parameters.apply_noise else None,
+            seed=self._parameters.seed,
+            first_index=self._scan_count,
+            threads=1,
+        )[0]
+        self._scan_count += 1
+        return ranges

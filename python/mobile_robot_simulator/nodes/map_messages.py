@@ -1,4 +1,4 @@
-"""Maps as messages: OccupancyGrid to nav_msgs/OccupancyGrid and back."""
+"""Conversion between `OccupancyGrid` and the message nav_msgs/OccupancyGrid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ from .._core import OccupancyGrid
 
 
 def to_message(grid: OccupancyGrid, frame_id: str = "map") -> messages.OccupancyGrid:
-    """The message that carries a grid."""
+    """Returns the message that carries a grid.
+
+    Args:
+        grid: Map to send.
+        frame_id: Frame that the grid's origin is given in.
+    """
     height, width = grid.shape
     origin = messages.Pose.from_planar(grid.origin)
     info = messages.MapMetaData(resolution=grid.resolution, width=width, height=height, origin=origin)
@@ -19,9 +24,15 @@ def to_message(grid: OccupancyGrid, frame_id: str = "map") -> messages.Occupancy
 
 
 def from_message(message: messages.OccupancyGrid, *, unknown: Literal["free", "occupied"] = "free") -> OccupancyGrid:
-    """The grid that a message carries.
+    """Returns the grid that a message carries.
 
-    raises: ValueError for data that does not fill the map, or that no grid can hold.
+    Args:
+        message: Map as received.
+        unknown: How beams treat unknown cells.
+
+    Raises:
+        ValueError: The data is not integers in -1..100, its length is not width * height, or the resolution or the origin
+            is invalid.
     """
     info, data = message.info, np.asarray(message.data)
     if data.dtype.kind not in "iu" or data.min(initial=0) < -1 or data.max(initial=0) > 100:
@@ -33,13 +44,17 @@ def from_message(message: messages.OccupancyGrid, *, unknown: Literal["free", "o
 
 
 def _resolution(info: messages.MapMetaData) -> float:
-    """The resolution that was meant: a message on the wire carries float32, which is not 0.05 but nearly so."""
+    """Returns the resolution as the sender wrote it [m/cell].
+
+    The message carries a float32. Read as a float64, 0.05 would become 0.05000000074505806; this returns the shortest
+    decimal that rounds to the float32.
+    """
     rounded = np.float32(info.resolution)
     return float(str(rounded)) if info.resolution == rounded else info.resolution
 
 
-def is_of(message: messages.OccupancyGrid, grid: OccupancyGrid) -> bool:
-    """Whether a message carries the very cells of a grid, in the same place."""
+def carries_grid(message: messages.OccupancyGrid, grid: OccupancyGrid) -> bool:
+    """Returns True if a message has the same cells, resolution and origin as a grid."""
     info = message.info
     return (
         (info.height, info.width) == grid.shape
@@ -50,7 +65,7 @@ def is_of(message: messages.OccupancyGrid, grid: OccupancyGrid) -> bool:
 
 
 def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> OccupancyGrid:
-    """The same grid with another reading of its unknown cells."""
+    """Returns a copy of a grid whose unknown cells are treated differently by beams."""
     return OccupancyGrid(
         grid.cells,
         resolution=grid.resolution,

@@ -1,4 +1,4 @@
-"""The map as messages: MapServer hands it out as a service and as a latched topic, MapFileServer one of a file."""
+"""Map servers: the nodes that offer a map as a service and on a latched topic."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 from .. import messages
 from .._core import OccupancyGrid
-from ..handle import Handle
+from ..handle import Handle, Handles
 from ..maps.map_files import load_map
 from ..parameters import MapParameters
 from .interface import Node, QoS
@@ -14,7 +14,15 @@ from .map_messages import to_message
 
 
 class MapServer(Handle):
-    """Serves one map: GetMap on a service, and the map itself on a latched topic."""
+    """Offers one map through the service GetMap and publishes it on a latched topic.
+
+    Args:
+        node: Node to publish and to offer the service through.
+        grid: The map. Later changes to it are not served.
+        topic: Name of the topic.
+        service: Name of the service.
+        frame_id: Frame that the grid's origin is given in.
+    """
 
     def __init__(
         self,
@@ -27,32 +35,33 @@ class MapServer(Handle):
     ) -> None:
         self._node, self._topic, self._service = node, topic, service
         self._message = to_message(grid, frame_id)
-        self._handles: tuple[object, object] | None = None
+        self._running: Handles | None = None
 
     def start(self) -> None:
-        """Publish the map, and answer requests from now on."""
-        if self._handles is not None:
+        """Publishes the map and answers requests from now on."""
+        if self._running is not None:
             return
-        publisher = self._node.create_publisher(messages.OccupancyGrid, self._topic, QoS.LATCHED)
-        service = self._node.create_service(messages.GetMap, self._service, self._answer)
-        self._handles = publisher, service
-        publisher.publish(self._message)
+        with Handles() as handles:
+            publisher = self._node.create_publisher(messages.OccupancyGrid, self._topic, QoS.LATCHED)
+            handles.add(self._node.destroy_publisher, publisher)
+            service = self._node.create_service(messages.GetMap, self._service, self._answer)
+            handles.add(self._node.destroy_service, service)
+            publisher.publish(self._message)
+            self._running = handles
 
     def stop(self) -> None:
-        """No longer serve the map."""
-        if self._handles is not None:
-            publisher, service = self._handles
-            self._node.destroy_publisher(publisher)
-            self._node.destroy_service(service)
-            self._handles = None
+        """Stops serving the map. `start` resumes."""
+        if self._running is not None:
+            self._running.close()
+            self._running = None
 
-    def save(self) -> Any:
-        """Whether the map is served."""
-        return self._handles
+    def save(self) -> Handles | None:
+        """Returns the state that `restore` takes: the server's handles, None while it is stopped."""
+        return self._running
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        self._handles = state
+    def restore(self, state: Handles | None) -> None:
+        """Puts the server back into a saved state. The bus restores what the handles refer to."""
+        self._running = state
 
     def _answer(self, request: messages.GetMapRequest, response: messages.GetMapResponse) -> messages.GetMapResponse:
         response.map = self._message
@@ -60,41 +69,51 @@ class MapServer(Handle):
 
 
 class MapFileServer:
-    """Serves the map of a map_server YAML file."""
+    """Serves the map of a map_server YAML file.
+
+    Args:
+        node: Node to publish and to offer the service through.
+        parameters: File, names and frame.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: The file contains no valid map.
+    """
 
     def __init__(self, node: Node, parameters: MapParameters) -> None:
         self._node = node
         self._parameters = parameters
         self._server = self._load(parameters)
-        self._running = False
+        self._is_running = False
 
     @property
     def parameters(self) -> MapParameters:
-        """The parameters in use."""
+        """Current parameters."""
         return self._parameters
 
     def set_parameters(self, **values: Any) -> None:
-        """Change parameters by their names, from now on; of another file, the map is served at once.
+        """Changes parameters by name. Loads the file again and serves its map at once.
 
-        raises: ValueError for a value that cannot be, or a file that holds no map; OSError for one that can't be read.
-        Then nothing changes.
+        Raises:
+            ValueError: A value is invalid, or the file contains no valid map. Nothing changes.
+            OSError: The file cannot be read. Nothing changes.
         """
         parameters = self._parameters.changed(values)
         if parameters != self._parameters:
             server = self._load(parameters)
             self._server.stop()
             self._parameters, self._server = parameters, server
-            if self._running:
+            if self._is_running:
                 server.start()
 
     def start(self) -> None:
-        """Serve the map from now on."""
-        self._running = True
+        """Publishes the map and answers requests from now on."""
+        self._is_running = True
         self._server.start()
 
     def stop(self) -> None:
-        """No longer serve it."""
-        self._running = False
+        """Stops serving the map. `start` resumes."""
+        self._is_running = False
         self._server.stop()
 
     def _load(self, parameters: MapParameters) -> MapServer:

@@ -1,9 +1,13 @@
-"""MobileRobotSimulator: velocity commands in, odometry, transforms and the clock out."""
+"""MobileRobotSimulator: the node that turns velocity commands into odometry, transforms and the clock."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .. import messages
 from .._core import MotionNoise, Pose, Shape
@@ -26,12 +30,12 @@ from ..messages import (
 from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
-from ..physics.motion import Motion, Velocity
-from ..physics.odometer import PLANAR_COVARIANCE, Odometer
+from ..physics.motion import Motion, MotionSnapshot, Velocity
+from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerSnapshot
 from ..physics.world import Placed, World
-from .interface import Node, QoS
+from .interface import Node, Publisher, QoS
 
-SET_UP = (
+RESTART_PARAMETERS = (
     "publish_map_transform",
     "publish_rate",
     "publish_clock",
@@ -40,31 +44,88 @@ SET_UP = (
     "odometry_topic",
     "cmd_vel_stamped",
 )
-"""Parameters that what `start` sets up hangs on."""
+"""Changing one of these restarts the node."""
 
-PUSHED = ("robot_radius", "footprint", "contact", "velocity_limits", "acceleration_limits", "deceleration_limits")
-"""Parameters of what holds the robot back; the robot stands when they change."""
+CONSTRAINT_PARAMETERS = (
+    "robot_radius",
+    "footprint",
+    "contact",
+    "velocity_limits",
+    "acceleration_limits",
+    "deceleration_limits",
+)
+"""Parameters that constrain the motion. Changing one of these stops the robot, until the next command."""
 
-FASTEST = 1e3
-"""Commands beyond this [m/s, rad/s] are no robot's, and are refused."""
+MAX_COMMAND = 1e3
+"""Largest velocity accepted in a command, in each component [m/s, rad/s]. Larger ones are refused."""
+
+
+@dataclass(frozen=True)
+class RobotPublishers:
+    """Publishers of a `MobileRobotSimulator`.
+
+    Attributes:
+        odometry: Publisher of the odometry.
+        transforms: Publisher of /tf.
+        clock: Publisher of /clock, None unless `publish_clock` is set.
+    """
+
+    odometry: Publisher[Odometry]
+    transforms: Publisher[TFMessage]
+    clock: Publisher[Clock] | None
+
+
+@dataclass(frozen=True)
+class RobotSnapshot:
+    """Saved state of a `MobileRobotSimulator`.
+
+    Attributes:
+        parameters: Parameters.
+        running: Publishers, subscriptions, services and timers, None while the node is stopped.
+        publishers: Publishers, None before the first start.
+        footprint: Outline of the robot.
+        slip_share: Active slip, see `MobileRobotSimulator.slip`.
+        drift: Active drift of the odometry, see `MobileRobotSimulator.drift`.
+        believed_pose: Last pose published as odometry.
+        motion: Motion, with its state.
+        odometer: Odometer, with its state.
+    """
+
+    parameters: RobotParameters
+    running: Handles | None
+    publishers: RobotPublishers | None
+    footprint: Shape | None
+    slip_share: float
+    drift: tuple[MotionNoise | None, int]
+    believed_pose: Pose
+    motion: tuple[Motion, MotionSnapshot]
+    odometer: tuple[Odometer, OdometerSnapshot]
 
 
 class MobileRobotSimulator(Handle):
-    """A robot that does exactly what it is told.
+    """A robot that follows velocity commands exactly.
 
-    Takes velocity commands (Twist or TwistStamped) and holds each until the next, or until `velocity_timeout`. Publishes
-    odometry, the transform odom -> base_link and the clock at `publish_rate`, and, with `publish_map_transform`, the
-    transform map -> odom; then it also takes initialpose. The pose at any time is computed from the last command on,
-    exactly, so that it does not depend on the publishing rate. The service `reset` puts the robot back to where it was at
-    first, `set_pose` anywhere.
+    Commands:
+        The robot holds each Twist or TwistStamped until the next one arrives, or until `velocity_timeout` has passed. The
+        pose at any time is integrated exactly from the last command, so it does not depend on the publishing rate.
+    Output:
+        Odometry, the transform odom -> base_link and the clock are published at `publish_rate`. With
+        `publish_map_transform` the node also publishes map -> odom and listens to initialpose.
+    Services:
+        `reset` returns the robot to its start pose, `set_pose` moves it anywhere.
+    Constraints:
+        With velocity and acceleration limits the robot follows commands only as fast as they allow. With a footprint it
+        collides with walls, obstacles and other robots. With `odometry_alphas` the odometry drifts and reports the drift in
+        its covariance; map -> odom compensates for it.
+    Time:
+        The robot moves on the world's time. Stamps come from the node's clock, which may differ from it.
 
-    With limits its velocity follows the commands no faster than they let it, with a footprint the world pushes back, and
-    with `odometry_alphas` odometry drifts, and says by its covariance how far; map -> odom makes up for that.
-
-    The robot moves by the world's time; stamps are those of the node's clock, which may be off.
-
-    node: what to publish and subscribe through. start_pose: where in the map frame the robot is at first. world: what is
-    around it; nothing, and the node's clock is right, if None. name: what others call the robot.
+    Args:
+        node: Node to publish and subscribe through.
+        parameters: Parameters; the defaults if None.
+        start_pose: First pose of the robot in the map frame; the identity if None.
+        world: World that the robot moves in. If None, the robot is alone, without walls, on the time of the node's clock.
+        name: Name of the robot in contact events.
     """
 
     def __init__(
@@ -80,91 +141,90 @@ class MobileRobotSimulator(Handle):
         self.body_name = name
         self._parameters = parameters or RobotParameters()
         self._world = world or World(lambda: node.get_clock().now().nanoseconds)
-        self._first_pose = start_pose or Pose()
+        self._start_pose = start_pose or Pose()
         self._running: Handles | None = None
+        self._publishers: RobotPublishers | None = None
         self._footprint = self._parameters.shape
-        self._slipping = 0.0
-        self._drifting: tuple[MotionNoise | None, int] = (None, 0)
+        self._slip_share = 0.0
+        self._drift: tuple[MotionNoise | None, int] = (None, 0)
         self.reset()
         self._world.join(self)
 
     @property
     def parameters(self) -> RobotParameters:
-        """The parameters in use."""
+        """Current parameters."""
         return self._parameters
 
     @property
     def motion(self) -> Motion:
-        """The way of the robot."""
+        """Motion of the robot: its trajectory so far and its current velocity."""
         return self._motion
 
     @property
     def footprint(self) -> Shape | None:
-        """The robot's outline."""
+        """Outline of the robot, None if it has none."""
         return self._footprint
 
     @property
     def surroundings(self) -> list[Placed]:
-        """What can be seen from the robot now, but for the map."""
+        """Obstacles and other robots that a scanner on this robot sees now, with their poses in the map frame."""
         return self._world.seen_by(self)
 
     @property
     def believed_pose(self) -> Pose:
-        """Where odometry last said that the robot is, in the odometry's frame."""
-        return self._believed
+        """Pose that the odometry last reported, in the odometry frame."""
+        return self._believed_pose
 
     @property
     def pose(self) -> Pose:
-        """Where the robot is now, in the map frame."""
+        """True pose of the robot now, in the map frame."""
         return self._motion.map_pose(self._world.now_ns())
 
     @property
     def velocity(self) -> Velocity:
-        """How the robot moves now: forward, leftward [m/s] and turning [rad/s]."""
+        """True velocity of the robot now: forward, left [m/s], counter-clockwise [rad/s]."""
         return self._motion.velocity(self._world.now_ns())
 
     @property
     def distance(self) -> float:
-        """Length of the way driven so far [m]."""
+        """Length of the path driven so far [m]."""
         return self._motion.distance(self._world.now_ns())
 
     def reset(self) -> None:
-        """Put the robot back to where it was at first, at rest, with odometry as it was then and no distance driven.
+        """Returns the robot to its start pose, standing still, with its first odometry and no distance driven.
 
-        What has it slip or drift goes on.
+        Active slip and drift faults continue.
         """
-        now, parameters, first = self._world.now_ns(), self._parameters, self._first_pose
-        frames = (first, Pose()) if parameters.publish_map_transform else (Pose(), first)
-        self._motion = self._motion_from(now, *frames)
-        if self._slipping:
-            self._motion.slip(self._slipping, now)
-        noise, seed = self._drifting
+        now_ns, parameters, start = self._world.now_ns(), self._parameters, self._start_pose
+        map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
+        self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
+        if self._slip_share:
+            self._motion.slip(self._slip_share, now_ns)
+        noise, seed = self._drift
         if noise is None:
             noise, seed = parameters.motion_noise, parameters.odometry_seed
-        self._odometer = Odometer(frames[1], now, noise=noise, seed=seed)
-        self._believed = frames[1]
+        self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
+        self._believed_pose = odom_from_base
         self._world.changed()
 
     def set_parameters(self, **values: Any) -> None:
-        """Change parameters by their names, from now on. A command in force is held anew, for `velocity_timeout`.
+        """Changes parameters by name, from now on.
 
-        raises: ValueError that names the parameter, its value and what was needed; then nothing changes.
+        A new `velocity_timeout` also applies to the current command, counted from now.
+
+        Raises:
+            ValueError: A value is invalid. The message names the parameter, its value and what is allowed. Nothing changes.
+            TypeError: A topic carries another message type. All but the motion is as before.
         """
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
             return
-        now = self._world.now_ns()
-        if after.velocity_timeout != before.velocity_timeout:
-            self._motion.set_timeout(after.velocity_timeout, now)
         self._parameters = after
-        if any(getattr(before, name) != getattr(after, name) for name in PUSHED):
-            self._footprint = after.shape
-            self._motion = self._motion_from(now, self._motion.map_from_own, self._motion.pose(now)).continuing(self._motion)
-            self._world.changed()
+        self._change_motion(before, after)
         if self._running is None:
             return
         self._node.set_speed(after.speed_factor)
-        if all(getattr(before, name) == getattr(after, name) for name in SET_UP):
+        if all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
             return
         try:
             self._restart()
@@ -174,108 +234,158 @@ class MobileRobotSimulator(Handle):
             raise
 
     def set_pose(self, pose: Pose) -> None:
-        """Put the robot somewhere in the map.
+        """Moves the robot to a pose in the map frame. The current command continues from there.
 
-        With the map transform, odometry goes on as if nothing had happened and map -> odom takes up the change; without,
-        odometry itself starts anew from there.
+        With `publish_map_transform` the odometry continues unchanged and map -> odom changes. Otherwise the odometry itself
+        jumps to the new pose.
         """
-        now = self._world.now_ns()
+        now_ns = self._world.now_ns()
         if self._parameters.publish_map_transform:
-            self._motion.move_frame((pose * self._motion.pose(now).inverse()).wrapped(), now)
+            self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
         else:
-            self._motion.place(pose, now)
-            self._odometer.place(pose, now)
+            self._motion.place(pose, now_ns)
+            self._odometer.place(pose, now_ns)
         self._world.changed()
 
     def slip(self, share: float) -> None:
-        """From now on, have the robot move by this share less than its wheels turn, of which odometry knows nothing."""
-        self._slipping = share
+        """Makes the wheels slip from now on, unnoticed by the odometry.
+
+        Args:
+            share: Share of the commanded motion that is lost, in 0..1.
+        """
+        self._slip_share = share
         self._motion.slip(share, self._world.now_ns())
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
-        """From now on, have odometry err so; as sure of where it is now as it was at first."""
-        now, self._drifting = self._world.now_ns(), (noise, seed)
-        self._odometer = Odometer(self._motion.wheel_pose(now), now, noise=noise, seed=seed)
+        """Makes the odometry drift from now on. Its covariance starts again at that of exact odometry.
+
+        Args:
+            noise: Noise of the odometry, None for exact odometry.
+            seed: Seed of the noise.
+        """
+        now_ns, self._drift = self._world.now_ns(), (noise, seed)
+        self._odometer = Odometer(self._motion.wheel_pose(now_ns), now_ns, noise=noise, seed=seed)
 
     def start(self) -> None:
-        """Take commands and publish from now on."""
+        """Takes commands and publishes from now on, the first time after one period. Has no effect if it is running."""
         if self._running is not None:
             return
-        node, parameters = self._node, self._parameters
         with Handles() as handles:
-            self._odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
-            handles.add(node.destroy_publisher, self._odometry)
-            self._transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
-            handles.add(node.destroy_publisher, self._transforms)
-            self._clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
-            if self._clock is not None:
-                handles.add(node.destroy_publisher, self._clock)
-            if parameters.cmd_vel_stamped:
-                commands = node.create_subscription(
-                    messages.TwistStamped, parameters.velocity_topic, self._take_stamped_command, QoS.DEFAULT
-                )
-            else:
-                commands = node.create_subscription(TwistMessage, parameters.velocity_topic, self._take_command, QoS.DEFAULT)
-            handles.add(node.destroy_subscription, commands)
-            if parameters.publish_map_transform:
-                poses = node.create_subscription(PoseWithCovarianceStamped, "initialpose", self._take_pose, QoS.DEFAULT)
-                handles.add(node.destroy_subscription, poses)
-            handles.add(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
-            handles.add(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
-            node.set_speed(parameters.speed_factor)
-            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
-            if self._clock is not None and parameters.clock_rate > 0.0:
-                handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
+            self._publishers = self._create_publishers(handles)
+            self._create_subscriptions(handles)
+            self._create_services(handles)
+            self._node.set_speed(self._parameters.speed_factor)
+            self._create_timers(handles)
             self._running = handles
 
     def stop(self) -> None:
-        """Stand still, take no more commands and publish nothing; `start` goes on from here."""
+        """Stops the robot, which then takes no commands and publishes nothing. `start` resumes from its pose."""
         if self._running is not None:
             self._running.close()
             self._running = None
             self._motion.stop(self._world.now_ns())
 
-    def save(self) -> Any:
-        """All that `restore` needs, but for what the node's surroundings keep."""
-        return dict(vars(self)), self._motion.save(), self._odometer.save()
+    def save(self) -> RobotSnapshot:
+        """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
+        return RobotSnapshot(
+            parameters=self._parameters,
+            running=self._running,
+            publishers=self._publishers,
+            footprint=self._footprint,
+            slip_share=self._slip_share,
+            drift=self._drift,
+            believed_pose=self._believed_pose,
+            motion=(self._motion, self._motion.save()),
+            odometer=(self._odometer, self._odometer.save()),
+        )
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
-        attributes, motion, odometer = state
-        vars(self).update(attributes)
-        self._motion.restore(motion)
-        self._odometer.restore(odometer)
+    def restore(self, state: RobotSnapshot) -> None:
+        """Puts the robot back into a saved state."""
+        self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
+        self._footprint, self._slip_share, self._drift = state.footprint, state.slip_share, state.drift
+        self._believed_pose = state.believed_pose
+        self._motion, motion_state = state.motion
+        self._motion.restore(motion_state)
+        self._odometer, odometer_state = state.odometer
+        self._odometer.restore(odometer_state)
 
-    def _motion_from(self, time_ns: int, map_from_own: Pose, start: Pose) -> Motion:
+    def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
         if self._footprint is None and parameters.limits is None:
-            return Motion(time_ns, parameters.velocity_timeout, map_from_own, start)
+            return Motion(time_ns, parameters.velocity_timeout, map_from_odom, odom_from_base)
         return ConstrainedMotion(
             time_ns,
             parameters.velocity_timeout,
-            map_from_own,
-            start,
+            map_from_odom,
+            odom_from_base,
             world=self._world,
             body=self,
             limits=parameters.limits,
             mode=parameters.contact,
         )
 
+    def _change_motion(self, before: RobotParameters, after: RobotParameters) -> None:
+        """Applies changed parameters to the motion."""
+        now_ns = self._world.now_ns()
+        if after.velocity_timeout != before.velocity_timeout:
+            self._motion.set_timeout(after.velocity_timeout, now_ns)
+        if any(getattr(before, name) != getattr(after, name) for name in CONSTRAINT_PARAMETERS):
+            self._footprint = after.shape
+            motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
+            self._motion = motion.continuing(self._motion)
+            self._world.changed()
+
     def _restart(self) -> None:
-        """Set everything up afresh, without standing still."""
+        """Restarts the node without stopping the robot."""
         if self._running is not None:
             self._running.close()
             self._running = None
         self.start()
+
+    # --- topics, services, timers ---
+
+    def _create_publishers(self, handles: Handles) -> RobotPublishers:
+        node, parameters = self._node, self._parameters
+        odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
+        handles.add(node.destroy_publisher, odometry)
+        transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
+        handles.add(node.destroy_publisher, transforms)
+        clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
+        if clock is not None:
+            handles.add(node.destroy_publisher, clock)
+        return RobotPublishers(odometry, transforms, clock)
+
+    def _create_subscriptions(self, handles: Handles) -> None:
+        """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
+        node, topic = self._node, self._parameters.velocity_topic
+        if self._parameters.cmd_vel_stamped:
+            commands = node.create_subscription(messages.TwistStamped, topic, self._take_stamped_command, QoS.DEFAULT)
+        else:
+            commands = node.create_subscription(TwistMessage, topic, self._take_command, QoS.DEFAULT)
+        handles.add(node.destroy_subscription, commands)
+        if self._parameters.publish_map_transform:
+            poses = node.create_subscription(PoseWithCovarianceStamped, "initialpose", self._take_pose, QoS.DEFAULT)
+            handles.add(node.destroy_subscription, poses)
+
+    def _create_services(self, handles: Handles) -> None:
+        node = self._node
+        handles.add(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
+        handles.add(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
+
+    def _create_timers(self, handles: Handles) -> None:
+        node, parameters = self._node, self._parameters
+        handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
+        if parameters.publish_clock and parameters.clock_rate > 0.0:
+            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
 
     def _take_stamped_command(self, message: messages.TwistStamped) -> None:
         self._take_command(message.twist)
 
     def _take_command(self, twist: TwistMessage) -> None:
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
-        if not all(math.isfinite(value) and abs(value) <= FASTEST for value in velocity):
+        if not all(math.isfinite(value) and abs(value) <= MAX_COMMAND for value in velocity):
             self._node.get_logger().warning(
-                f"velocity command refused: vx, vy and wz must be finite and at most {FASTEST:g}, got {velocity}"
+                f"velocity command refused: vx, vy and wz must be finite and at most {MAX_COMMAND:g}, got {velocity}"
             )
             return
         self._motion.command(velocity, self._world.now_ns())
@@ -284,7 +394,7 @@ class MobileRobotSimulator(Handle):
         self, request: messages.TriggerRequest, response: messages.TriggerResponse
     ) -> messages.TriggerResponse:
         self.reset()
-        response.success, response.message = True, f"the robot is back at {self._first_pose}"
+        response.success, response.message = True, f"the robot is back at {self._start_pose}"
         return response
 
     def _answer_set_pose(
@@ -305,38 +415,52 @@ class MobileRobotSimulator(Handle):
             return
         self.set_pose(pose)
 
+    # --- publishing ---
+
+    def _publish(self) -> None:
+        """Publishes odometry and transforms; also the clock, unless it has a timer of its own."""
+        assert self._publishers is not None
+        now_ns, stamp = self._world.now_ns(), self._stamp()
+        if self._parameters.clock_rate == 0.0:
+            self._send_clock(stamp)
+        self._believed_pose, covariance = self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
+        odometry = self._odometry_message(now_ns, stamp, covariance)
+        self._publishers.odometry.publish(odometry)
+        self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, odometry)))
+
+    def _odometry_message(self, now_ns: int, stamp: Time, covariance: NDArray[np.float64]) -> Odometry:
+        vx, vy, wz = self._motion.wheel_velocity(now_ns)
+        return Odometry(
+            Header(stamp, self._parameters.odom_frame_id),
+            self._parameters.base_link_frame,
+            PoseWithCovariance(messages.Pose.from_planar(self._believed_pose), covariance),
+            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
+        )
+
+    def _transform_messages(self, now_ns: int, odometry: Odometry) -> list[TransformStamped]:
+        """Returns odom -> base_link as in an odometry message, after map -> odom if that is published."""
+        position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
+        odom_from_base = Transform(Vector3(position.x, position.y), orientation)
+        transforms = [TransformStamped(odometry.header, self._parameters.base_link_frame, odom_from_base)]
+        if self._parameters.publish_map_transform:
+            header = Header(odometry.header.stamp, self._parameters.map_frame_id)
+            map_from_odom = Transform.from_planar(self._map_from_odom(now_ns))
+            transforms.insert(0, TransformStamped(header, self._parameters.odom_frame_id, map_from_odom))
+        return transforms
+
+    def _map_from_odom(self, now_ns: int) -> Pose:
+        """Returns the pose of the odometry frame for which the odometry leads to the robot's true pose."""
+        motion = self._motion
+        if motion.slipped or self._odometer.is_noisy:
+            return (motion.map_pose(now_ns) * self._believed_pose.inverse()).wrapped()
+        return motion.map_from_own
+
     def _publish_clock(self) -> None:
-        if self._clock is not None:
-            self._clock.publish(Clock(self._stamp()))
+        self._send_clock(self._stamp())
+
+    def _send_clock(self, stamp: Time) -> None:
+        if self._publishers is not None and self._publishers.clock is not None:
+            self._publishers.clock.publish(Clock(stamp))
 
     def _stamp(self) -> Time:
         return Time.from_nanoseconds(self._node.get_clock().now().nanoseconds)
-
-    def _publish(self) -> None:
-        now, stamp, parameters, motion = self._world.now_ns(), self._stamp(), self._parameters, self._motion
-        if parameters.clock_rate == 0.0 and self._clock is not None:
-            self._clock.publish(Clock(stamp))
-        odom_from_base, covariance = self._odometer.read(motion.wheel_pose(now).wrapped(), now)
-        self._believed = odom_from_base
-        pose = messages.Pose.from_planar(odom_from_base)
-        vx, vy, wz = motion.wheel_velocity(now)
-        header = Header(stamp, parameters.odom_frame_id)
-        self._odometry.publish(
-            Odometry(
-                header,
-                parameters.base_link_frame,
-                PoseWithCovariance(pose, covariance),
-                TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
-            )
-        )
-        position = pose.position
-        odom_from_base_message = Transform(Vector3(position.x, position.y), pose.orientation)
-        transforms = [TransformStamped(header, parameters.base_link_frame, odom_from_base_message)]
-        if parameters.publish_map_transform:
-            map_from_odom = motion.map_from_own
-            if motion.slipped or self._odometer.is_noisy:
-                map_from_odom = (motion.map_pose(now) * odom_from_base.inverse()).wrapped()
-            map_header = Header(stamp, parameters.map_frame_id)
-            transform = Transform.from_planar(map_from_odom)
-            transforms.insert(0, TransformStamped(map_header, parameters.odom_frame_id, transform))
-        self._transforms.publish(TFMessage(transforms))

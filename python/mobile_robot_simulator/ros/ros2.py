@@ -9,7 +9,8 @@ from threading import Thread
 from typing import Any
 
 from ..messages import Message
-from ..nodes.interface import Future, Logger, M, QoS
+from ..nodes.future import Future
+from ..nodes.interface import Logger, M, QoS
 from ..parameters import MapParameters, Parameters, RobotParameters
 from .configuration import Behaviour, behaviour_of, change, models_of, resolve, split, warn_of_unknown
 from .conversion import Dialect
@@ -187,23 +188,14 @@ class _Client:
         return bool(self.client.service_is_ready())
 
     def call_async(self, request: Message) -> Future:
-        future = self.client.call_async(ROS2.to_ros(request, self.client.srv_type.Request))
-        return _Answer(self.srv_type, future, self.loop)
+        future = Future()
 
+        def take(answered: Any) -> None:
+            future.set_result(ROS2.from_ros(answered.result(), self.srv_type.Response))
 
-class _Answer:
-    def __init__(self, srv_type: Any, future: Any, loop: Loop) -> None:
-        self.srv_type, self.future, self.loop = srv_type, future, loop
-
-    def done(self) -> bool:
-        return bool(self.future.done())
-
-    def result(self) -> Any:
-        return ROS2.from_ros(self.future.result(), self.srv_type.Response)
-
-    def add_done_callback(self, callback: Callable[[Any], None]) -> None:
-        take = self.loop.in_turn(callback)
-        self.future.add_done_callback(lambda _: take(self))
+        answer = self.client.call_async(ROS2.to_ros(request, self.client.srv_type.Request))
+        answer.add_done_callback(self.loop.in_turn(take))
+        return future
 
 
 # --- Running ---
