@@ -1,4 +1,4 @@
-"""Handles: what is held on to, not copied; and those that a node has taken hold of, to be let go together."""
+"""Handles: objects that copies share, and groups of resources that are released together."""
 
 from __future__ import annotations
 
@@ -8,35 +8,47 @@ from typing import Any
 
 
 class Handle:
-    """Something that is itself wherever it is kept: a copy of what holds it holds the same one."""
+    """Base class of objects that a deep copy shares instead of copying."""
 
     def __deepcopy__(self, memo: object) -> Any:
         return self
 
 
 def check_callback(callback: object) -> None:
-    """Refuse what cannot be called."""
+    """Checks that an object is callable.
+
+    Args:
+        callback: The object.
+
+    Raises:
+        TypeError: It is not callable.
+    """
     if not callable(callback):
         raise TypeError(f"a callback must be callable, got {callback!r}")
 
 
 class Handles:
-    """Publishers, subscriptions, timers: each with what lets go of it.
+    """Publishers, subscriptions and timers of a node, each with the function that releases it.
 
-    In a `with` block, all is let go of if the block raises.
+    As a context manager, it releases everything if the block raises, and nothing otherwise.
     """
 
     def __init__(self) -> None:
-        self._undo: list[Callable[[], object]] = []
+        self._releases: list[Callable[[], object]] = []
 
-    def add(self, let_go: Callable[..., object], *handle: Any) -> None:
-        """Remember a handle, and what lets go of it."""
-        self._undo.append(partial(let_go, *handle))
+    def add(self, release: Callable[..., object], *handle: Any) -> None:
+        """Adds a handle.
+
+        Args:
+            release: Function that releases it.
+            *handle: Arguments of that function.
+        """
+        self._releases.append(partial(release, *handle))
 
     def close(self) -> None:
-        """Let go of everything, the last first."""
-        for undo in reversed(self._undo):
-            undo()
+        """Releases everything, the last added first."""
+        for release in reversed(self._releases):
+            release()
 
     def __enter__(self) -> Handles:
         return self

@@ -1,23 +1,27 @@
-"""Time as nodes on the bus see it: moments, durations and the clock, under rclpy's names."""
+"""Instants and durations of the simulated clock, with the interface of `rclpy.time.Time` and `rclpy.duration.Duration`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 from .messages import Time
 
-if TYPE_CHECKING:
-    pass
-
 NANOSECONDS = 1_000_000_000
+"""Nanoseconds per second."""
 
 
 @dataclass(frozen=True, order=True, init=False)
 class Duration:
-    """A span of time."""
+    """A span of time, with the interface of `rclpy.duration.Duration`.
+
+    Args:
+        seconds: Length [s], rounded to nanoseconds.
+        nanoseconds: Length [ns], added to `seconds`.
+    """
 
     nanoseconds: int
+    """Length [ns]."""
 
     def __init__(self, *, seconds: float = 0.0, nanoseconds: int = 0) -> None:
         object.__setattr__(self, "nanoseconds", round(seconds * NANOSECONDS) + int(nanoseconds))
@@ -32,24 +36,35 @@ def _duration(nanoseconds: int) -> Duration:
 
 @dataclass(frozen=True, order=True, slots=True, init=False)
 class Instant:
-    """A moment of the bus's clock."""
+    """A point in simulated time, with the interface of `rclpy.time.Time`.
+
+    Args:
+        nanoseconds: Time [ns].
+        seconds: Time [s], rounded to nanoseconds and added to `nanoseconds`.
+        **_: Other arguments of `rclpy.time.Time`, such as `clock_type`, are ignored.
+    """
 
     nanoseconds: int
+    """Time [ns]."""
 
     def __init__(self, nanoseconds: int = 0, *, seconds: float = 0.0, **_: Any) -> None:
         object.__setattr__(self, "nanoseconds", nanoseconds + round(seconds * NANOSECONDS) if seconds else nanoseconds)
 
     def to_msg(self) -> Time:
-        """The moment as a message."""
+        """Returns the time as a message."""
         return Time.from_nanoseconds(self.nanoseconds)
 
     @classmethod
     def from_msg(cls, msg: Time) -> Instant:
-        """The moment that a message names."""
+        """Returns the time that a message holds.
+
+        Args:
+            msg: The message.
+        """
         return cls(msg.nanoseconds)
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Whole seconds, and the nanoseconds beyond them."""
+        """Returns the whole seconds and the remaining nanoseconds."""
         return divmod(self.nanoseconds, NANOSECONDS)
 
     def __add__(self, span: Duration) -> Instant:

@@ -1,6 +1,6 @@
-"""The ROS messages and services that the nodes speak, with ROS field names and no ROS.
+"""The ROS messages and services that the nodes use, as Python classes that need no ROS installation.
 
-Every class names its ROS type; units and frames are those of the ROS definition. Arrays are NumPy arrays.
+Each class has the fields, units and frames of the ROS definition named by its `ros_type`. Arrays are NumPy arrays.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(slots=True, eq=False)
 class Message:
-    """A message: fields with defaults, equal when all fields are."""
+    """Base class of messages. Every field has a default; two messages are equal if all their fields are."""
 
     ros_type: ClassVar[str]
 
@@ -32,7 +32,11 @@ class Message:
 
 
 def copied(value: T) -> T:
-    """The same message, to be kept where the first may change: all in it is copied, but for arrays that are read-only."""
+    """Returns a deep copy of a message that shares only read-only arrays.
+
+    Args:
+        value: A message, or a value of one of its fields.
+    """
     if isinstance(value, Message):
         kind = type(value)
         copy = object.__new__(kind)
@@ -57,7 +61,7 @@ def _same(left: Any, right: Any) -> bool:
 
 @dataclass(slots=True, eq=False)
 class Time(Message):
-    """A moment, as whole seconds and nanoseconds."""
+    """A time: whole seconds and the remaining nanoseconds."""
 
     ros_type = "builtin_interfaces/msg/Time"
     sec: int = 0
@@ -65,18 +69,22 @@ class Time(Message):
 
     @classmethod
     def from_nanoseconds(cls, nanoseconds: int) -> Time:
-        """The moment so many nanoseconds after zero."""
+        """Returns the time that is a number of nanoseconds after zero.
+
+        Args:
+            nanoseconds: The number [ns].
+        """
         return cls(*divmod(nanoseconds, 1_000_000_000))
 
     @property
     def nanoseconds(self) -> int:
-        """Nanoseconds since zero."""
+        """Time since zero [ns]."""
         return self.sec * 1_000_000_000 + self.nanosec
 
 
 @dataclass(slots=True, eq=False)
 class Header(Message):
-    """When a message holds, and in which frame."""
+    """Time and frame of a message."""
 
     ros_type = "std_msgs/msg/Header"
     stamp: Time = field(default_factory=Time)
@@ -85,7 +93,7 @@ class Header(Message):
 
 @dataclass(slots=True, eq=False)
 class Vector3(Message):
-    """Three numbers along x, y and z."""
+    """Components along x, y and z."""
 
     ros_type = "geometry_msgs/msg/Vector3"
     x: float = 0.0
@@ -105,7 +113,7 @@ class Point(Message):
 
 @dataclass(slots=True, eq=False)
 class Quaternion(Message):
-    """An orientation."""
+    """An orientation, as a unit quaternion."""
 
     ros_type = "geometry_msgs/msg/Quaternion"
     x: float = 0.0
@@ -124,12 +132,16 @@ class Pose(Message):
 
     @classmethod
     def from_planar(cls, pose: PlanarPose) -> Pose:
-        """The message for a pose of the plane."""
+        """Returns the message for a pose in the plane.
+
+        Args:
+            pose: The pose; height, roll and pitch of the message are 0.
+        """
         z, w = pose.quaternion
         return cls(Point(pose.x, pose.y), Quaternion(z=z, w=w))
 
     def to_planar(self) -> PlanarPose:
-        """The pose in the plane; height, roll and pitch are passed over."""
+        """Returns the pose in the plane; height, roll and pitch are ignored."""
         return _planar(self.position, self.orientation)
 
 
@@ -143,12 +155,16 @@ class Transform(Message):
 
     @classmethod
     def from_planar(cls, pose: PlanarPose) -> Transform:
-        """The message for a transform of the plane."""
+        """Returns the message for a transform in the plane.
+
+        Args:
+            pose: The transform; height, roll and pitch of the message are 0.
+        """
         z, w = pose.quaternion
         return cls(Vector3(pose.x, pose.y), Quaternion(z=z, w=w))
 
     def to_planar(self) -> PlanarPose:
-        """The transform in the plane; height, roll and pitch are passed over."""
+        """Returns the transform in the plane; height, roll and pitch are ignored."""
         return _planar(self.translation, self.rotation)
 
 
@@ -163,7 +179,7 @@ def _covariance() -> NDArray[np.float64]:
 
 @dataclass(slots=True, eq=False)
 class PoseWithCovariance(Message):
-    """A pose and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z)."""
+    """A pose and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z) [m, rad]."""
 
     ros_type = "geometry_msgs/msg/PoseWithCovariance"
     pose: Pose = field(default_factory=Pose)
@@ -172,7 +188,7 @@ class PoseWithCovariance(Message):
 
 @dataclass(slots=True, eq=False)
 class PoseWithCovarianceStamped(Message):
-    """A pose with covariance at a moment, in a frame."""
+    """A pose with covariance, at a time and in a frame."""
 
     ros_type = "geometry_msgs/msg/PoseWithCovarianceStamped"
     header: Header = field(default_factory=Header)
@@ -190,7 +206,7 @@ class Twist(Message):
 
 @dataclass(slots=True, eq=False)
 class TwistStamped(Message):
-    """A twist at a moment, in a frame."""
+    """A twist at a time, in a frame."""
 
     ros_type = "geometry_msgs/msg/TwistStamped"
     header: Header = field(default_factory=Header)
@@ -199,7 +215,7 @@ class TwistStamped(Message):
 
 @dataclass(slots=True, eq=False)
 class TwistWithCovariance(Message):
-    """A twist and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z)."""
+    """A twist and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z) [m/s, rad/s]."""
 
     ros_type = "geometry_msgs/msg/TwistWithCovariance"
     twist: Twist = field(default_factory=Twist)
@@ -208,7 +224,7 @@ class TwistWithCovariance(Message):
 
 @dataclass(slots=True, eq=False)
 class TransformStamped(Message):
-    """The transform from a child frame to the header's frame, at a moment."""
+    """Pose of a child frame in the header's frame, at a time."""
 
     ros_type = "geometry_msgs/msg/TransformStamped"
     header: Header = field(default_factory=Header)
@@ -218,7 +234,7 @@ class TransformStamped(Message):
 
 @dataclass(slots=True, eq=False)
 class TFMessage(Message):
-    """Transforms, as they go over /tf."""
+    """Transforms, as published on /tf and /tf_static."""
 
     ros_type = "tf2_msgs/msg/TFMessage"
     transforms: list[TransformStamped] = field(default_factory=list)
@@ -226,7 +242,7 @@ class TFMessage(Message):
 
 @dataclass(slots=True, eq=False)
 class Odometry(Message):
-    """Pose in the header's frame, twist in the child frame."""
+    """Odometry: the pose in the header's frame and the twist in the child frame."""
 
     ros_type = "nav_msgs/msg/Odometry"
     header: Header = field(default_factory=Header)
@@ -241,7 +257,7 @@ def _no_ranges() -> NDArray[np.float32]:
 
 @dataclass(slots=True, eq=False)
 class LaserScan(Message):
-    """A planar scan: angles [rad], times [s], ranges (N,) float32 [m]; the stamp is that of the first beam."""
+    """A planar scan: angles [rad], times [s], ranges (N,) float32 [m]. The stamp is the time of the first beam."""
 
     ros_type = "sensor_msgs/msg/LaserScan"
     header: Header = field(default_factory=Header)
@@ -258,7 +274,7 @@ class LaserScan(Message):
 
 @dataclass(slots=True, eq=False)
 class MapMetaData(Message):
-    """Size of a map in cells, its resolution [m/cell], and the pose of its corner."""
+    """Size of a map in cells, its resolution [m/cell], and the pose of its lower-left corner."""
 
     ros_type = "nav_msgs/msg/MapMetaData"
     map_load_time: Time = field(default_factory=Time)
@@ -270,7 +286,7 @@ class MapMetaData(Message):
 
 @dataclass(slots=True, eq=False)
 class OccupancyGrid(Message):
-    """A map: data (height * width,) int8, row by row from the lower left."""
+    """A map: data (height * width,) int8, row-major from the lower-left corner; 0 to 100 is the occupancy, -1 is unknown."""
 
     ros_type = "nav_msgs/msg/OccupancyGrid"
     header: Header = field(default_factory=Header)
@@ -280,7 +296,7 @@ class OccupancyGrid(Message):
 
 @dataclass(slots=True, eq=False)
 class Clock(Message):
-    """The simulated time."""
+    """The simulated time, as published on /clock."""
 
     ros_type = "rosgraph_msgs/msg/Clock"
     clock: Time = field(default_factory=Time)
@@ -296,21 +312,21 @@ class String(Message):
 
 @dataclass(slots=True, eq=False)
 class GetMapRequest(Message):
-    """Asks for the map."""
+    """Request for the map."""
 
     ros_type = "nav_msgs/srv/GetMap_Request"
 
 
 @dataclass(slots=True, eq=False)
 class GetMapResponse(Message):
-    """The map."""
+    """Response with the map."""
 
     ros_type = "nav_msgs/srv/GetMap_Response"
     map: OccupancyGrid = field(default_factory=OccupancyGrid)
 
 
 class GetMap:
-    """The service that hands out the map."""
+    """Service that returns the map."""
 
     ros_type = "nav_msgs/srv/GetMap"
     Request = GetMapRequest
@@ -319,14 +335,14 @@ class GetMap:
 
 @dataclass(slots=True, eq=False)
 class TriggerRequest(Message):
-    """Asks for something to be done."""
+    """Request to trigger an action."""
 
     ros_type = "std_srvs/srv/Trigger_Request"
 
 
 @dataclass(slots=True, eq=False)
 class TriggerResponse(Message):
-    """Whether it was done, and what there is to say about it."""
+    """Whether the action succeeded, and a message about it."""
 
     ros_type = "std_srvs/srv/Trigger_Response"
     success: bool = False
@@ -334,7 +350,7 @@ class TriggerResponse(Message):
 
 
 class Trigger:
-    """A service that does something."""
+    """Service that triggers an action."""
 
     ros_type = "std_srvs/srv/Trigger"
     Request = TriggerRequest
@@ -343,7 +359,7 @@ class Trigger:
 
 @dataclass(slots=True, eq=False)
 class SetPoseRequest(Message):
-    """Where to be."""
+    """Request with the new pose."""
 
     ros_type = "robot_localization/srv/SetPose_Request"
     pose: PoseWithCovarianceStamped = field(default_factory=PoseWithCovarianceStamped)
@@ -351,13 +367,13 @@ class SetPoseRequest(Message):
 
 @dataclass(slots=True, eq=False)
 class SetPoseResponse(Message):
-    """Nothing."""
+    """Empty response."""
 
     ros_type = "robot_localization/srv/SetPose_Response"
 
 
 class SetPose:
-    """The service that puts the robot somewhere."""
+    """Service that sets the pose of the robot."""
 
     ros_type = "robot_localization/srv/SetPose"
     Request = SetPoseRequest

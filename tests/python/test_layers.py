@@ -17,6 +17,7 @@ ROOMS = (
     "instant",
     "handle",
     "parameters",
+    "parameter_files",
     "maps",
     "plotting",
     "physics",

@@ -65,11 +65,11 @@ def test_every_message_is_in_the_table() -> None:
     assert classes == set(FIELDS)
 
 
-def test_an_orientation_is_none_at_first() -> None:
+def test_the_default_orientation_is_the_identity() -> None:
     assert (messages.Quaternion().w, messages.Pose().to_planar()) == (1.0, mrs.Pose())
 
 
-def test_no_two_messages_share_a_default() -> None:
+def test_messages_do_not_share_default_objects() -> None:
     one, other = messages.Odometry(), messages.Odometry()
     one.pose.covariance[0] = 1.0
     one.pose.pose.position.x = 1.0
@@ -105,7 +105,7 @@ def test_copies_are_equal(name: str, duplicate: Any) -> None:
     assert duplicate(message) == message
 
 
-def test_an_unknown_field_is_refused() -> None:
+def test_an_unknown_field_is_rejected() -> None:
     with pytest.raises(AttributeError):
         mrs.messages.Twist().speed = 1.0
     with pytest.raises(TypeError, match="speed"):
@@ -113,14 +113,14 @@ def test_an_unknown_field_is_refused() -> None:
 
 
 @pytest.mark.parametrize("nanoseconds", [0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234])
-def test_times_go_there_and_back(nanoseconds: int) -> None:
+def test_times_convert_there_and_back(nanoseconds: int) -> None:
     time = mrs.messages.Time.from_nanoseconds(nanoseconds)
     assert (time.sec, time.nanosec) == (nanoseconds // 10**9, nanoseconds % 10**9)
     assert time.nanoseconds == nanoseconds
 
 
 @pytest.mark.parametrize("yaw", [-3.0, -0.5, 0.0, 1.0, math.pi])
-def test_planar_poses_go_there_and_back(yaw: float) -> None:
+def test_planar_poses_convert_there_and_back(yaw: float) -> None:
     pose = mrs.Pose(1.0, -2.0, yaw)
     message = messages.Pose.from_planar(pose)
     assert (message.position.x, message.position.y, message.position.z) == (1.0, -2.0, 0.0)
@@ -133,7 +133,7 @@ def test_planar_poses_go_there_and_back(yaw: float) -> None:
         assert tuple(back) == pytest.approx(tuple(pose), abs=1e-15)
 
 
-def test_messages_are_in_their_module_alone() -> None:
+def test_messages_are_only_in_their_module() -> None:
     """ROS messages live in `mrs.messages`: `Pose` and `OccupancyGrid` mean something else at the top level."""
     assert mrs.messages is messages
     for name in FIELDS:

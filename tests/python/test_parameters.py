@@ -1,21 +1,24 @@
-"""parameters: names, defaults and checks; from YAML and command lines, and back."""
+"""parameters: names, defaults, checks, and the objects built from them."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
-from mobile_robot_simulator import parameters
-from mobile_robot_simulator.parameters import LaserParameters, Parameters, RobotParameters
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.parameters import (
+    LaserParameters,
+    MapParameters,
+    Parameters,
+    RobotParameters,
+    check_names,
+    motion_noise,
+)
 
-# The original's names and defaults, which other people's launch files use.
+# Names and defaults of the original package, which existing launch files use.
 ROBOT = {
     "publish_map_transform": False,
     "publish_rate": 10.0,
@@ -58,16 +61,16 @@ def test_names_and_defaults(model: type[Parameters], name: str, default: object)
     assert model.model_fields[name].description
 
 
-def test_the_seed_is_a_parameter() -> None:
+def test_the_seed_is_an_integer() -> None:
     assert isinstance(LaserParameters().seed, int)
 
 
-def test_node_names_are_the_originals() -> None:
+def test_node_names_are_those_of_the_original() -> None:
     assert RobotParameters.node_name == "mobile_robot_simulator_node"
     assert LaserParameters.node_name == "laser_scanner_simulator_node"
 
 
-# A mount needs a frame of its own.
+# A laser_mount requires a frame other than the robot's.
 FRAME: dict[type[Parameters], dict[str, str]] = {RobotParameters: {}, LaserParameters: {"laser_frame_id": "laser"}}
 
 
@@ -89,7 +92,7 @@ FRAME: dict[type[Parameters], dict[str, str]] = {RobotParameters: {}, LaserParam
         ("sigma_hit", "0.05e0"),
     ],
 )
-def test_good_values_are_taken(name: str, value: Any) -> None:
+def test_valid_values_are_accepted(name: str, value: Any) -> None:
     model = RobotParameters if name in RobotParameters.model_fields else LaserParameters
     found = getattr(model.checked({**FRAME[model], name: value}), name)
     assert found == (tuple(value) if isinstance(value, list) else 0.05 if value == "0.05e0" else value)
@@ -109,7 +112,9 @@ def test_good_values_are_taken(name: str, value: Any) -> None:
         ("speed_factor", 0.0, "speed_factor must be greater than 0"),
         ("velocity_timeout", -0.1, "velocity_timeout must be greater than or equal to 0, got -0.1"),
         ("velocity_topic", 5, "velocity_topic must be a valid string, got 5"),
-        ("velocity_topic", "", "velocity_topic must"),
+        ("velocity_topic", "", "velocity_topic must be a name such as /scan, got ''"),
+        ("base_link_frame", "", "base_link_frame must have at least 1 character, got ''"),
+        ("footprint", [[0, 0], [1, 1]], "footprint must be the corners [[x, y], ...] of a polygon"),
         ("publish_map_transform", "maybe", "publish_map_transform must be a valid boolean"),
         ("publish_map_transform", 7, "publish_map_transform must be a valid boolean"),
         ("laser_fov", 0.0, "laser_fov must be greater than 0, got 0.0"),
@@ -134,19 +139,19 @@ def test_good_values_are_taken(name: str, value: Any) -> None:
         ("laser_mount", [0.0, 0.0, math.nan], "laser_mount"),
     ],
 )
-def test_bad_values_are_refused_by_name_value_and_need(name: str, value: Any, words: str) -> None:
+def test_errors_name_the_parameter_the_requirement_and_the_value(name: str, value: Any, words: str) -> None:
     model = RobotParameters if name in RobotParameters.model_fields else LaserParameters
     with pytest.raises(ValueError) as caught:
         model.checked({name: value})
     assert words in str(caught.value)
 
 
-def test_weights_that_are_all_zero_are_refused() -> None:
+def test_weights_must_not_all_be_zero() -> None:
     with pytest.raises(ValueError, match="at least one of z_hit, z_short, z_max, z_rand must be positive"):
         LaserParameters.checked({"z_hit": 0.0, "z_max": 0.0})
 
 
-def test_all_that_is_wrong_is_said_at_once() -> None:
+def test_one_error_reports_all_invalid_values() -> None:
     with pytest.raises(ValueError) as caught:
         LaserParameters.checked({"laser_fov": -1.0, "sigma_hit": 0.0})
     assert "laser_fov" in str(caught.value) and "sigma_hit" in str(caught.value)
@@ -161,14 +166,12 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
         ("sigma", "sigma_hit"),
     ],
 )
-def test_unknown_names_suggest_the_nearest(name: str, near: str) -> None:
+def test_errors_suggest_the_nearest_known_name(name: str, near: str) -> None:
     with pytest.raises(ValueError, match=f"unknown parameter '{name}'; did you mean '{near}'"):
-        parameters.check_names([name])
-    with pytest.raises(ValueError, match=f"did you mean '{near}'"):
-        parameters.read_assignment(f"{name}:=1")
+        check_names([name])
 
 
-def test_changes_are_checked_and_leave_the_old_alone() -> None:
+def test_changed_checks_the_values_and_returns_a_copy() -> None:
     old = LaserParameters()
     assert old.changed({"laser_fov": 1.0}).laser_fov == 1.0
     assert old.laser_fov == 4.71
@@ -177,174 +180,18 @@ def test_changes_are_checked_and_leave_the_old_alone() -> None:
             old.changed(bad)
 
 
-# --- files ------------------------------------------------------------------------------------------------------------
+def test_a_missing_value_is_reported_as_required() -> None:
+    with pytest.raises(ValueError, match=r"^yaml_filename is required$"):
+        MapParameters.checked({})
 
 
-def written(folder: Path, text: str) -> Path:
-    path = folder / "parameters.yaml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("/**:\n  ros__parameters:\n    laser_fov: 1.5\n    publish_rate: 20\n", {"laser_fov": 1.5, "publish_rate": 20}),
-        ("laser_scanner_simulator_node:\n  ros__parameters:\n    seed: 5\n", {"seed": 5}),
-        ("/mobile_robot_simulator_node:\n  ros__parameters:\n    publish_rate: 20.0\n", {"publish_rate": 20.0}),
-        ("/**:\n  ros__parameters: {}\n", {}),
-        (
-            "laser_scanner_simulator_node:\n  ros__parameters: {seed: 5}\n/**:\n  ros__parameters: {seed: 6, z_hit: 1}\n",
-            {"seed": 5, "z_hit": 1},
-        ),
-        ("/**:\n  ros__parameters:\n    sigma_hit: 0.05e0\n", {"sigma_hit": "0.05e0"}),
-        (
-            "/**: {ros__parameters: {laser_mount: [0.1, 0.0, 3.14], laser_frame_id: laser}}",
-            {"laser_mount": [0.1, 0.0, 3.14], "laser_frame_id": "laser"},
-        ),
-    ],
-)
-def test_files_are_read(tmp_path: Path, text: str, values: dict[str, Any]) -> None:
-    read = parameters.read_file(written(tmp_path, text))
-    for model in parameters.NODES:
-        assert parameters.for_node(model, read) == parameters.for_node(model, values)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "must hold nodes"),
-        ("5", "must hold nodes"),
-        ("- a\n- b\n", "must hold nodes"),
-        ("laser_fov: 1.5\n", "unknown node 'laser_fov'"),
-        ("/**:\n  laser_fov: 1.5\n", "ros__parameters"),
-        ("/**:\n  ros__parameters: 5\n", "ros__parameters"),
-        ("/**: 5\n", "ros__parameters"),
-        ("/**:\n  ros__parameters:\n    laser_fow: 1.5\n", "unknown parameter 'laser_fow'; did you mean 'laser_fov'"),
-        ("laser_scanner_node:\n  ros__parameters: {}\n", "did you mean 'laser_scanner_simulator_node'"),
-        ("mobile_robot_simulator_node:\n  ros__parameters:\n    laser_fov: 1.5\n", "unknown parameter 'laser_fov'"),
-        ("a: [1\n", "is not YAML"),
-        ("a: b: c\n", "is not YAML"),
-        ("a: \x07\n", "is not YAML"),
-        ("? [1, 2]\n: 5\n", "is not YAML"),
-        ("/**:\n  ros__parameters:\n    5: 1\n", "unknown parameter '5'"),
-    ],
-)
-def test_bad_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
-    with pytest.raises(ValueError) as caught:
-        parameters.read_file(written(tmp_path, text))
-    assert words in str(caught.value)
-
-
-def test_a_file_that_is_no_text_is_refused_by_name(tmp_path: Path) -> None:
-    path = tmp_path / "map.pgm"
-    path.write_bytes(b"P5\n\xff\xfe\x00")
-    with pytest.raises(ValueError, match=r"map\.pgm"):
-        parameters.read_file(path)
-
-
-def test_a_file_that_is_missing_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="nowhere"):
-        parameters.read_file(tmp_path / "nowhere.yaml")
-    with pytest.raises(OSError, match=str(tmp_path)):
-        parameters.read_file(tmp_path)
-
-
-def test_each_node_keeps_its_own_value_of_a_name_that_both_have(tmp_path: Path) -> None:
-    """What stands under one node's name is for that node."""
-    path = written(
-        tmp_path,
-        "mobile_robot_simulator_node:\n  ros__parameters: {base_link_frame: base_footprint}\n"
-        "laser_scanner_simulator_node:\n  ros__parameters: {seed: 5}\n",
-    )
-    values = parameters.read_file(path)
-    assert parameters.for_node(RobotParameters, values).base_link_frame == "base_footprint"
-    path = written(
-        tmp_path,
-        "mobile_robot_simulator_node:\n  ros__parameters: {map_frame_id: world}\n"
-        "laser_scanner_simulator_node:\n  ros__parameters: {map_frame_id: map}\n",
-    )
-    values = parameters.read_file(path)
-    assert parameters.for_node(RobotParameters, values).map_frame_id == "world"
-    assert parameters.for_node(LaserParameters, values).map_frame_id == "map"
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("publish_rate:=20", ("publish_rate", 20)),
-        ("publish_rate:=2e1", ("publish_rate", "2e1")),
-        ("laser_fov:=1.5", ("laser_fov", 1.5)),
-        ("publish_map_transform:=true", ("publish_map_transform", True)),
-        ("laser_topic:=/front/scan", ("laser_topic", "/front/scan")),
-        ("laser_mount:=[0.1, 0.0, 0.0]", ("laser_mount", [0.1, 0.0, 0.0])),
-        ("no_return:=max", ("no_return", "max")),
-        ("laser_topic:=a:=b", ("laser_topic", "a:=b")),
-    ],
-)
-def test_assignments_are_read(text: str, expected: tuple[str, Any]) -> None:
-    assert parameters.read_assignment(text) == expected
-
-
-def test_numbers_that_yaml_takes_for_text_are_numbers() -> None:
-    name, value = parameters.read_assignment("publish_rate:=2e1")
-    assert RobotParameters.checked({name: value}).publish_rate == 20.0
-
-
-@pytest.mark.parametrize("text", ["publish_rate", "publish_rate=20", ":=20", "publish_rate: 20", ""])
-def test_what_is_no_assignment_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="name:=value, got"):
-        parameters.read_assignment(text)
-
-
-def test_a_value_that_is_no_yaml_is_refused() -> None:
-    with pytest.raises(ValueError, match="laser_mount must be YAML"):
-        parameters.read_assignment("laser_mount:=[1, 2")
-
-
-def read_back(folder: Path, text: str) -> dict[str, Any]:
-    return parameters.read_file(written(folder, text))
-
-
-def test_the_yaml_of_all_parameters_reads_back(tmp_path: Path) -> None:
-    text = parameters.to_yaml()
-    values = read_back(tmp_path, text)
-    for model in parameters.NODES:
-        assert parameters.for_node(model, values) == model()
-        section = text.partition(f"{model.node_name}:")[2].splitlines()
-        for name, info in model.model_fields.items():
-            assert next(line for line in section if line.strip().startswith(f"{name}:")).endswith(f"# {info.description}")
-    assert list(yaml.safe_load(text)) == [model.node_name for model in parameters.NODES]
-
-
-texts = st.text(st.characters(blacklist_categories=("Cs", "Cc")), min_size=1, max_size=200)
-
-
-@given(
-    fov=st.floats(1e-300, 6.28),
-    timeout=st.floats(0.0, 1e300),
-    mount=st.none() | st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3),
-    topic=st.from_regex(r"[~/]?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*", fullmatch=True),
-    seed=st.integers(0, 2**64 - 1),
-    noise=st.booleans(),
-)
-def test_any_values_read_back(
-    tmp_path_factory: pytest.TempPathFactory, fov: float, timeout: float, mount: Any, topic: str, seed: int, noise: bool
-) -> None:
-    values = {
-        "laser_fov": fov,
-        "velocity_timeout": timeout,
-        "laser_mount": mount,
-        "laser_frame_id": "laser",
-        "laser_topic": topic,
-        "seed": seed,
-        "apply_noise": noise,
-    }
-    read = read_back(tmp_path_factory.mktemp("parameters"), parameters.to_yaml(values))
-    for model in parameters.NODES:
-        assert parameters.for_node(model, read) == parameters.for_node(model, values)
-
-
-def test_the_yaml_of_unknown_values_is_refused() -> None:
-    with pytest.raises(ValueError, match="laser_fow"):
-        parameters.to_yaml({"laser_fow": 1.0})
+def test_parameters_build_the_noise_models_and_the_scanner() -> None:
+    alphas = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    noise = mrs.MotionNoise(alpha1=0.1, alpha2=0.2, alpha3=0.3, alpha4=0.4, alpha5=0.5, alpha6=0.6)
+    assert motion_noise(alphas) == RobotParameters(odometry_alphas=alphas).motion_noise == noise
+    assert RobotParameters().motion_noise is None
+    laser = LaserParameters(sigma_hit=0.1, z_hit=3.0, z_max=1.0, laser_mount=(0.1, 0.0, 0.0), laser_frame_id="laser")
+    assert repr(laser.beam_model) == repr(mrs.BeamModel(sigma_hit=0.1, lambda_short=2.0, z_hit=0.75, z_max=0.25))
+    assert laser.scanner().mount == mrs.Pose(0.1)
+    assert laser.scanner(mrs.Pose(0.2)).mount == mrs.Pose(0.2)
+    assert LaserParameters().scanner().mount == mrs.Pose()

@@ -21,7 +21,8 @@ from rich.table import Table
 from .. import __version__
 from .._core import OccupancyGrid, Pose
 from ..maps.map_files import load_map, save_map
-from ..parameters import LaserParameters, for_node, read_assignment, read_file, to_yaml
+from ..parameter_files import read_assignment, read_file, to_yaml
+from ..parameters import LaserParameters, for_node
 
 app = typer.Typer(
     no_args_is_help=True,

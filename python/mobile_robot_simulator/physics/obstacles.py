@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from .._core import Pose, Shape
 from ..handle import Handle
+from ..instant import NANOSECONDS
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
 """A pose, or its x, y [m] and yaw [rad]."""
@@ -56,7 +57,7 @@ class Obstacle(Handle):
             Exception: Any error that the trajectory's function raises.
 
         """
-        pose = self._pose_at(time_ns / 1e9)
+        pose = self._pose_at(time_ns / NANOSECONDS)
         if isinstance(pose, Pose):
             return pose
         try:

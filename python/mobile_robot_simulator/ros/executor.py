@@ -7,12 +7,12 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from ..instant import NANOSECONDS
 from ..nodes.interface import Clock
 from .paced_clock import PacedClock
 
 Returned = TypeVar("Returned")
 
-NANOSECONDS = 1_000_000_000
 
 POLLED_EVERY = 0.002
 """How often a clock is looked at that others set [s]."""

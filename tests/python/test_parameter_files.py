@@ -1,0 +1,188 @@
+"""parameter_files: parameter files and assignments are read, and written files read back the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mobile_robot_simulator.parameter_files import read_assignment, read_file, to_yaml
+from mobile_robot_simulator.parameters import NODES, LaserParameters, RobotParameters, for_node
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "parameters.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("/**:\n  ros__parameters:\n    laser_fov: 1.5\n    publish_rate: 20\n", {"laser_fov": 1.5, "publish_rate": 20}),
+        ("laser_scanner_simulator_node:\n  ros__parameters:\n    seed: 5\n", {"seed": 5}),
+        ("/mobile_robot_simulator_node:\n  ros__parameters:\n    publish_rate: 20.0\n", {"publish_rate": 20.0}),
+        ("/**:\n  ros__parameters: {}\n", {}),
+        (
+            "laser_scanner_simulator_node:\n  ros__parameters: {seed: 5}\n/**:\n  ros__parameters: {seed: 6, z_hit: 1}\n",
+            {"seed": 5, "z_hit": 1},
+        ),
+        ("/**:\n  ros__parameters:\n    sigma_hit: 0.05e0\n", {"sigma_hit": "0.05e0"}),
+        (
+            "/**: {ros__parameters: {laser_mount: [0.1, 0.0, 3.14], laser_frame_id: laser}}",
+            {"laser_mount": [0.1, 0.0, 3.14], "laser_frame_id": "laser"},
+        ),
+    ],
+)
+def test_files_are_read(tmp_path: Path, text: str, values: dict[str, Any]) -> None:
+    read = read_file(written(tmp_path, text))
+    for model in NODES:
+        assert for_node(model, read) == for_node(model, values)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "must contain node names"),
+        ("5", "must contain node names"),
+        ("- a\n- b\n", "must contain node names"),
+        ("laser_fov: 1.5\n", "unknown node 'laser_fov'"),
+        ("/**:\n  laser_fov: 1.5\n", "ros__parameters"),
+        ("/**:\n  ros__parameters: 5\n", "ros__parameters"),
+        ("/**: 5\n", "ros__parameters"),
+        ("/**:\n  ros__parameters:\n    laser_fow: 1.5\n", "unknown parameter 'laser_fow'; did you mean 'laser_fov'"),
+        ("laser_scanner_node:\n  ros__parameters: {}\n", "did you mean 'laser_scanner_simulator_node'"),
+        ("mobile_robot_simulator_node:\n  ros__parameters:\n    laser_fov: 1.5\n", "unknown parameter 'laser_fov'"),
+        ("a: [1\n", "is not YAML"),
+        ("a: b: c\n", "is not YAML"),
+        ("a: \x07\n", "is not YAML"),
+        ("? [1, 2]\n: 5\n", "is not YAML"),
+        ("/**:\n  ros__parameters:\n    5: 1\n", "unknown parameter '5'"),
+    ],
+)
+def test_invalid_files_are_rejected(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        read_file(written(tmp_path, text))
+    assert words in str(caught.value)
+
+
+def test_the_error_for_a_binary_file_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "map.pgm"
+    path.write_bytes(b"P5\n\xff\xfe\x00")
+    with pytest.raises(ValueError, match=r"map\.pgm"):
+        read_file(path)
+
+
+def test_a_missing_file_and_a_folder_are_os_errors(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        read_file(tmp_path / "nowhere.yaml")
+    with pytest.raises(OSError, match=str(tmp_path)):
+        read_file(tmp_path)
+
+
+def test_a_value_under_a_node_name_is_for_that_node_only(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        "mobile_robot_simulator_node:\n  ros__parameters: {base_link_frame: base_footprint}\n"
+        "laser_scanner_simulator_node:\n  ros__parameters: {seed: 5}\n",
+    )
+    values = read_file(path)
+    assert for_node(RobotParameters, values).base_link_frame == "base_footprint"
+    path = written(
+        tmp_path,
+        "mobile_robot_simulator_node:\n  ros__parameters: {map_frame_id: world}\n"
+        "laser_scanner_simulator_node:\n  ros__parameters: {map_frame_id: map}\n",
+    )
+    values = read_file(path)
+    assert for_node(RobotParameters, values).map_frame_id == "world"
+    assert for_node(LaserParameters, values).map_frame_id == "map"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("publish_rate:=20", ("publish_rate", 20)),
+        ("publish_rate:=2e1", ("publish_rate", "2e1")),
+        ("laser_fov:=1.5", ("laser_fov", 1.5)),
+        ("publish_map_transform:=true", ("publish_map_transform", True)),
+        ("laser_topic:=/front/scan", ("laser_topic", "/front/scan")),
+        ("laser_mount:=[0.1, 0.0, 0.0]", ("laser_mount", [0.1, 0.0, 0.0])),
+        ("no_return:=max", ("no_return", "max")),
+        ("laser_topic:=a:=b", ("laser_topic", "a:=b")),
+    ],
+)
+def test_assignments_are_read(text: str, expected: tuple[str, Any]) -> None:
+    assert read_assignment(text) == expected
+
+
+def test_numbers_that_yaml_reads_as_text_are_accepted() -> None:
+    name, value = read_assignment("publish_rate:=2e1")
+    assert RobotParameters.checked({name: value}).publish_rate == 20.0
+
+
+@pytest.mark.parametrize("text", ["publish_rate", "publish_rate=20", ":=20", "publish_rate: 20", ""])
+def test_text_that_is_not_an_assignment_is_rejected(text: str) -> None:
+    with pytest.raises(ValueError, match="name:=value, got"):
+        read_assignment(text)
+
+
+def test_a_value_that_is_not_yaml_is_rejected() -> None:
+    with pytest.raises(ValueError, match="laser_mount must be YAML"):
+        read_assignment("laser_mount:=[1, 2")
+
+
+def read_back(folder: Path, text: str) -> dict[str, Any]:
+    return read_file(written(folder, text))
+
+
+def test_the_file_of_all_parameters_reads_back_with_descriptions(tmp_path: Path) -> None:
+    text = to_yaml()
+    values = read_back(tmp_path, text)
+    for model in NODES:
+        assert for_node(model, values) == model()
+        section = text.partition(f"{model.node_name}:")[2].splitlines()
+        for name, info in model.model_fields.items():
+            assert next(line for line in section if line.strip().startswith(f"{name}:")).endswith(f"# {info.description}")
+    assert list(yaml.safe_load(text)) == [model.node_name for model in NODES]
+
+
+texts = st.text(st.characters(blacklist_categories=("Cs", "Cc")), min_size=1, max_size=200)
+
+
+@given(
+    fov=st.floats(1e-300, 6.28),
+    timeout=st.floats(0.0, 1e300),
+    mount=st.none() | st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3),
+    topic=st.from_regex(r"[~/]?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*", fullmatch=True),
+    seed=st.integers(0, 2**64 - 1),
+    noise=st.booleans(),
+)
+def test_any_values_read_back(
+    tmp_path_factory: pytest.TempPathFactory, fov: float, timeout: float, mount: Any, topic: str, seed: int, noise: bool
+) -> None:
+    values = {
+        "laser_fov": fov,
+        "velocity_timeout": timeout,
+        "laser_mount": mount,
+        "laser_frame_id": "laser",
+        "laser_topic": topic,
+        "seed": seed,
+        "apply_noise": noise,
+    }
+    read = read_back(tmp_path_factory.mktemp("parameters"), to_yaml(values))
+    for model in NODES:
+        assert for_node(model, read) == for_node(model, values)
+
+
+def test_unknown_values_cannot_be_written() -> None:
+    with pytest.raises(ValueError, match="laser_fow"):
+        to_yaml({"laser_fow": 1.0})
+
+
+def test_an_unknown_name_in_an_assignment_suggests_the_nearest() -> None:
+    with pytest.raises(ValueError, match="did you mean 'publish_rate'"):
+        read_assignment("publish_rat:=1")
