@@ -1,4 +1,4 @@
-//! The direction of imports in `src`: no circle between modules, and nothing outside `src/python` names Python.
+//! The direction of imports in `src`: no import cycle between modules, and no mention of Python outside `src/python`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 /// Top-level modules, and the top-level modules that each of them imports.
 type Imports = BTreeMap<String, BTreeSet<String>>;
 
-/// A source file: its top-level module, its path in `src`, and its code without comments, texts and tests.
+/// A source file: its top-level module, its path in `src`, and its code without comments, string literals and tests.
 struct File {
     module: String,
     path: String,
     code: String,
 }
 
-/// All files of `src` that are not tests.
+/// Returns all files of `src` that are not tests.
 fn files() -> Vec<File> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
@@ -42,7 +42,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The code of a file, without comments, texts in double quotes, and the unit tests at its end.
+/// Returns the code of a file without comments, string literals and the unit tests at its end.
 fn code(source: &str) -> String {
     let source = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let without_comments = source.lines().map(|line| line.split("//").next().unwrap_or_default());
@@ -50,7 +50,7 @@ fn code(source: &str) -> String {
     without_texts.collect::<Vec<_>>().join("\n")
 }
 
-/// First names of all paths from the crate's root: `a` and `b` of `crate::a::x` and of `crate::{a::x, b}`.
+/// Returns the first name of each path from the crate's root: `a` of `crate::a::x`, `a` and `b` of `crate::{a::x, b}`.
 fn root_names(code: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for rest in code.split("crate::").skip(1) {
@@ -77,11 +77,14 @@ fn root_names(code: &str) -> BTreeSet<String> {
     names
 }
 
+/// Returns the identifier at the start of a piece of code.
 fn first_name(code: &str) -> String {
     code.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
 }
 
-/// Imports of each module of the core. Fails on a name that is not a module: the core imports from the module that owns a name.
+/// Returns the imports of each module of the core.
+///
+/// Fails on a name that is not a module: the core must import a name from the module that defines it, not from the crate's root.
 fn imports(files: &[File]) -> Imports {
     let core = || files.iter().filter(|file| file.module != "python" && file.module != "lib");
     let mut imports: Imports = core().map(|file| (file.module.clone(), BTreeSet::new())).collect();
@@ -96,14 +99,14 @@ fn imports(files: &[File]) -> Imports {
     imports
 }
 
-/// Modules that import each other, directly or through others; empty if there are none.
-fn circle(mut imports: Imports) -> Vec<String> {
-    // Remove modules that import nothing that is left, until only circles, and what imports them, are left.
+/// Returns the modules that are in an import cycle or import from one; empty if there is no cycle.
+fn cycle(mut imports: Imports) -> Vec<String> {
+    // Repeatedly remove the modules that import none of the remaining ones.
     loop {
-        let left: BTreeSet<String> = imports.keys().cloned().collect();
-        imports.retain(|_, imported| !imported.is_disjoint(&left));
-        if imports.len() == left.len() {
-            return left.into_iter().collect();
+        let remaining: BTreeSet<String> = imports.keys().cloned().collect();
+        imports.retain(|_, imported| !imported.is_disjoint(&remaining));
+        if imports.len() == remaining.len() {
+            return remaining.into_iter().collect();
         }
     }
 }
@@ -113,26 +116,26 @@ fn has_word(code: &str, word: &str) -> bool {
 }
 
 #[test]
-fn modules_do_not_import_each_other_in_a_circle() {
+fn there_is_no_import_cycle() {
     let imports = imports(&files());
     assert!(imports["grid"].contains("free_boxes") && imports["scanner"].contains("raycast"), "imports are found");
-    assert_eq!(circle(imports), Vec::<String>::new(), "modules in a circle, or that import one");
+    assert_eq!(cycle(imports), Vec::<String>::new(), "modules in an import cycle, or that import from one");
 }
 
 #[test]
-fn only_the_binding_names_python() {
+fn only_the_binding_mentions_python() {
     for file in files().iter().filter(|file| file.module != "python") {
         for word in ["python", "pyo3", "numpy"] {
-            // The crate's root declares the module of the binding.
+            // The crate's root must declare the module of the binding.
             let declaration = file.module == "lib" && word == "python";
             let code = if declaration { file.code.replace("mod python;", "") } else { file.code.clone() };
-            assert!(!has_word(&code, word), "src/{}.rs names {word}", file.path);
+            assert!(!has_word(&code, word), "src/{}.rs mentions {word}", file.path);
         }
     }
 }
 
 #[test]
-fn imports_and_circles_are_found() {
+fn the_helpers_find_imports_and_cycles() {
     let code = code(
         "use crate::{a::{x, y}, b};\n// crate::not_this\nuse crate::c::z; \"crate::nor_this\"\n#[cfg(test)]\nmod tests { use crate::d; }",
     );
@@ -141,6 +144,6 @@ fn imports_and_circles_are_found() {
         let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
         edges.iter().map(|(name, imported)| ((*name).to_owned(), names(imported))).collect()
     };
-    assert!(circle(imports(&[("a", &["b", "c"]), ("b", &["c"]), ("c", &[])])).is_empty());
-    assert_eq!(circle(imports(&[("a", &["b"]), ("b", &["c"]), ("c", &["b"]), ("d", &[])])), ["a", "b", "c"]);
+    assert!(cycle(imports(&[("a", &["b", "c"]), ("b", &["c"]), ("c", &[])])).is_empty());
+    assert_eq!(cycle(imports(&[("a", &["b"]), ("b", &["c"]), ("c", &["b"]), ("d", &[])])), ["a", "b", "c"]);
 }
