@@ -1,4 +1,4 @@
-"""laser node: transforms and a map in, scans out, each from the pose at its own stamp."""
+"""LaserScannerSimulator: scans measured from the pose at their own stamps, in the map that is in use."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TWIST = (0.6, -0.1, 0.8)
 
 
 class Rig:
-    """A scanner on a bus of its own, transforms by hand, and all scans."""
+    """A scanner on its own bus, with hand-made transforms and everything that is published."""
 
     def __init__(self, grid: mrs.OccupancyGrid | None, *, started: bool = True, **parameters: Any) -> None:
         self.bus = Bus()
@@ -54,7 +54,7 @@ class Rig:
 
 
 def drive(rig: Rig, until: float, every: float = 0.1, twist: tuple[float, float, float] = TWIST) -> None:
-    """Publishes transforms of a robot that moves under a constant twist from the origin at time 0, each just in time."""
+    """Moves a robot from the origin under a constant twist. Publishes each transform 1 ms before its stamp."""
     for count in range(round(until / every) + 1):
         rig.run_to(max(0.0, count * every - 1e-3))
         rig.link("odom", "base_link", mrs.Pose().integrate(twist, count * every), seconds=count * every)
@@ -62,7 +62,7 @@ def drive(rig: Rig, until: float, every: float = 0.1, twist: tuple[float, float,
 
 
 def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0, **options: Any) -> Any:
-    """What a message must hold that was measured from a pose."""
+    """Returns the ranges that a message measured from a pose must contain."""
     parameters = rig.laser.parameters
     noise = None
     if parameters.apply_noise:
@@ -127,14 +127,14 @@ def test_stamps_and_rates(room: mrs.OccupancyGrid, rate: float) -> None:
 
 
 @pytest.mark.parametrize("rate", [10.0, 40.0, 7.0, 3.0])
-def test_a_scan_is_from_the_pose_at_its_own_stamp(room: mrs.OccupancyGrid, rate: float) -> None:
-    """Under a constant twist it is known exactly between transforms and past the last."""
+def test_a_scan_is_measured_from_the_pose_at_its_own_stamp(room: mrs.OccupancyGrid, rate: float) -> None:
+    """Under a constant twist the pose is exact between transforms and after the last one."""
     rig = Rig(room, laser_frequency=rate)
     drive(rig, 3.0)
     for scan in rig.scans:
         seconds = scan.header.stamp.nanoseconds / SECOND
         if seconds < 0.1:
-            continue  # Two transforms tell a twist.
+            continue  # The motion is known from the second transform on.
         exact = expected_ranges(rig, room, mrs.Pose().integrate(TWIST, seconds))
         assert np.isclose(scan.ranges, exact, rtol=0.0, atol=1e-5).mean() > 0.95, seconds
 
@@ -180,7 +180,7 @@ def test_the_mount_is_taken_from_tf(room: mrs.OccupancyGrid) -> None:
     assert not np.allclose(scan.ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)), atol=1e-5)
 
 
-def test_a_mount_may_have_joints(room: mrs.OccupancyGrid) -> None:
+def test_a_mount_may_be_a_chain_of_transforms(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, laser_frame_id="laser")
     rig.link("base_link", "mast", (0.3, 0.0, 0.0), static=True)
     rig.link("mast", "laser", (0.0, 0.1, 0.7))
@@ -189,7 +189,7 @@ def test_a_mount_may_have_joints(room: mrs.OccupancyGrid) -> None:
     assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=(0.3, 0.1, 0.7)), atol=1e-5)
 
 
-def test_a_mount_may_be_told_late(room: mrs.OccupancyGrid) -> None:
+def test_a_mount_may_arrive_late(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, laser_frame_id="laser")
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
@@ -210,8 +210,8 @@ def test_a_mount_given_as_a_parameter_is_published(room: mrs.OccupancyGrid) -> N
     assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=MOUNT), atol=1e-5)
 
 
-def test_a_scan_in_the_frame_of_the_robot_is_seen_from_the_robot(room: mrs.OccupancyGrid) -> None:
-    """A scanner in the robot's own frame can't stand elsewhere: the message would not say so."""
+def test_a_scan_in_the_robots_frame_is_measured_from_the_robots_origin(room: mrs.OccupancyGrid) -> None:
+    """A scan in the robot's frame cannot have a mount, because the message would not tell."""
     try:
         rig = Rig(room, laser_frame_id="base_link", laser_mount=list(MOUNT))
     except ValueError as error:
@@ -225,14 +225,14 @@ def test_a_scan_in_the_frame_of_the_robot_is_seen_from_the_robot(room: mrs.Occup
 
 
 @pytest.mark.parametrize("root", ["map", "odom", "world"])
-def test_the_root_of_the_robot_stands_for_an_unknown_map(room: mrs.OccupancyGrid, root: str) -> None:
+def test_the_root_of_the_robots_tree_replaces_an_unknown_map_frame(room: mrs.OccupancyGrid, root: str) -> None:
     rig = Rig(room)
     rig.link(root, "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
     assert np.array_equal(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)))
 
 
-def test_map_and_odom_add_up(room: mrs.OccupancyGrid) -> None:
+def test_map_and_odometry_transforms_are_chained(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room)
     map_from_odom, odom_from_base = mrs.Pose(1.0, -2.0, 0.6), mrs.Pose(0.5, 0.25, -0.1)
     rig.link("map", "odom", map_from_odom)
@@ -241,7 +241,7 @@ def test_map_and_odom_add_up(room: mrs.OccupancyGrid) -> None:
     assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, map_from_odom * odom_from_base), atol=1e-5)
 
 
-def test_no_pose_no_scans(room: mrs.OccupancyGrid) -> None:
+def test_there_are_no_scans_without_a_pose(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room)
     rig.run_to(1.0)
     rig.link("map", "elsewhere", (0.0, 0.0, 0.0))
@@ -276,7 +276,7 @@ def serve(rig: Rig, grid: mrs.OccupancyGrid, service: str = "/static_map") -> mr
 
 
 @pytest.mark.parametrize("service", ["/static_map", "/floor/map"])
-def test_the_map_is_asked_of_its_service(room: mrs.OccupancyGrid, service: str) -> None:
+def test_the_map_is_requested_from_its_service(room: mrs.OccupancyGrid, service: str) -> None:
     rig = Rig(None, started=False, map_service=service)
     serve(rig, room, service)
     rig.laser.start()
@@ -285,7 +285,7 @@ def test_the_map_is_asked_of_its_service(room: mrs.OccupancyGrid, service: str) 
     assert np.array_equal(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)))
 
 
-def test_a_map_that_comes_late_is_waited_for(room: mrs.OccupancyGrid) -> None:
+def test_the_scanner_waits_for_a_late_map(room: mrs.OccupancyGrid) -> None:
     rig = Rig(None)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     for seconds in (1.0, 2.5):
@@ -299,7 +299,7 @@ def test_a_map_that_comes_late_is_waited_for(room: mrs.OccupancyGrid) -> None:
     assert np.array_equal(first.ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)))
 
 
-def test_a_map_that_is_none_is_refused_with_a_warning(room: mrs.OccupancyGrid, caplog: pytest.LogCaptureFixture) -> None:
+def test_an_invalid_map_is_refused_with_a_warning(room: mrs.OccupancyGrid, caplog: pytest.LogCaptureFixture) -> None:
     rig = Rig(None)
     info = messages.MapMetaData(resolution=1.0, width=1, height=1)
     replies = [
@@ -349,8 +349,8 @@ def test_scanner_parameters_change_by_name(room: mrs.OccupancyGrid) -> None:
     assert np.array_equal(scan.ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)))
 
 
-def test_a_scan_tells_the_rate_it_is_made_at(room: mrs.OccupancyGrid) -> None:
-    """Whenever a new frequency begins to count, stamps and scan_time change together."""
+def test_scan_time_matches_the_rate_of_the_scans(room: mrs.OccupancyGrid) -> None:
+    """When a new frequency takes effect, stamps and scan_time change together."""
     rig = Rig(room)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.5)
@@ -361,7 +361,7 @@ def test_a_scan_tells_the_rate_it_is_made_at(room: mrs.OccupancyGrid) -> None:
         assert after.scan_time == pytest.approx(gap)
 
 
-def test_a_new_frequency_holds_from_the_next_start(room: mrs.OccupancyGrid) -> None:
+def test_a_new_frequency_applies_from_the_next_start(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room)
     rig.laser.set_laser_params(laser_frequency=20.0)
     rig.laser.stop()
@@ -372,7 +372,7 @@ def test_a_new_frequency_holds_from_the_next_start(room: mrs.OccupancyGrid) -> N
 
 
 @pytest.mark.parametrize("reload", [False, True])
-def test_unknown_can_be_changed_like_the_rest(reload: bool) -> None:
+def test_the_parameter_unknown_can_be_changed(reload: bool) -> None:
     cells = np.zeros((10, 40), np.int8)
     cells[:, 20:] = -1
     rig = Rig(None, started=False, laser_beam_count=1, laser_fov=1.0)
@@ -388,7 +388,7 @@ def test_unknown_can_be_changed_like_the_rest(reload: bool) -> None:
     assert rig.scans[0].ranges.tolist() == [1.5]
 
 
-def test_noise_parameters_change_from_the_next_scan_on(room: mrs.OccupancyGrid) -> None:
+def test_noise_parameters_apply_from_the_next_scan_on(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, apply_noise=True, seed=NOISE_SEED)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
@@ -429,7 +429,7 @@ def test_a_refused_change_leaves_everything_as_it_was(room: mrs.OccupancyGrid, v
 
 
 @pytest.mark.parametrize(("name", "value"), [("laser_topic", "/tf"), ("laser_topic", "/"), ("map_service", "//")])
-def test_a_change_that_the_surroundings_refuse_leaves_everything_as_it_was(
+def test_a_change_that_the_node_interface_refuses_leaves_everything_as_it_was(
     room: mrs.OccupancyGrid, name: str, value: str
 ) -> None:
     rig = Rig(room)
@@ -482,7 +482,7 @@ def test_stop_and_start(room: mrs.OccupancyGrid) -> None:
         assert scan.ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), index).tobytes()
 
 
-def test_nothing_happens_before_the_start(room: mrs.OccupancyGrid) -> None:
+def test_nothing_is_published_before_the_start(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, started=False)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(1.0)
@@ -497,7 +497,7 @@ def test_topics_are_parameters(room: mrs.OccupancyGrid) -> None:
 
 
 @pytest.mark.parametrize("fov", [2 * math.pi, 6.283185307, 6.2831855])
-def test_a_full_circle_has_no_beam_twice(room: mrs.OccupancyGrid, fov: float) -> None:
+def test_a_full_circle_has_no_duplicate_beam(room: mrs.OccupancyGrid, fov: float) -> None:
     rig = Rig(room, laser_fov=fov, laser_beam_count=360)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
@@ -505,3 +505,69 @@ def test_a_full_circle_has_no_beam_twice(room: mrs.OccupancyGrid, fov: float) ->
     assert len(scan.ranges) == 360
     assert scan.angle_increment == pytest.approx(2 * math.pi / 360)
     assert scan.angle_max == pytest.approx(scan.angle_min + 2 * math.pi * 359 / 360)
+
+
+# --- in a simulation --------------------------------------------------------------------------------------------------
+
+
+def hall(side: int = 100) -> mrs.OccupancyGrid:
+    cells = np.zeros((side, side), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1, origin=(-side / 20, -side / 20, 0.0))
+
+
+def simulation(**parameters: Any) -> mrs.Simulation:
+    return mrs.Simulation(hall(), parameters={"apply_noise": False, "laser_beam_count": 5, **parameters})
+
+
+@pytest.mark.parametrize(
+    ("values", "complaint"),
+    [
+        ({"laser_fov": 9.0}, "laser_fov must be less than or equal to 6.28"),
+        ({"laser_beam_count": 3, "laser_topic": "no name"}, "laser_topic must be a name such as /scan, got 'no name'"),
+        ({"laser_topic": "/odom"}, "/odom carries Odometry, got LaserScan"),
+    ],
+)
+def test_a_refused_change_in_a_simulation_changes_nothing(values: dict[str, Any], complaint: str) -> None:
+    sim = simulation()
+    sim.run_for(1.0)
+    before = sim.laser.parameters
+    with pytest.raises((ValueError, TypeError), match=complaint.replace("(", r"\(")):
+        sim.laser.set_parameters(**values)
+    assert sim.laser.parameters == before
+    last = sim.latest("/scan")
+    sim.run_for(1.0)
+    assert sim.latest("/scan").header.stamp.nanoseconds > last.header.stamp.nanoseconds
+    assert len(sim.latest("/scan").ranges) == 5
+
+
+def test_a_change_of_unknown_applies_to_the_current_map() -> None:
+    cells = np.zeros((20, 20), np.int8)
+    cells[:, 15] = -1
+    sim = mrs.Simulation(mrs.OccupancyGrid(cells, resolution=0.1), start=(0.55, 1.05, 0.0))
+    sim.laser.set_parameters(apply_noise=False, laser_beam_count=1)
+    sim.run_for(0.5)
+    assert sim.latest("/scan").ranges[0] == math.inf
+    sim.laser.set_parameters(unknown="occupied", laser_fov=1e-3)
+    sim.run_for(0.5)
+    assert sim.latest("/scan").ranges[0] == pytest.approx(0.95, abs=1e-3)
+
+
+def test_a_valid_new_map_replaces_the_old_one() -> None:
+    sim = simulation()
+    sim.run_for(1.0)
+    broken = to_message(hall(40))
+    broken.info.width = 7
+    sim.publish("/map", broken)
+    sim.run_for(1.0)
+    assert sim.latest("/scan").ranges[2] == pytest.approx(4.9)
+    sim.publish("/map", to_message(hall(40)))
+    sim.run_for(1.0)
+    assert sim.latest("/scan").ranges[2] == pytest.approx(1.9)
+
+
+def test_a_message_with_the_same_map_does_not_replace_the_grid() -> None:
+    sim = mrs.Simulation(mrs.OccupancyGrid(hall().cells, resolution=0.1, origin=(-5.0, -5.0, 1e-3)))
+    used = sim.laser._grid
+    sim.run_for(1.0)
+    assert sim.laser._grid is used

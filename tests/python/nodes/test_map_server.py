@@ -1,8 +1,8 @@
-"""map node: the map as a message, a service and a latched topic."""
+"""Map servers: the map on a service and on a latched topic."""
 
 from __future__ import annotations
 
-import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,9 @@ import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.bus import Bus
 from mobile_robot_simulator.bus.node import NoCopyNode
-from mobile_robot_simulator.nodes.map_messages import from_message, to_message
+from mobile_robot_simulator.nodes.map_messages import to_message
+from mobile_robot_simulator.nodes.map_server import MapFileServer
+from mobile_robot_simulator.parameters import MapParameters
 
 CELLS = np.array([[0, 100, -1], [59, 60, 1]], np.int8)
 
@@ -22,85 +24,7 @@ def grid() -> mrs.OccupancyGrid:
     return mrs.OccupancyGrid(CELLS, resolution=0.05, origin=(1.0, -2.0, 0.3))
 
 
-def test_the_message_holds_the_map_field_by_field(grid: mrs.OccupancyGrid) -> None:
-    message = to_message(grid, "world")
-    assert message.header == mrs.messages.Header(frame_id="world")
-    assert (message.info.width, message.info.height, message.info.resolution) == (3, 2, 0.05)
-    assert (message.info.origin.position.x, message.info.origin.position.y) == (1.0, -2.0)
-    orientation = message.info.origin.orientation
-    assert (orientation.x, orientation.y) == (0.0, 0.0)
-    assert (orientation.z, orientation.w) == pytest.approx((math.sin(0.15), math.cos(0.15)), abs=1e-15)
-    # Row-major from the lower left.
-    assert message.data.dtype == np.int8
-    assert message.data.tolist() == [0, 100, -1, 59, 60, 1]
-    assert type(message.info.width) is int and type(message.info.resolution) is float
-
-
-def test_a_map_goes_there_and_back(grid: mrs.OccupancyGrid) -> None:
-    back = from_message(to_message(grid), unknown="occupied")
-    assert np.array_equal(back.cells, grid.cells)
-    assert tuple(back.origin) == pytest.approx(tuple(grid.origin), abs=1e-15)
-    assert (back.resolution, back.unknown) == (0.05, "occupied")
-
-
-@pytest.mark.parametrize("data", [[0, 100, -1, 59, 60, 1], (0, 100, -1, 59, 60, 1), CELLS.reshape(-1).astype(np.int64)])
-def test_data_may_be_a_list(grid: mrs.OccupancyGrid, data: Any) -> None:
-    message = to_message(grid)
-    message.data = data
-    assert np.array_equal(from_message(message).cells, CELLS)
-
-
-def broken(**changes: Any) -> messages.OccupancyGrid:
-    message = to_message(mrs.OccupancyGrid(CELLS, resolution=0.05))
-    for name, value in changes.items():
-        if name == "data":
-            message.data = value
-        elif name == "x":
-            message.info.origin.position.x = value
-        else:
-            setattr(message.info, name, value)
-    return message
-
-
-@pytest.mark.parametrize(
-    "message",
-    [
-        broken(data=np.zeros(5, np.int8)),
-        broken(data=np.zeros(0, np.int8)),
-        broken(data=np.full(6, 101, np.int8)),
-        broken(data=[0, 0, 0, 0, 0, 200]),
-        broken(data=np.array([0, 0, 0, 0, 0, 255], np.uint8)),
-        broken(data=np.array([0, 0, 0, 0, 0, 0.5])),
-        broken(data=["a"] * 6),
-        broken(width=0, height=0, data=np.zeros(0, np.int8)),
-        broken(width=-3, height=-2),
-        broken(width=6, height=2),
-        broken(resolution=0.0),
-        broken(resolution=math.nan),
-        broken(x=math.inf),
-    ],
-    ids=[
-        "short",
-        "none",
-        "101",
-        "list of 200",
-        "uint8",
-        "float",
-        "text",
-        "empty",
-        "negative",
-        "wide",
-        "point",
-        "nan",
-        "inf",
-    ],
-)
-def test_a_map_that_is_none_is_refused(message: messages.OccupancyGrid) -> None:
-    with pytest.raises(ValueError):
-        from_message(message)
-
-
-def test_the_server_answers_and_latches(grid: mrs.OccupancyGrid) -> None:
+def test_the_server_answers_requests_and_publishes_a_latched_map(grid: mrs.OccupancyGrid) -> None:
     bus = Bus()
     server = mrs.nodes.MapServer(NoCopyNode(bus, "map_server"), grid, topic="/floor", service="/floor_map", frame_id="world")
     client = NoCopyNode(bus, "client")
@@ -116,7 +40,7 @@ def test_the_server_answers_and_latches(grid: mrs.OccupancyGrid) -> None:
     assert future.result() == messages.GetMapResponse(to_message(grid, "world"))
 
 
-def test_a_stopped_server_answers_no_more_and_can_start_again(grid: mrs.OccupancyGrid) -> None:
+def test_a_server_can_be_stopped_and_started_again(grid: mrs.OccupancyGrid) -> None:
     bus = Bus()
     server = mrs.nodes.MapServer(NoCopyNode(bus, "map_server"), grid)
     server.stop()
@@ -127,3 +51,24 @@ def test_a_stopped_server_answers_no_more_and_can_start_again(grid: mrs.Occupanc
     assert not client.service_is_ready()
     server.start()
     assert client.service_is_ready()
+
+
+def hall(side: int = 100) -> mrs.OccupancyGrid:
+    cells = np.zeros((side, side), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1, origin=(-side / 20, -side / 20, 0.0))
+
+
+def test_a_file_server_can_change_its_file(tmp_path: Path) -> None:
+    for side in (40, 60):
+        mrs.save_map(hall(side), tmp_path / f"{side}.yaml")
+    sim = mrs.Simulation(hall(100), parameters={"map_topic": ""})
+    node = sim.create_node("files")
+    names = {"topic_name": "/other_map", "service_name": "/other"}
+    server = MapFileServer(node, MapParameters(yaml_filename=f"{tmp_path}/40.yaml", **names))  # type: ignore[arg-type]
+    server.start()
+    with pytest.raises(OSError, match="absent"):
+        server.set_parameters(yaml_filename=f"{tmp_path}/absent.yaml")
+    assert sim.latest("/other_map").info.width == 40
+    server.set_parameters(yaml_filename=f"{tmp_path}/60.yaml")
+    assert sim.latest("/other_map").info.width == 60

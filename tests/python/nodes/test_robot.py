@@ -1,4 +1,4 @@
-"""robot node: commands in; odometry, transforms and the clock out, exactly and on time."""
+"""MobileRobotSimulator: exact motion from commands; odometry, transforms and the clock on time."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.bus import Bus
 from mobile_robot_simulator.bus.node import NoCopyNode
 from mobile_robot_simulator.parameters import RobotParameters
@@ -23,7 +24,7 @@ def twist(vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> mrs.messages.Twi
 
 
 class Rig:
-    """A robot on a bus of its own, and all it publishes."""
+    """A robot on its own bus, with everything it publishes."""
 
     def __init__(self, *, start_pose: mrs.Pose | None = None, started: bool = True, **parameters: Any) -> None:
         self.bus = Bus()
@@ -49,7 +50,7 @@ class Rig:
         self.node.create_publisher(mrs.messages.PoseWithCovarianceStamped, "/initialpose").publish(message)
 
     def drive(self, until: float, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, every: float = 0.25) -> None:
-        """Repeats a command up to a time."""
+        """Repeats a command until a time [s]."""
         while self.bus.time_ns < round(until * SECOND):
             self.command(vx, vy, wz)
             self.run_to(min(until, self.bus.time_ns / SECOND + every))
@@ -78,11 +79,11 @@ def test_odometry_field_by_field() -> None:
     assert (position.x, position.y, position.z) == (expected.x, expected.y, 0.0)
     assert (orientation.x, orientation.y) == (0.0, 0.0)
     assert (orientation.z, orientation.w) == pytest.approx((math.sin(0.01), math.cos(0.01)), abs=1e-15)
-    # In the child frame.
+    # The twist is in the child frame.
     assert odometry.twist.twist == twist(1.0, 0.5, 0.2)
 
 
-def test_odometry_says_what_is_known() -> None:
+def test_covariances_are_small_in_the_plane_and_large_elsewhere() -> None:
     rig = Rig()
     rig.run_to(0.1)
     (odometry,) = rig.all("/odom")
@@ -119,7 +120,7 @@ def test_transforms_agree_with_odometry() -> None:
         assert link.transform.rotation == orientation
 
 
-def test_the_map_transform_is_published_if_asked_for() -> None:
+def test_the_map_transform_is_published_if_the_parameter_is_set() -> None:
     rig = Rig(publish_map_transform=True, start_pose=mrs.Pose(3.0, 4.0, 1.0))
     rig.run_to(0.1)
     (message,) = rig.all("/tf")
@@ -180,7 +181,7 @@ def test_stamps_and_rates(rate: float) -> None:
 def test_arcs_are_exact(velocity: tuple[float, float, float], seconds: float, expected: tuple[float, float, float]) -> None:
     rig = Rig()
     rig.drive(seconds, *velocity)
-    # The clock's nanoseconds round the duration.
+    # The duration is rounded to nanoseconds.
     assert (rig.robot.pose.x, rig.robot.pose.y) == pytest.approx(expected[:2], abs=2e-9)
     assert math.remainder(rig.robot.pose.yaw - expected[2], 2 * PI) == pytest.approx(0.0, abs=2e-9)
 
@@ -202,7 +203,7 @@ def test_the_yaw_stays_wrapped() -> None:
     assert -PI < rig.robot.pose.yaw <= PI
 
 
-def test_a_command_holds_until_the_timeout_and_no_longer() -> None:
+def test_a_command_holds_until_its_timeout() -> None:
     rig = Rig(publish_rate=100.0)
     rig.run_to(1.0)
     rig.command(1.0)
@@ -223,7 +224,7 @@ def test_a_command_holds_until_the_timeout_and_no_longer() -> None:
     ("timeout", "distance"), [(0.25, 0.25), (2.0, 2.0), (0.333, 0.333), (1e-9, 1e-9), (1e300, 60.0), (0.0, 60.0)]
 )
 def test_the_timeout_is_a_parameter(timeout: float, distance: float) -> None:
-    """0 disables it, as in ros2_controllers."""
+    """0 disables the timeout, as in ros2_controllers."""
     rig = Rig(velocity_timeout=timeout, publish_rate=1.0)
     rig.command(1.0)
     rig.run_to(60.0)
@@ -243,7 +244,7 @@ def test_a_new_command_replaces_the_last_at_once() -> None:
     close(rig.robot.pose, 0.3, 0.2, 0.0)
 
 
-def test_other_axes_of_a_command_are_passed_over() -> None:
+def test_other_axes_of_a_command_are_ignored() -> None:
     rig = Rig()
     message = mrs.messages.Twist(mrs.messages.Vector3(1.0, 0.0, 9.0), mrs.messages.Vector3(9.0, 9.0, 0.0))
     rig.node.create_publisher(mrs.messages.Twist, "/cmd_vel").publish(message)
@@ -251,7 +252,7 @@ def test_other_axes_of_a_command_are_passed_over() -> None:
     close(rig.robot.pose, 0.5, 0.0, 0.0)
 
 
-def test_stamped_commands_if_asked_for() -> None:
+def test_stamped_commands_are_taken_if_the_parameter_is_set() -> None:
     rig = Rig(cmd_vel_stamped=True)
     with pytest.raises(TypeError, match="TwistStamped"):
         rig.command(1.0)
@@ -274,7 +275,7 @@ def test_stamped_commands_if_asked_for() -> None:
         twist(0.0, 0.0, 1e300),
     ],
 )
-def test_commands_no_robot_could_follow_are_refused_with_a_warning(
+def test_commands_that_are_too_large_or_not_finite_are_refused_with_a_warning(
     caplog: pytest.LogCaptureFixture, stamped: bool, bad: mrs.messages.Twist
 ) -> None:
     rig = Rig(cmd_vel_stamped=stamped)
@@ -289,16 +290,16 @@ def test_commands_no_robot_could_follow_are_refused_with_a_warning(
     rig.run_to(0.3)
     (record,) = caplog.records
     assert record.levelname == "WARNING" and "velocity" in record.getMessage()
-    # The good command before it still holds, and for no longer than it would have.
+    # The valid command before it still holds until its own timeout.
     assert rig.robot.velocity == (1.0, 0.0, 0.0)
     rig.run_to(2.0)
     close(rig.robot.pose, 0.5, 0.0, 0.0)
 
 
-# --- being placed -----------------------------------------------------------------------------------------------------
+# --- set_pose and initialpose -----------------------------------------------------------------------------------------
 
 
-def test_an_initial_pose_moves_the_map_transform_and_not_odometry() -> None:
+def test_an_initial_pose_changes_the_map_transform_but_not_the_odometry() -> None:
     rig = Rig(publish_map_transform=True)
     rig.command(1.0, 0.0, 0.5)
     rig.run_to(0.3)
@@ -313,12 +314,12 @@ def test_an_initial_pose_moves_the_map_transform_and_not_odometry() -> None:
     close(links["odom"] * links["base_link"], *mrs.Pose(5.0, -2.0, 2.0).integrate((1.0, 0.0, 0.5), 0.1))
 
 
-def test_without_the_map_transform_there_is_no_initial_pose() -> None:
+def test_without_the_map_transform_initialpose_is_not_subscribed() -> None:
     rig = Rig()
     assert "/initialpose" not in rig.bus.topic_names()
 
 
-def test_without_the_map_transform_odometry_starts_where_the_robot_does() -> None:
+def test_without_the_map_transform_odometry_starts_at_the_start_pose() -> None:
     rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0))
     rig.run_to(0.1)
     close(rig.all("/odom")[0].pose.pose.to_planar(), 3.0, 4.0, 1.0)
@@ -328,8 +329,8 @@ def test_without_the_map_transform_odometry_starts_where_the_robot_does() -> Non
 
 
 @pytest.mark.parametrize("map_transform", [False, True])
-def test_being_placed_does_not_prolong_a_command(map_transform: bool) -> None:
-    """A command is held until the next one or until its timeout."""
+def test_set_pose_does_not_prolong_a_command(map_transform: bool) -> None:
+    """A command holds until the next one or until its timeout."""
     rig = Rig(publish_map_transform=map_transform)
     rig.command(1.0)
     rig.run_to(0.4)
@@ -365,10 +366,8 @@ def test_an_initial_pose_in_another_frame_is_refused(caplog: pytest.LogCaptureFi
         ("orientation", "w", 0.0),
     ],
 )
-def test_an_initial_pose_that_is_none_is_refused(
-    caplog: pytest.LogCaptureFixture, part: str, axis: str, value: float
-) -> None:
-    """The last one has a quaternion of length zero, which is no rotation."""
+def test_an_invalid_initial_pose_is_refused(caplog: pytest.LogCaptureFixture, part: str, axis: str, value: float) -> None:
+    """In the last case the quaternion has length zero."""
     rig = Rig(publish_map_transform=True, start_pose=mrs.Pose(1.0, 2.0, 0.5))
     message = mrs.messages.PoseWithCovarianceStamped(mrs.messages.Header(frame_id="map"))
     setattr(getattr(message.pose.pose, part), axis, value)
@@ -381,7 +380,7 @@ def test_an_initial_pose_that_is_none_is_refused(
 # --- start and stop ---------------------------------------------------------------------------------------------------
 
 
-def test_nothing_happens_before_the_start() -> None:
+def test_nothing_is_published_before_the_start() -> None:
     rig = Rig(started=False)
     rig.command(1.0)
     rig.run_to(2.0)
@@ -389,7 +388,7 @@ def test_nothing_happens_before_the_start() -> None:
     close(rig.robot.pose, 0.0, 0.0, 0.0)
 
 
-def test_a_stopped_robot_stands_still_and_says_nothing() -> None:
+def test_a_stopped_robot_stands_still_and_publishes_nothing() -> None:
     rig = Rig(velocity_timeout=0.0)
     rig.command(1.0)
     rig.run_to(1.0)
@@ -403,7 +402,7 @@ def test_a_stopped_robot_stands_still_and_says_nothing() -> None:
     assert [topic for topic, _, _ in rig.sent[count:]] == ["/cmd_vel"]
 
 
-def test_a_restarted_robot_goes_on_from_where_it_stands() -> None:
+def test_a_restarted_robot_continues_from_its_pose() -> None:
     rig = Rig()
     rig.drive(1.0, 1.0)
     rig.robot.stop()
@@ -439,3 +438,92 @@ def test_the_same_run_twice_gives_equal_messages() -> None:
         return rig.sent
 
     assert drive() == drive()
+
+
+# --- parameters and services in a simulation --------------------------------------------------------------------------
+
+FORWARD = mrs.messages.Twist(linear=mrs.messages.Vector3(x=1.0))
+
+
+def hall(side: int = 100) -> mrs.OccupancyGrid:
+    cells = np.zeros((side, side), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1, origin=(-side / 20, -side / 20, 0.0))
+
+
+def simulation(**parameters: Any) -> mrs.Simulation:
+    return mrs.Simulation(hall(), parameters={"apply_noise": False, "laser_beam_count": 5, **parameters})
+
+
+def call(sim: mrs.Simulation, service: Any, name: str, request: Any) -> Any:
+    future = sim.create_node("client").create_client(service, name).call_async(request)
+    sim.run_for(0.0)
+    return future.result()
+
+
+@pytest.mark.parametrize(("timeout", "moved"), [(2.0, 0.3 + 2.0), (0.1, 0.3 + 0.1)])
+def test_a_new_timeout_applies_to_the_current_command_from_now(timeout: float, moved: float) -> None:
+    sim = simulation()
+    sim.publish("/cmd_vel", FORWARD)
+    sim.run_for(0.3)
+    sim.robot.set_parameters(velocity_timeout=timeout)
+    assert sim.pose.x == pytest.approx(0.3)
+    sim.run_for(3.0)
+    assert sim.pose.x == pytest.approx(moved, abs=1e-12)
+
+
+def test_a_new_timeout_does_not_revive_an_expired_command() -> None:
+    sim = simulation()
+    sim.publish("/cmd_vel", FORWARD)
+    sim.run_for(1.0)
+    sim.robot.set_parameters(velocity_timeout=10.0)
+    sim.run_for(1.0)
+    assert sim.pose.x == pytest.approx(0.5, abs=1e-12)
+
+
+def test_rates_and_topics_change_at_once() -> None:
+    sim = simulation(publish_rate=10.0)
+    sim.run_for(1.0)
+    sim.robot.set_parameters(publish_rate=50.0, odometry_topic="/moved")
+    sim.laser.set_parameters(laser_beam_count=9, laser_topic="/front")
+    counts = {"/moved": 0, "/odom": 0, "/front": 0}
+    for topic, kind in (
+        ("/moved", mrs.messages.Odometry),
+        ("/odom", mrs.messages.Odometry),
+        ("/front", mrs.messages.LaserScan),
+    ):
+        sim.subscribe(topic, kind, lambda _, topic=topic: counts.update({topic: counts[topic] + 1}))  # type: ignore[misc]
+    sim.run_for(1.0)
+    assert counts == {"/moved": 50, "/odom": 0, "/front": 10}
+    assert len(sim.latest("/front").ranges) == 9
+
+
+def test_reset_returns_to_the_start_pose() -> None:
+    sim = mrs.Simulation(hall(), start=(1.0, 2.0, 0.5))
+    sim.publish("/cmd_vel", FORWARD)
+    sim.run_for(0.3)
+    assert call(sim, messages.Trigger, "reset", messages.TriggerRequest()).success
+    assert tuple(sim.pose) == (1.0, 2.0, 0.5)
+    assert sim.robot.distance == 0.0
+    sim.run_for(0.3)
+    assert tuple(sim.pose) == (1.0, 2.0, 0.5)
+
+
+def test_the_service_set_pose_moves_the_robot_or_refuses() -> None:
+    sim = simulation()
+    pose = messages.PoseWithCovariance(messages.Pose.from_planar(mrs.Pose(1.0, -2.0, 0.25)))
+    for frame in ("somewhere", "map"):
+        stamped = messages.PoseWithCovarianceStamped(messages.Header(frame_id=frame), pose)
+        call(sim, messages.SetPose, "set_pose", messages.SetPoseRequest(stamped))
+        assert tuple(sim.pose) == pytest.approx((1.0, -2.0, 0.25) if frame == "map" else (0.0, 0.0, 0.0))
+
+
+def test_the_clock_can_have_its_own_rate_or_be_switched_off() -> None:
+    sim = simulation(clock_rate=100.0)
+    times: list[int] = []
+    sim.subscribe("/clock", mrs.messages.Clock, lambda message: times.append(message.clock.nanoseconds))
+    sim.run_for(1.0)
+    assert len(times) == 100
+    sim.robot.set_parameters(publish_clock=False)
+    sim.run_for(1.0)
+    assert len(times) == 100

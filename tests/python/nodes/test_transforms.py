@@ -1,4 +1,4 @@
-"""transforms: a frame in another, at a time."""
+"""TransformBuffer: lookups between frames at a time, with extrapolation."""
 
 from __future__ import annotations
 
@@ -42,25 +42,25 @@ def test_a_chain_is_looked_up_both_ways(buffer: TransformBuffer) -> None:
     assert close(buffer.lookup("odom", "odom", 0), mrs.Pose())
 
 
-def test_siblings_meet_at_their_parent(buffer: TransformBuffer) -> None:
+def test_sibling_frames_are_connected_through_their_parent(buffer: TransformBuffer) -> None:
     buffer.add(link("base", "left", (0, 1, math.pi / 2)))
     buffer.add(link("base", "right", (1, -1, 0)))
     assert close(buffer.lookup("left", "right", 0), (-2, -1, -math.pi / 2))
 
 
 @pytest.mark.parametrize(("target", "source"), [("map", "laser"), ("base", "moon"), ("moon", "base"), ("a", "base")])
-def test_what_is_not_linked_is_not_known(buffer: TransformBuffer, target: str, source: str) -> None:
+def test_frames_that_are_not_connected_give_none(buffer: TransformBuffer, target: str, source: str) -> None:
     buffer.add(link("odom", "base", (1, 0, 0)))
     buffer.add(link("a", "b", (1, 0, 0)))
     assert buffer.lookup(target, source, 0) is None
 
 
-def test_a_leading_slash_does_not_count(buffer: TransformBuffer) -> None:
+def test_a_leading_slash_is_ignored(buffer: TransformBuffer) -> None:
     buffer.add(link("/odom", "/base", (1, 0, 0)))
     assert close(buffer.lookup("odom", "/base", 0), (1, 0, 0))
 
 
-def test_between_two_transforms_a_frame_moves_on_their_arc(buffer: TransformBuffer) -> None:
+def test_a_frame_moves_on_the_arc_through_its_last_two_transforms(buffer: TransformBuffer) -> None:
     twist = (0.7, -0.2, 1.1)
     for seconds in (0.0, 0.1, 0.2):
         buffer.add(link("odom", "base", mrs.Pose(1, 2, 3).integrate(twist, seconds).wrapped(), seconds))
@@ -69,7 +69,7 @@ def test_between_two_transforms_a_frame_moves_on_their_arc(buffer: TransformBuff
         assert close(found.wrapped(), mrs.Pose(1, 2, 3).integrate(twist, seconds).wrapped())
 
 
-def test_the_last_stamp_gives_its_own_pose_exactly(buffer: TransformBuffer) -> None:
+def test_a_lookup_at_the_last_stamp_returns_its_pose_exactly(buffer: TransformBuffer) -> None:
     for count in range(5):
         pose = mrs.Pose(0.1 * count, math.sin(count), 0.3 * count).wrapped()
         buffer.add(link("odom", "base", pose, count))
@@ -78,7 +78,7 @@ def test_the_last_stamp_gives_its_own_pose_exactly(buffer: TransformBuffer) -> N
 
 
 @pytest.mark.parametrize("seconds", [1.99, 4.01])
-def test_times_long_before_or_after_the_last_are_not_known(buffer: TransformBuffer, seconds: float) -> None:
+def test_lookups_far_from_the_last_stamp_give_none(buffer: TransformBuffer, seconds: float) -> None:
     for stamp in (0.0, 1.0, 2.0, 3.0):
         buffer.add(link("odom", "base", (stamp, 0, 0), stamp))
     assert buffer.lookup("odom", "base", round(seconds * SECOND)) is None
@@ -91,21 +91,21 @@ def odometry(child: str, vx: float, wz: float) -> mrs.messages.Odometry:
 
 
 @pytest.mark.parametrize("seconds", [-0.4, 0.0, 0.3, 1.0])
-def test_odometry_carries_a_frame_from_its_last_transform(buffer: TransformBuffer, seconds: float) -> None:
-    buffer.add(link("odom", "base", (9, 9, 9), 4.5))  # it was put elsewhere since: no motion
+def test_odometry_extrapolates_a_frame_from_its_last_transform(buffer: TransformBuffer, seconds: float) -> None:
+    buffer.add(link("odom", "base", (9, 9, 9), 4.5))  # A jump of the robot, not a motion.
     buffer.add_twist(odometry("base", 0.7, 1.1))
     buffer.add(link("odom", "base", (1, 2, 3), 5.0))
     found = buffer.lookup("odom", "base", round((5.0 + seconds) * SECOND))
     assert close(found.wrapped(), mrs.Pose(1, 2, 3).integrate((0.7, 0.0, 1.1), seconds).wrapped())
 
 
-def test_a_twist_that_is_not_finite_is_no_motion(buffer: TransformBuffer) -> None:
+def test_a_twist_that_is_not_finite_counts_as_standing_still(buffer: TransformBuffer) -> None:
     buffer.add_twist(odometry("base", math.nan, 0.0))
     buffer.add(link("odom", "base", (1, 2, 3), 5.0))
     assert close(buffer.lookup("odom", "base", round(5.5 * SECOND)), (1, 2, 3))
 
 
-def test_a_correction_of_the_map_is_no_motion(buffer: TransformBuffer) -> None:
+def test_a_correction_of_the_map_frame_is_not_extrapolated(buffer: TransformBuffer) -> None:
     for stamp in (0.0, 1.0):
         buffer.add(link("map", "odom", (10 * stamp, 0, 0), stamp))
         buffer.add(link("odom", "base", (stamp, 0, 0), stamp))
@@ -120,12 +120,12 @@ def test_a_static_transform_holds_at_any_time(buffer: TransformBuffer) -> None:
     assert close(buffer.lookup("base", "laser", 0), (0.3, 0, 0))
 
 
-def test_a_frame_with_one_transform_stays_where_it_is(buffer: TransformBuffer) -> None:
+def test_a_frame_with_one_transform_does_not_move(buffer: TransformBuffer) -> None:
     buffer.add(link("odom", "base", (1, 2, 3), 1.0))
     assert close(buffer.lookup("odom", "base", round(1.3 * SECOND)), (1, 2, 3))
 
 
-def test_a_stamp_again_replaces_its_pose(buffer: TransformBuffer) -> None:
+def test_a_second_transform_with_the_same_stamp_replaces_the_first(buffer: TransformBuffer) -> None:
     buffer.add(link("odom", "base", (0, 0, 0), 0.0))
     buffer.add(link("odom", "base", (1, 0, 0), 1.0))
     buffer.add(link("odom", "base", (2, 0, 0), 1.0))
@@ -133,7 +133,7 @@ def test_a_stamp_again_replaces_its_pose(buffer: TransformBuffer) -> None:
     assert close(buffer.lookup("odom", "base", SECOND // 2), (1, 0, 0))
 
 
-def test_time_that_went_back_and_another_parent_start_anew(buffer: TransformBuffer) -> None:
+def test_an_earlier_stamp_or_another_parent_starts_a_new_history(buffer: TransformBuffer) -> None:
     buffer.add(link("odom", "base", (5, 0, 0), 9.0))
     buffer.add(link("odom", "base", (1, 0, 0), 1.0))
     assert close(buffer.lookup("odom", "base", SECOND), (1, 0, 0))
@@ -143,7 +143,7 @@ def test_time_that_went_back_and_another_parent_start_anew(buffer: TransformBuff
     assert close(buffer.lookup("map", "base", 2 * SECOND), (2, 0, 0))
 
 
-def test_loops_of_frames_end(buffer: TransformBuffer) -> None:
+def test_loops_of_frames_do_not_hang(buffer: TransformBuffer) -> None:
     buffer.add(link("a", "b", (1, 0, 0)))
     buffer.add(link("b", "a", (1, 0, 0)))
     buffer.add(link("c", "c", (1, 0, 0)))
@@ -151,7 +151,7 @@ def test_loops_of_frames_end(buffer: TransformBuffer) -> None:
     assert buffer.lookup("a", "c", 0) is None
 
 
-def test_the_root_stands_for_a_target_nobody_speaks_of(buffer: TransformBuffer) -> None:
+def test_the_root_replaces_an_unknown_target(buffer: TransformBuffer) -> None:
     assert buffer.lookup_or_root("map", "base", 0) is None
     buffer.add(link("odom", "base", (1, 2, 0)))
     assert close(buffer.lookup_or_root("map", "base", 0), (1, 2, 0))
@@ -159,7 +159,7 @@ def test_the_root_stands_for_a_target_nobody_speaks_of(buffer: TransformBuffer) 
     assert close(buffer.lookup_or_root("map", "base", 0), (11, 2, 0))
 
 
-def test_the_root_does_not_stand_for_a_target_that_is_known(buffer: TransformBuffer) -> None:
+def test_the_root_does_not_replace_a_known_target(buffer: TransformBuffer) -> None:
     buffer.add(link("odom", "base", (1, 2, 0)))
     buffer.add(link("map", "elsewhere", (0, 0, 0)))
     assert buffer.lookup_or_root("map", "base", 0) is None
