@@ -4,18 +4,24 @@ Simulated time jumps from one event to the next; nothing sleeps. The order of ev
 
 Order of events
     1. Earlier times come first.
-    2. At one time, messages and service calls come in the order in which they were sent. Those that were scheduled from an
-       earlier time were sent first.
-    3. When no message is left, the next timer of that time fires. Timers fire in the order in which they were created.
-    4. What a timer's callback sends is delivered before the next timer fires.
+    2. At one time, messages and service calls come first, in the order in which they were sent. A message that was delayed
+       until this time was sent earlier, so it precedes those sent at this time.
+    3. When no message is left, the next timer of this time fires. Timers fire in the order in which they were created.
+    4. Messages that a timer's callback sends are delivered before the next timer fires.
 
-    ::
+    Two timers A and B are due at 1.0 s, and a message is delayed until 1.0 s::
 
-        time --------+------------------------------------------+-------------------------------> later
-                  0.9 s                                       1.0 s
-                                delayed   sent at                            sent by
-                                messages, 1.0 s so far     timer A           A            timer B
-                                |-------|-------------|--->|-------|---->|------------|-->|-------|
+         time
+          |   0.9 s   ...
+          |
+          |   1.0 s   the delayed message
+          |           messages that its callbacks send
+          |           timer A
+          |           messages that A sends, then those that their callbacks send
+          |           timer B
+          |           messages that B sends, then those that their callbacks send
+          |
+          v   1.1 s   ...
 
 Delivery
     A message goes to the subscriptions that exist when it is sent. It is delivered after the callback that sent it has
@@ -174,9 +180,9 @@ class Bus(Handle):
                     action, self._chain_length = immediate.popleft()
                     self._reply_count += self._chain_length > 1
                     if self._chain_length > MAX_CHAIN_LENGTH or self._reply_count > MAX_REPLIES:
+                        seconds = self.time_ns / NANOSECONDS
                         raise RuntimeError(
-                            f"time stands still at {self.time_ns / NANOSECONDS} s: "
-                            "callbacks keep sending messages to each other"
+                            f"time stands still at {seconds} s: callbacks keep sending messages to each other"
                         )
                 elif events and events[0][0] <= time_ns:
                     before_ns = self.time_ns

@@ -206,3 +206,56 @@ def test_callbacks_may_create_and_destroy_subscriptions_and_timers(bus: Bus, nod
     publisher.publish(at(1))
     bus.run_until(SECOND)
     assert seen == ["first", "third", "timer"]
+
+
+def test_events_of_one_time_run_in_the_documented_order(bus: Bus, node: BusNode) -> None:
+    """The picture in the module's docstring: a delayed message and two timers at 1.0 s, each followed by what it sends."""
+    seen: list[str] = []
+    echo = node.create_publisher(mrs.messages.String, "/echo")
+
+    def record(message: mrs.messages.String) -> None:
+        seen.append(message.data)
+        if "echo" not in message.data:
+            echo.publish(mrs.messages.String(f"echo of {message.data}"))
+
+    publisher = node.create_publisher(mrs.messages.String, "/a")
+    node.create_subscription(mrs.messages.String, "/a", record)
+    node.create_subscription(mrs.messages.String, "/echo", record)
+    for name in "AB":
+        node.create_timer(
+            1.0, lambda name=name: (seen.append(f"timer {name}"), publisher.publish(mrs.messages.String(f"from {name}")))
+        )
+    bus.filters.append(lambda topic, message: [(SECOND, message)] if message.data == "delayed" else None)
+    publisher.publish(mrs.messages.String("delayed"))
+    bus.run_until(SECOND)
+    assert seen == [
+        *("delayed", "echo of delayed"),
+        *("timer A", "from A", "echo of from A"),
+        *("timer B", "from B", "echo of from B"),
+    ]
+
+
+def test_a_restored_bus_repeats_messages_timers_and_calls(bus: Bus, node: BusNode) -> None:
+    seen: list[str] = []
+    publisher = node.create_publisher(mrs.messages.String, "/a")
+    node.create_subscription(mrs.messages.String, "/a", lambda message: seen.append(message.data))
+    node.create_timer(1.0, lambda: seen.append("timer"))
+    node.create_service(mrs.messages.Trigger, "/b", lambda request, response: (seen.append("call"), response)[1])
+    publisher.publish(mrs.messages.String("message"))
+    node.create_client(mrs.messages.Trigger, "/b").call_async(mrs.messages.Trigger.Request())
+    state = bus.save()
+    for _ in range(2):
+        node.create_subscription(mrs.messages.String, "/a", lambda message: seen.append("later subscription"))
+        bus.restore(state)
+        bus.run_until(SECOND)
+    assert seen == ["message", "call", "timer"] * 2
+
+
+def test_a_closed_bus_drops_everything_and_does_not_run(bus: Bus, node: BusNode) -> None:
+    seen: list[str] = []
+    node.create_timer(1.0, lambda: seen.append("timer"))
+    bus.close()
+    bus.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        bus.run_until(SECOND)
+    assert (seen, bus.nodes, bus.next_ns()) == ([], [], None)

@@ -49,6 +49,7 @@ def test_a_call_without_a_server_never_completes(bus: Bus, node: BusNode) -> Non
 
 
 def test_a_service_has_one_type_and_one_server(node: BusNode) -> None:
+    assert isinstance(mrs.messages.GetMapRequest(), mrs.messages.GetMap.Request)
     node.create_service(mrs.messages.GetMap, "/static_map", answer)
     with pytest.raises(ValueError, match="/static_map"):
         node.create_service(mrs.messages.GetMap, "/static_map", answer)
