@@ -1,4 +1,4 @@
-"""Occupancy grids from map files, to map files, and from generators of floor plans."""
+"""Occupancy grids: loaded from map files, saved to map files, and generated as floor plans."""
 
 from .floor_plans import floor_plan
 from .map_files import load_map, save_map

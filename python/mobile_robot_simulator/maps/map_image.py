@@ -1,6 +1,6 @@
-"""Images as map servers see them: 8-bit greys and opacity.
+"""Images of maps: reads an image file as 8-bit grey and alpha.
 
-The pixels are those that GraphicsMagick makes of an image, which is what Nav2 reads maps with.
+The pixels equal those of GraphicsMagick, which Nav2 uses to read maps.
 """
 
 from __future__ import annotations
@@ -23,14 +23,15 @@ from PIL.TiffImagePlugin import TiffImageFile
 _Grey = NDArray[np.uint8]
 _Sample = TypeVar("_Sample", bound=np.generic)
 
-# 32768 x 32768: at 5 cm a map of 1.6 km by 1.6 km. Past that a header is taken for a mistake, or for an attack.
+# 32768 x 32768 pixels: 1.6 km by 1.6 km at 5 cm per pixel. A larger size is treated as a corrupt or malicious header.
 _MAX_PIXELS = 2**30
 
-# GraphicsMagick's PixelIntensityRec601, (306 R + 601 G + 117 B) // 1024. Pillow adds one half before it truncates.
+# GraphicsMagick's PixelIntensityRec601, (306 R + 601 G + 117 B) // 1024.
+# The last number cancels the 0.5 that Pillow adds before it truncates.
 _LUMA = (306 / 1024, 601 / 1024, 117 / 1024, -0.5)
 
-# The readers are called by signature rather than through Image.open, whose limit on pixels is a global that is not ours
-# to change, and lies within the size of real maps.
+# Readers are chosen by file signature instead of Image.open. Real maps can exceed the pixel limit of Image.open, which is a
+# global setting that this package must not change.
 _PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImageFile),
     (b"\xff\xd8\xff", JpegImageFile),
@@ -40,7 +41,7 @@ _PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
     (b"GIF8", GifImageFile),
 )
 
-# Netpbm's headers: fields apart by white space or comments, one white space (or a comment's end) before the samples.
+# Netpbm headers: white space or comments separate the fields; one white space, or the end of a comment, ends the header.
 _GAP = rb"(?:\s|#[^\r\n]*[\r\n])"
 _WHITE_SPACE = b" \t\n\v\f\r"
 _BITMAP_HEADER = re.compile(rb"P[14]" + 2 * (_GAP + rb"+(\d{1,9})") + _GAP)
@@ -48,17 +49,23 @@ _SAMPLES_HEADER = re.compile(rb"P[2356]" + 3 * (_GAP + rb"+(\d{1,9})") + _GAP)
 
 
 class MapImage(NamedTuple):
-    """An image as map servers see it, top row first."""
+    """An image of a map, (H, W) uint8, top row first."""
 
     grey: _Grey
     alpha: _Grey | None
-    """None where every pixel is opaque."""
+    """255 is opaque; None if every pixel is opaque."""
 
 
 def read_image(path: Path, yaml_path: Path) -> MapImage:
-    """The image of a map that a YAML names.
+    """Reads the image of a map.
 
-    raises: OSError, naming both files, if it cannot be read; ValueError if it is no image, or not a whole one.
+    Args:
+        path: The image.
+        yaml_path: The YAML file that names the image, for error messages.
+
+    Raises:
+        OSError: The image cannot be read. The message names both files.
+        ValueError: The file is not an image, or it is truncated.
     """
     try:
         data = path.read_bytes()
@@ -70,7 +77,7 @@ def read_image(path: Path, yaml_path: Path) -> MapImage:
         return _decode_with_pillow(data)
     except MemoryError:
         raise
-    except Exception as error:  # Pillow's decoders raise errors of many kinds on files that are broken.
+    except Exception as error:  # Pillow raises many kinds of errors for corrupt files.
         raise ValueError(f"{path}: cannot read the image of the map {yaml_path}: {error}") from error
 
 
@@ -81,7 +88,7 @@ def _decode_with_pillow(data: bytes) -> MapImage:
         alpha = _mask_of_transparent_grey(image)
         return MapImage(_to_8_bits(np.asarray(image), 65535), alpha)
     if image.mode in ("I", "F"):
-        raise ValueError(f"samples must have at most 16 bits, got 32 (Pillow's mode {image.mode})")
+        raise ValueError(f"samples must have at most 16 bits, got 32 (Pillow mode {image.mode})")
     if not image.has_transparency_data:
         return MapImage(_luma(image), None)
     rgba = image.convert("RGBA")
@@ -95,18 +102,18 @@ def _open_with_pillow(data: bytes) -> ImageFile:
         if data.startswith(signature):
             image = reader(_WholeFile(data))
             if isinstance(image, PngImageFile):
-                # Compares the checksums, which reading does not. An image that was verified cannot be read any more.
+                # verify() compares the checksums, which reading does not. A verified image cannot be read, so open it again.
                 image.verify()
                 image = reader(_WholeFile(data))
             return image
-    raise ValueError(f"must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that begins with {data[:8]!r}")
+    raise ValueError(f"must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that starts with {data[:8]!r}")
 
 
 class _WholeFile(io.BytesIO):
-    """A file whose end nobody may read past.
+    """A file that raises an error when it is read past its end.
 
-    Where a file is cut short Pillow leaves the rest of the image black if ImageFile.LOAD_TRUNCATED_IMAGES is set, as
-    many set it for pictures. Half a map is no map, whatever that global says.
+    Many programs set ImageFile.LOAD_TRUNCATED_IMAGES. Pillow then fills the missing part of a truncated image with black.
+    A truncated map must be an error regardless of that global setting.
     """
 
     def read(self, size: int | None = -1, /) -> bytes:
@@ -117,7 +124,7 @@ class _WholeFile(io.BytesIO):
 
 
 def _luma(image: Image.Image) -> _Grey:
-    """(H, W) uint8: Rec. 601 luma as GraphicsMagick computes it."""
+    """Rec. 601 luma (H, W) uint8, computed as in GraphicsMagick."""
     if image.mode in ("1", "L"):
         return np.asarray(image.convert("L"))
     colours = image if image.mode == "RGB" else image.convert("RGB")
@@ -125,7 +132,7 @@ def _luma(image: Image.Image) -> _Grey:
 
 
 def _mask_of_transparent_grey(image: ImageFile) -> _Grey | None:
-    """Alpha of a 16-bit PNG that names one grey as transparent, which Pillow's convert knows for 8 bits only."""
+    """Alpha of a 16-bit PNG with one transparent grey. Pillow's `convert` supports this for 8 bits only."""
     transparent = image.info.get("transparency")
     if transparent is None:
         return None
@@ -133,9 +140,9 @@ def _mask_of_transparent_grey(image: ImageFile) -> _Grey | None:
 
 
 def _to_8_bits(samples: NDArray[np.unsignedinteger], largest: int) -> _Grey:
-    """8-bit greys of samples that run from 0 to the largest; those above it are taken as the largest.
+    """Scales samples from 0..largest to 8 bits; samples above `largest` count as `largest`.
 
-    Rounded to 16 bits, then rounded down to 8, as GraphicsMagick does.
+    As in GraphicsMagick, they are rounded to 16 bits and then rounded down to 8 bits.
     """
     if largest == 255:
         return samples.astype(np.uint8, copy=False)
@@ -147,17 +154,19 @@ def _to_8_bits(samples: NDArray[np.unsignedinteger], largest: int) -> _Grey:
 
 # --- Netpbm ---
 #
-# Most maps are PGM files. Pillow reads the plain ones right, but rounds samples of another largest value than 255 to
-# 8 bits where GraphicsMagick rounds down (229.5 is free or unknown at a free_thresh of 0.1), decodes those and ASCII
-# files number by number in Python, joins ASCII numbers that a comment stands between, and refuses a comment right after
-# the magic number.
+# Most maps are PGM files. Pillow is not used for them, because it
+# - rounds to the nearest level if the largest sample is not 255, while GraphicsMagick rounds down (with a free_thresh of 0.1
+#   the sample 229.5 would be free instead of unknown);
+# - decodes such files and ASCII files one number at a time in Python;
+# - joins two ASCII numbers if a comment separates them;
+# - rejects a comment directly after the magic number.
 
 
 def _decode_pnm(data: bytes) -> MapImage:
     kind = data[1:2]
     header = (_BITMAP_HEADER if kind in b"14" else _SAMPLES_HEADER).match(data)
     if header is None:
-        raise ValueError(f"the PNM header is broken: {data[:40]!r}")
+        raise ValueError(f"the PNM header is invalid: {data[:40]!r}")
     width, height, largest = (*map(int, header.groups()), 1)[:3]
     _check_size(width, height)
     if not 1 <= largest <= 65535:
@@ -176,17 +185,17 @@ def _decode_pnm(data: bytes) -> MapImage:
 
 def _ascii_bits(data: bytes, start: int, shape: tuple[int, int]) -> NDArray[np.uint8]:
     digits = _without_comments(data, start, b"01").translate(None, _WHITE_SPACE)
-    return _taken(np.frombuffer(digits, np.uint8), shape) - ord("0")
+    return _first_samples(np.frombuffer(digits, np.uint8), shape) - ord("0")
 
 
 def _packed_bits(data: bytes, start: int, shape: tuple[int, int]) -> NDArray[np.uint8]:
     height, width = shape
-    rows = _taken(np.frombuffer(data, np.uint8, offset=start), (height, -(-width // 8)))
+    rows = _first_samples(np.frombuffer(data, np.uint8, offset=start), (height, -(-width // 8)))
     return np.unpackbits(rows, axis=1, count=width)
 
 
 def _ascii_samples(data: bytes, start: int, shape: tuple[int, int], largest: int) -> NDArray[np.uint16]:
-    samples = _taken(np.fromstring(_without_comments(data, start, b"0123456789"), np.int64, sep=" "), shape)
+    samples = _first_samples(np.fromstring(_without_comments(data, start, b"0123456789"), np.int64, sep=" "), shape)
     if samples.max() > largest:
         raise ValueError(f"samples must be at most {largest}, got {samples.max()}")
     return samples.astype(np.uint16)
@@ -195,19 +204,19 @@ def _ascii_samples(data: bytes, start: int, shape: tuple[int, int], largest: int
 def _binary_samples(data: bytes, start: int, shape: tuple[int, int], largest: int) -> NDArray[np.unsignedinteger]:
     dtype = np.dtype(">u2" if largest > 255 else "u1")
     count = (len(data) - start) // dtype.itemsize
-    return _taken(np.frombuffer(data, dtype, count, start), shape)
+    return _first_samples(np.frombuffer(data, dtype, count, start), shape)
 
 
 def _without_comments(data: bytes, start: int, digits: bytes) -> bytes:
     text = re.sub(rb"#[^\r\n]*", b"", data[start:])
-    strange = text.translate(None, digits + _WHITE_SPACE)
-    if strange:
-        raise ValueError(f"ASCII samples must be numbers, got {strange[:8]!r}")
-    return text.strip()  # np.fromstring reads a zero out of white space alone.
+    invalid = text.translate(None, digits + _WHITE_SPACE)
+    if invalid:
+        raise ValueError(f"ASCII samples must be numbers, got {invalid[:8]!r}")
+    return text.strip()  # np.fromstring would read white space alone as one zero.
 
 
-def _taken(samples: NDArray[_Sample], shape: tuple[int, int]) -> NDArray[_Sample]:
-    """First samples, in the given shape; what trails them in the file is passed over."""
+def _first_samples(samples: NDArray[_Sample], shape: tuple[int, int]) -> NDArray[_Sample]:
+    """The first samples in the given shape; the rest of the file is ignored."""
     count = shape[0] * shape[1]
     if samples.size < count:
         raise ValueError(f"the file is truncated: {samples.size} of {count} samples")

@@ -1,4 +1,4 @@
-"""floor_plans: closed, connected, wide enough to drive, and the same cells for the same seed everywhere."""
+"""floor_plans: plans are closed, connected and wide enough to drive in, and a seed gives the same cells everywhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mobile_robot_simulator.maps.floor_plans.connectivity import fill_unreachabl
 SEEDS = range(6)
 ODD_SIZES = [((8.0, 8.0), 0.05), ((8.0, 40.0), 0.1), ((60.0, 9.0), 0.1), ((23.37, 17.91), 0.07), ((70.0, 60.0), 0.2)]
 
-# SHA-256 of the cells of seed 1 at the default size, first ten digits: a plan that someone's test relies on stays.
+# SHA-256 of the cells of seed 1 at the default size, first ten digits. They must not change: users' tests depend on them.
 SUMS = {
     "office": "f9f8bab77e",
     "corridor": "11337446c0",
@@ -26,8 +26,8 @@ SUMS = {
 }
 
 
-def parts_of(free: NDArray[np.bool_]) -> list[int]:
-    """Sizes of the connected parts, largest first, by a flood fill."""
+def components_of(free: NDArray[np.bool_]) -> list[int]:
+    """Sizes of the connected components, largest first, from a flood fill."""
     left = {(int(row), int(col)) for row, col in np.argwhere(free)}
     sizes = []
     while left:
@@ -45,12 +45,12 @@ def parts_of(free: NDArray[np.bool_]) -> list[int]:
 
 
 def sizes_of(free: NDArray[np.bool_]) -> list[int]:
-    """The same, faster: `label` is tested against `parts_of` below."""
+    """The same from `label`, which is faster and is tested against `components_of` below."""
     return sorted(filter(None, np.bincount(label(free)[free]).tolist()), reverse=True)
 
 
 def room_for(cells: NDArray[np.int8], radius: float) -> NDArray[np.bool_]:
-    """Free cells that no cell other than free is within a radius of [cells], centre to centre."""
+    """Free cells whose distance to every cell that is not free is more than a radius [cells], centre to centre."""
     free = np.pad(cells == 0, int(radius) + 1)
     room = free.copy()
     reach = range(-int(radius), int(radius) + 1)
@@ -61,12 +61,12 @@ def room_for(cells: NDArray[np.int8], radius: float) -> NDArray[np.bool_]:
     return room
 
 
-# --- What every plan is ---
+# --- Properties of every plan ---
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_closed_and_connected(kind: str, seed: int) -> None:
+def test_plans_are_closed_and_connected(kind: str, seed: int) -> None:
     grid = floor_plan(kind, seed=seed, resolution=0.1)
     cells = grid.cells
     assert grid.shape == (250, 400) and grid.resolution == 0.1 and tuple(grid.origin) == (0.0, 0.0, 0.0)
@@ -77,7 +77,7 @@ def test_closed_and_connected(kind: str, seed: int) -> None:
 
 
 def assert_closed(cells: NDArray[np.int8]) -> None:
-    """No free cell at the edge of the map, nor beside one that is unknown."""
+    """No free cell lies at the edge of the map or next to an unknown cell."""
     around = np.pad(cells, 1, constant_values=-1)
     neighbours = [np.roll(around, (rows, cols), axis=(0, 1)) for rows in (-1, 0, 1) for cols in (-1, 0, 1)]
     assert not ((np.min(neighbours, axis=0) < 0) & (around == 0)).any()
@@ -85,7 +85,7 @@ def assert_closed(cells: NDArray[np.int8]) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("size", "resolution"), ODD_SIZES)
-def test_odd_sizes(kind: str, size: tuple[float, float], resolution: float) -> None:
+def test_plans_of_unusual_sizes_are_closed_and_connected(kind: str, size: tuple[float, float], resolution: float) -> None:
     for seed in range(4):
         grid = floor_plan(kind, seed=seed, size=size, resolution=resolution)
         assert grid.shape == (round(size[1] / resolution), round(size[0] / resolution))
@@ -96,7 +96,7 @@ def test_odd_sizes(kind: str, size: tuple[float, float], resolution: float) -> N
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_robot_gets_nearly_everywhere(kind: str, seed: int) -> None:
+def test_a_robot_can_reach_almost_all_free_cells(kind: str, seed: int) -> None:
     room = room_for(floor_plan(kind, seed=seed).cells, 0.3 / 0.05)
     parts = sizes_of(room)
     assert parts[0] > 0.95 * sum(parts)
@@ -123,15 +123,15 @@ def test_an_office_has_rooms_furniture_and_missing_corners() -> None:
     offices = [floor_plan("office", seed=seed).cells for seed in range(12)]
     assert any((cells == -1).any() for cells in offices)
     assert any((cells == -1).sum() == 0 for cells in offices)
-    # Without doors, that is when only places more than a door's width clear count, rooms fall apart.
+    # Where only places wider than a door count, the rooms are separate components.
     assert all(len([part for part in sizes_of(room_for(cells, 13)) if part > 100]) >= 10 for cells in offices[:4])
 
 
-# --- The same everywhere ---
+# --- Reproducibility ---
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_same_seed_same_cells(kind: str) -> None:
+def test_the_same_seed_gives_the_same_cells(kind: str) -> None:
     cells = floor_plan(kind, seed=1).cells
     random.seed(5)
     assert np.array_equal(floor_plan(kind, seed=1).cells, cells)
@@ -145,23 +145,23 @@ def test_defaults() -> None:
     assert np.array_equal(grid.cells, floor_plan("office", seed=0, size=(40.0, 25.0), resolution=0.05).cells)
 
 
-# --- Which cells hang together ---
+# --- Connected components ---
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.55, 0.62, 0.8, 1.0])
-def test_parts_are_those_of_a_flood_fill(share: float) -> None:
+def test_components_equal_those_of_a_flood_fill(share: float) -> None:
     for seed in range(10):
         free = np.random.RandomState(seed).random_sample((17, 23)) < share
         numbers = label(free)
         assert np.array_equal(numbers > 0, free)
-        assert sizes_of(free) == parts_of(free)
+        assert sizes_of(free) == components_of(free)
         cells = np.where(free, 0, -1).astype(np.int8)
         fill_unreachable(cells)
-        assert parts_of(cells == 0) == parts_of(free)[:1]
+        assert components_of(cells == 0) == components_of(free)[:1]
         assert np.array_equal(cells == -1, ~free)
 
 
-# --- Refusals ---
+# --- Errors ---
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_parts_are_those_of_a_flood_fill(share: float) -> None:
         ({"kind": "ofice"}, "kind must be one of office, .*, got 'ofice'; did you mean 'office'"),
         ({"kind": "xyz"}, "got 'xyz'$"),
         ({"kind": None}, "got None$"),
-        ({"seed": -1}, "seed must be 0 or more, got -1"),
+        ({"seed": -1}, "seed must be at least 0, got -1"),
         ({"size": (7.9, 20.0)}, "size must be at least 8.0 x 8.0 m, got 7.9 x 20.0"),
         ({"size": (float("nan"), 20.0)}, "size must be at least"),
         ({"size": (float("inf"), 20.0)}, "size must be at least"),
@@ -181,15 +181,15 @@ def test_parts_are_those_of_a_flood_fill(share: float) -> None:
         ({"resolution": -0.1}, "resolution must be"),
         ({"resolution": float("nan")}, "resolution must be"),
         ({"resolution": 0.5}, "resolution must be"),
-        ({"size": (1000.0, 1000.0), "resolution": 0.01}, "a plan has at most 100000000 cells"),
-        ({"size": (1e300, 1e300)}, "a plan has at most 100000000 cells"),
+        ({"size": (1000.0, 1000.0), "resolution": 0.01}, "a plan must have at most 100000000 cells"),
+        ({"size": (1e300, 1e300)}, "a plan must have at most 100000000 cells"),
     ],
 )
-def test_refusals(arguments: dict[str, Any], match: str) -> None:
+def test_invalid_arguments_are_rejected(arguments: dict[str, Any], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         floor_plan(**arguments)
 
 
-def test_a_seed_is_a_whole_number() -> None:
+def test_a_seed_must_be_an_integer() -> None:
     with pytest.raises(TypeError):
         floor_plan(seed=0.5)  # type: ignore[arg-type]

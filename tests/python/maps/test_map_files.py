@@ -1,4 +1,4 @@
-"""maps: pixels become the cells that nav2_map_server makes of them, and cells come back as they were."""
+"""map_files and map_image: pixels become cells as in nav2_map_server, and saved maps load unchanged."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from PIL import Image, ImageFile
 
 import mobile_robot_simulator as mrs
 
-# Real maps, which do not travel with the project.
+# Real maps, which are not part of the project.
 SHARED_MAPS = Path(__file__).parents[3] / ".." / "shared" / "maps"
 needs_shared_maps = pytest.mark.skipif(not SHARED_MAPS.is_dir(), reason=f"no folder of real maps at {SHARED_MAPS}")
 
@@ -37,7 +37,7 @@ ENTRIES = {
 
 
 def write_yaml(folder: Path, /, **entries: str | None) -> Path:
-    """A map's YAML with the given entries, as they would be typed; None leaves one out."""
+    """YAML text of a map with the given entries; None leaves an entry out."""
     path = folder / "map.yaml"
     lines = [f"{key}: {text}\n" for key, text in {**ENTRIES, **entries}.items() if text is not None]
     path.write_text("".join(lines))
@@ -45,7 +45,7 @@ def write_yaml(folder: Path, /, **entries: str | None) -> Path:
 
 
 def write_map(folder: Path, image: bytes, /, **entries: str | None) -> Path:
-    """A map's YAML beside its image."""
+    """Path of a map's YAML file, written next to its image."""
     (folder / "map.pgm").write_bytes(image)
     return write_yaml(folder, **entries)
 
@@ -74,14 +74,14 @@ def cells_of(path: Path) -> list[list[int]]:
 
 
 def greys_of(folder: Path, image: bytes) -> list[list[int]]:
-    """The greys that an image is read as, top row first, so far as mode raw shows them: up to 100."""
+    """Greys of an image up to 100, top row first, as mode raw reads them."""
     return cells_of(write_map(folder, image, mode="raw"))[::-1]
 
 
-# --- From pixels to cells: tables by hand ---
+# --- From pixels to cells: hand-derived tables ---
 
 
-def test_trinary_knows_three_values_and_the_bottom_row_comes_first(tmp_path: Path) -> None:
+def test_trinary_has_three_values_and_the_bottom_row_comes_first(tmp_path: Path) -> None:
     image = pgm([[0, 254, 205], [206, 89, 90]])  # p: 1, 0.004, 0.19608; 0.192, 0.651, 0.647
     assert cells_of(write_map(tmp_path, image)) == [[0, 100, -1], [100, 0, -1]]
     assert cells_of(write_map(tmp_path, image, mode="trinary")) == [[0, 100, -1], [100, 0, -1]]
@@ -117,7 +117,7 @@ def test_scale_is_linear_between_the_thresholds_and_rounds(tmp_path: Path) -> No
     assert cells_of(path) == [[100, 99, 51, 50, 25, 1, 0, 0]]
 
 
-def test_raw_takes_the_grey_itself_and_no_notice_of_negate(tmp_path: Path) -> None:
+def test_raw_uses_the_grey_and_ignores_negate(tmp_path: Path) -> None:
     image = pgm([[0, 1, 99, 100, 101, 127, 128, 255]])
     for negate in ("0", "1"):
         assert cells_of(write_map(tmp_path, image, mode="raw", negate=negate)) == [[0, 1, 99, 100, -1, -1, -1, -1]]
@@ -145,7 +145,7 @@ def test_transparent_values_of_a_png_without_alpha_are_unknown(tmp_path: Path) -
         assert cells_of(write_map(tmp_path, data)) == [[100, -1, 100]]
 
 
-def test_luma_is_that_of_graphicsmagick(tmp_path: Path) -> None:
+def test_luma_equals_that_of_graphicsmagick(tmp_path: Path) -> None:
     # (306 R + 601 G + 117 B) / 1024: 76.2, 58.7, 29.1, 62.1, 77: rounded down.
     colours = [(255, 0, 0), (0, 100, 0), (0, 0, 255), (100, 50, 25), (77, 77, 77)]
     image = Image.fromarray(np.array([colours], np.uint8))
@@ -154,7 +154,7 @@ def test_luma_is_that_of_graphicsmagick(tmp_path: Path) -> None:
     assert greys_of(tmp_path, b"P3\n5 1\n255\n255 0 0 0 100 0 0 0 255 100 50 25 77 77 77") == [[76, 58, 29, 62, 77]]
 
 
-def test_colours_without_colour_keep_their_grey(tmp_path: Path) -> None:
+def test_grey_colours_keep_their_grey(tmp_path: Path) -> None:
     greys = list(range(256))
     expected = [[grey if grey <= 100 else -1 for grey in greys]]
     assert greys_of(tmp_path, encoded(grey_image([greys]).convert("RGB"), "PNG")) == expected
@@ -173,7 +173,7 @@ GREYS = [[0, 50, 100], [10, 35, 9]]
         pytest.param(b"P5\n3 2\n255\n" + SAMPLES, id="plain"),
         pytest.param(b"P5 3\t2  255 " + SAMPLES, id="one line"),
         pytest.param(b"P5\r\n3 2\r\n255\n" + SAMPLES, id="CRLF"),
-        pytest.param(b"P5\n#\n# 7 7\n3 # w\n#\n2\n# 1\n255\n" + SAMPLES, id="comments on lines of their own"),
+        pytest.param(b"P5\n#\n# 7 7\n3 # w\n#\n2\n# 1\n255\n" + SAMPLES, id="comments on separate lines"),
         pytest.param(b"P5# a\n3# b\r2# c\n255# d\n" + SAMPLES, id="comments right after the fields"),
         pytest.param(b"P5\n3 2\n255\n" + SAMPLES + b"\nP5 and so on", id="trailing bytes"),
         pytest.param(b"P6\n3 2\n255\n" + SAMPLES_THRICE, id="colour"),
@@ -195,17 +195,17 @@ GREYS = [[0, 50, 100], [10, 35, 9]]
         pytest.param(encoded(grey_image(GREYS), "GIF"), id="GIF"),
     ],
 )
-def test_encodings_of_one_image_are_read_alike(tmp_path: Path, image: bytes) -> None:
+def test_all_encodings_of_an_image_give_the_same_greys(tmp_path: Path, image: bytes) -> None:
     assert greys_of(tmp_path, image) == GREYS
 
 
-def test_palette_greys_are_not_its_indices(tmp_path: Path) -> None:
+def test_palette_images_use_the_colours_not_the_indices(tmp_path: Path) -> None:
     image = grey_image([[0, 1, 2]])
     image.putpalette([90, 90, 90, 20, 20, 20, 255, 0, 0])
     assert greys_of(tmp_path, encoded(image, "PNG")) == [[90, 20, 76]]
 
 
-def test_jpeg_is_read_to_a_level_or_so(tmp_path: Path) -> None:
+def test_jpeg_is_read_approximately(tmp_path: Path) -> None:
     image = grey_image([[20] * 16, [60] * 16] * 8)
     greys = np.array(greys_of(tmp_path, encoded(image, "JPEG", quality=95)))
     assert np.abs(greys - np.asarray(image)).max() <= 2
@@ -234,7 +234,7 @@ def test_samples_are_scaled_to_8_bits_rounding_down(tmp_path: Path) -> None:
     assert greys_of(tmp_path, encoded(sixteen_bits, "PNG")) == [[0, 1, 99]]
 
 
-def test_rounding_down_decides_at_a_threshold(tmp_path: Path) -> None:
+def test_rounding_down_matters_at_a_threshold(tmp_path: Path) -> None:
     # 90 of 100 is 229.5: grey 229 has p = 0.102, grey 230 would have 0.098.
     assert cells_of(write_map(tmp_path, b"P5\n1 1\n100\n" + bytes([90]), free_thresh="0.1")) == [[-1]]
 
@@ -261,7 +261,7 @@ def test_entries_reach_the_grid(tmp_path: Path) -> None:
     assert (grid.occupied_threshold, grid.unknown) == (60, "free")
 
 
-def test_unknown_entries_are_passed_over(tmp_path: Path) -> None:
+def test_unknown_entries_are_ignored(tmp_path: Path) -> None:
     assert cells_of(write_map(tmp_path, pgm([[0]]), floor="3", tags="[a, {b: 1}]")) == [[100]]
 
 
@@ -279,7 +279,7 @@ def test_image_is_relative_to_the_yaml_or_absolute(tmp_path: Path, monkeypatch: 
 @pytest.mark.parametrize("yaw", ["nan", "-nan", ".nan", "-NaN"])
 def test_yaw_of_nan_is_zero_with_a_warning(tmp_path: Path, yaw: str) -> None:
     path = write_map(tmp_path, pgm([[0]]), origin=f"[1.0, 2.0, {yaw}]")
-    with pytest.warns(UserWarning, match=rf"yaw of the map's origin is {yaw}, taken as 0") as caught:
+    with pytest.warns(UserWarning, match=rf"yaw of the map's origin is {yaw}; 0 is used instead") as caught:
         grid = mrs.load_map(path)
     assert tuple(grid.origin) == (1.0, 2.0, 0.0)
     assert caught[0].filename == __file__
@@ -288,8 +288,11 @@ def test_yaw_of_nan_is_zero_with_a_warning(tmp_path: Path, yaw: str) -> None:
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
-        ({"image": None}, "missing image; a map needs image, resolution, origin, negate, occupied_thresh, free_thresh"),
-        ({"negate": None, "origin": None}, "missing origin, negate; a map needs"),
+        (
+            {"image": None},
+            "missing image; the required keys are image, resolution, origin, negate, occupied_thresh, free_thresh",
+        ),
+        ({"negate": None, "origin": None}, "missing origin, negate; the required keys are"),
         ({"image": ""}, "image must be the path of an image, got ''"),
         ({"image": "[map.pgm]"}, "image must be the path of an image, got ['map.pgm']"),
         ({"resolution": "0"}, "resolution must be a positive number [m], got '0'"),
@@ -319,7 +322,7 @@ def test_yaw_of_nan_is_zero_with_a_warning(tmp_path: Path, yaw: str) -> None:
         ({"mode": "[raw]"}, "mode must be trinary, scale or raw, got ['raw']"),
     ],
 )
-def test_entries_that_make_no_map_are_refused(tmp_path: Path, entries: dict[str, str | None], message: str) -> None:
+def test_invalid_entries_are_rejected(tmp_path: Path, entries: dict[str, str | None], message: str) -> None:
     path = write_map(tmp_path, pgm([[0]]), **entries)
     with pytest.raises(ValueError) as caught:
         mrs.load_map(path)
@@ -329,16 +332,16 @@ def test_entries_that_make_no_map_are_refused(tmp_path: Path, entries: dict[str,
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (b"", "must hold a YAML mapping, got 'None'"),
-        (b"map.pgm", "must hold a YAML mapping, got 'map.pgm'"),
-        (b"- image\n", "must hold a YAML mapping, got"),
+        (b"", "must contain a YAML mapping, got 'None'"),
+        (b"map.pgm", "must contain a YAML mapping, got 'map.pgm'"),
+        (b"- image\n", "must contain a YAML mapping, got"),
         (b"image: [", "not valid YAML: "),
         (b"image: a\n---\nimage: b\n", "not valid YAML: "),
         (b"\x89PNG\r\n\x1a\n\0\0", "not valid YAML: "),
         (b"[" * 3000, "not valid YAML: "),
     ],
 )
-def test_text_that_is_no_mapping_is_refused(tmp_path: Path, text: bytes, message: str) -> None:
+def test_text_that_is_not_a_yaml_mapping_is_rejected(tmp_path: Path, text: bytes, message: str) -> None:
     path = tmp_path / "map.yaml"
     path.write_bytes(text)
     with pytest.raises(ValueError) as caught:
@@ -353,10 +356,10 @@ def test_a_missing_yaml_and_a_folder_are_os_errors(tmp_path: Path) -> None:
         mrs.load_map(tmp_path)
 
 
-# --- Images that are none ---
+# --- Invalid images ---
 
 
-def test_a_missing_image_names_itself_and_its_map(tmp_path: Path) -> None:
+def test_the_error_for_a_missing_image_names_the_image_and_the_map(tmp_path: Path) -> None:
     path = write_yaml(tmp_path)
     with pytest.raises(FileNotFoundError) as caught:
         mrs.load_map(path)
@@ -371,12 +374,12 @@ def test_a_missing_image_names_itself_and_its_map(tmp_path: Path) -> None:
     ("image", "message"),
     [
         (b"", "the file is empty"),
-        (b"%PDF-1.7", "must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that begins with b'%PDF-1.7'"),
+        (b"%PDF-1.7", "must be a PNM, PNG, JPEG, BMP, TIFF or GIF image, got a file that starts with b'%PDF-1.7'"),
         (b"P7\nWIDTH 1\n", "must be a PNM, PNG, JPEG"),
-        (b"P5", "the PNM header is broken: b'P5'"),
-        (b"P5\n3 two\n255\n", "the PNM header is broken"),
-        (b"P5\n3 2\n255", "the PNM header is broken"),
-        (b"P5\n-3 2\n255\n", "the PNM header is broken"),
+        (b"P5", "the PNM header is invalid: b'P5'"),
+        (b"P5\n3 two\n255\n", "the PNM header is invalid"),
+        (b"P5\n3 2\n255", "the PNM header is invalid"),
+        (b"P5\n-3 2\n255\n", "the PNM header is invalid"),
         (b"P5\n0 2\n255\n", "an image must have from 1 to 1073741824 pixels, got 0 x 2"),
         (b"P5\n40000 40000\n255\n", "an image must have from 1 to 1073741824 pixels, got 40000 x 40000"),
         (b"P5\n3 2\n0\n" + SAMPLES, "the largest sample of a PNM image must be from 1 to 65535, got 0"),
@@ -398,7 +401,7 @@ def test_a_missing_image_names_itself_and_its_map(tmp_path: Path) -> None:
         (encoded(Image.new("F", (1, 1)), "TIFF"), "samples must have at most 16 bits, got 32"),
     ],
 )
-def test_images_that_are_broken_are_refused(tmp_path: Path, image: bytes, message: str) -> None:
+def test_corrupt_images_are_rejected(tmp_path: Path, image: bytes, message: str) -> None:
     path = write_map(tmp_path, image)
     with pytest.raises(ValueError) as caught:
         mrs.load_map(path)
@@ -423,7 +426,7 @@ NOISE = Image.fromarray(np.random.default_rng(11).integers(0, 256, (40, 30), np.
         pytest.param(encoded(NOISE, "GIF"), id="GIF"),
     ],
 )
-def test_truncated_images_are_refused_whatever_pillow_tolerates(
+def test_truncated_images_are_rejected_regardless_of_pillow_settings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, image: bytes, tolerant: bool
 ) -> None:
     whole = cells_of(write_map(tmp_path, image))
@@ -436,7 +439,7 @@ def test_truncated_images_are_refused_whatever_pillow_tolerates(
 
 
 @pytest.mark.parametrize("tolerant", [False, True])
-def test_a_png_with_a_flipped_bit_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tolerant: bool) -> None:
+def test_a_png_with_a_flipped_bit_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tolerant: bool) -> None:
     monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", tolerant)
     image = bytearray(encoded(NOISE, "PNG"))
     image[len(image) // 2] ^= 1
@@ -445,7 +448,7 @@ def test_a_png_with_a_flipped_bit_is_refused(tmp_path: Path, monkeypatch: pytest
         mrs.load_map(path)
 
 
-def test_pillows_limit_on_pixels_neither_matters_nor_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_pixel_limit_of_pillow_is_neither_used_nor_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 3)
     path = write_map(tmp_path, encoded(NOISE, "PNG"))
     with warnings.catch_warnings():
@@ -454,7 +457,7 @@ def test_pillows_limit_on_pixels_neither_matters_nor_changes(tmp_path: Path, mon
     assert Image.MAX_IMAGE_PIXELS == 3
 
 
-def test_a_header_that_promises_too_much_is_refused(tmp_path: Path) -> None:
+def test_a_header_with_too_many_pixels_is_rejected(tmp_path: Path) -> None:
     header = b"IHDR" + struct.pack(">IIBBBBB", 50000, 50000, 8, 0, 0, 0, 0)
     chunks = [header, b"IDAT" + zlib.compress(b"\0"), b"IEND"]
     png = b"\x89PNG\r\n\x1a\n" + b"".join(
@@ -486,7 +489,7 @@ finite = st.floats(-1e6, 1e6)
     resolution=st.floats(1e-3, 1e3),
     origin=st.tuples(finite, finite, st.floats(-3.141592653589793, 3.141592653589793)),
 )
-def test_a_saved_map_loads_as_it_was(
+def test_a_saved_map_loads_unchanged(
     shape: tuple[int, int],
     values: tuple[int, ...],
     seed: int,
@@ -504,7 +507,7 @@ def test_a_saved_map_loads_as_it_was(
 @pytest.mark.parametrize(
     ("values", "mode"), [(range(-1, 101), "raw"), ((-1, 0, 100), "trinary"), ((0,), "trinary"), ((-1, 99), "raw")]
 )
-def test_saved_files_say_what_map_servers_read(tmp_path: Path, values: list[int], mode: str) -> None:
+def test_saved_files_have_the_format_of_map_servers(tmp_path: Path, values: list[int], mode: str) -> None:
     grid = mrs.OccupancyGrid(np.array([list(values)], np.int8), resolution=1e-5, origin=(0.1, -2.0, 1e-17))
     mrs.save_map(grid, str(tmp_path / "a copy.v2.yaml"))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a copy.v2.pgm", "a copy.v2.yaml"]
@@ -520,13 +523,13 @@ def test_saved_files_say_what_map_servers_read(tmp_path: Path, values: list[int]
     assert_same(mrs.load_map(tmp_path / "a copy.v2.yaml"), grid)
 
 
-def test_saved_greys_are_those_of_map_saver_bottom_row_last(tmp_path: Path) -> None:
+def test_saved_greys_equal_those_of_map_saver_bottom_row_last(tmp_path: Path) -> None:
     mrs.save_map(mrs.OccupancyGrid(np.array([[-1, 0], [100, 0]], np.int8), resolution=1.0), tmp_path / "map.yml")
     assert (tmp_path / "map.pgm").read_bytes() == b"P5\n2 2\n255\n" + bytes([0, 254, 205, 254])
 
 
 def saved(folder: Path, value: int) -> dict[str, bytes]:
-    """Files of the folder after a map of one cell of the given value was saved there."""
+    """Content of all files in a folder after saving a map of one cell there."""
     mrs.save_map(mrs.OccupancyGrid(np.array([[value]], np.int8), resolution=1.0), folder / "map.yaml")
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
@@ -538,7 +541,7 @@ def test_saving_replaces_an_older_map(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("failing", ["map.pgm", "map.yaml"])
-def test_saving_that_fails_leaves_the_older_map_and_no_draft(
+def test_a_failed_save_keeps_the_old_map_and_leaves_no_temporary_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
 ) -> None:
     before = saved(tmp_path, 100)
@@ -570,11 +573,11 @@ def test_the_image_is_replaced_before_the_yaml(tmp_path: Path, monkeypatch: pyte
     assert replaced == ["map.pgm", "map.yaml"]
 
 
-def test_paths_that_cannot_hold_a_map_are_refused(tmp_path: Path) -> None:
+def test_invalid_paths_are_rejected(tmp_path: Path) -> None:
     grid = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
     with pytest.raises(ValueError, match=r"path of a map must end in \.yaml or \.yml, got '.*map\.pgm'"):
         mrs.save_map(grid, tmp_path / "map.pgm")
-    with pytest.raises(FileNotFoundError, match=r"No such folder to save a map in: '.*nowhere'"):
+    with pytest.raises(FileNotFoundError, match=r"Cannot save a map: no such folder: '.*nowhere'"):
         mrs.save_map(grid, tmp_path / "nowhere" / "map.yaml")
     (tmp_path / "folder.yaml").mkdir()
     with pytest.raises(IsADirectoryError, match=r"Cannot save a map over a folder: '.*folder\.yaml'"):
@@ -590,7 +593,7 @@ MAXVAL_4095 = [0, 254, 204, 255, 88, 89, 100, 50, 230, 228, 60, 0, 204, 205, 204
 COLOUR = [76, 149, 29, 225, 255, 255, 0, 124] + 16 * [255]
 JPEG = [2, 253, 207, 255, 89, 90, 98, 49, 228, 228, 63, 1, 205, 206, 206, 1, 252, 129, 255, 254, 0, 1, 1, 4]
 
-# What GraphicsMagick reads; None for the pixels of base.npy.
+# Greys that GraphicsMagick reads; None if they equal base.npy.
 ODD_IMAGES = {
     "bmp_24bit.bmp": None,
     "bmp_8bit.bmp": None,
@@ -622,7 +625,7 @@ TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # pixels (0, 0), (1, 0
 
 
 def expected_cell(mode: str, grey: int, opaque: bool) -> int:
-    """The rules once more, for one pixel, at the thresholds 0.65 and 0.196."""
+    """Reference: the cell of one pixel with the thresholds 0.65 and 0.196."""
     if mode == "raw":
         return grey if grey <= 100 else -1
     if not opaque:
@@ -647,14 +650,14 @@ def test_odd_encodings_load_as_graphicsmagick_reads_them(tmp_path: Path, name: s
     expected = [[expected_cell(mode, int(greys[row, col]), (row, col) not in clear) for col in range(6)] for row in range(4)]
     shutil.copy(folder / name, tmp_path / name)
     cells = mrs.load_map(write_yaml(tmp_path, image=name, mode=mode)).cells
-    if name == "jpg_l.jpg" and mode == "raw":  # decoders of JPEG may differ by a level
+    if name == "jpg_l.jpg" and mode == "raw":  # JPEG decoders may differ by one level
         assert np.abs(cells - np.array(expected[::-1])).max() <= 1
     else:
         assert cells.tolist() == expected[::-1]
 
 
 @needs_shared_maps
-def test_the_truncated_encoding_is_refused_and_none_is_forgotten(tmp_path: Path) -> None:
+def test_the_truncated_encoding_is_rejected_and_every_file_is_tested(tmp_path: Path) -> None:
     folder = SHARED_MAPS / "odd_synthetic"
     assert set(json.loads((folder / "oracles.json").read_text())) == {*ODD_IMAGES, "p5_truncated.pgm"}
     path = write_yaml(tmp_path, image=str(folder.resolve() / "p5_truncated.pgm"))
@@ -695,12 +698,12 @@ def test_real_maps_load(name: str) -> None:
 
 
 @needs_shared_maps
-def test_no_real_map_is_forgotten() -> None:
+def test_every_real_map_is_tested() -> None:
     assert {str(path.relative_to(SHARED_MAPS)) for path in SHARED_MAPS.glob("*/*.yaml")} == set(REAL_MAPS)
 
 
 @needs_shared_maps
-def test_a_real_map_stands_upright() -> None:
+def test_a_real_map_is_upright() -> None:
     with Image.open(SHARED_MAPS / "nav2_depot" / "depot.pgm") as image:
         black = np.argwhere(np.asarray(image)[::-1] == 0)
     occupied = np.argwhere(mrs.load_map(SHARED_MAPS / "nav2_depot" / "map.yaml").cells == 100)

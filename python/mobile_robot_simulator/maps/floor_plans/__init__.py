@@ -1,4 +1,4 @@
-"""Made-up floor plans, so that tests and demonstrations need no files."""
+"""Floor plans: generated maps for tests and examples that need no map files."""
 
 from __future__ import annotations
 
@@ -28,40 +28,52 @@ _DRAW: dict[str, Callable[[Plan, Dice], None]] = {
 }
 
 KINDS = tuple(_DRAW)
+"""Kinds of floor plans."""
 
-_SMALLEST_SIDE = 8.0
-_COARSEST = 0.2
-_MOST_CELLS = 100_000_000
+_MIN_SIDE = 8.0  # [m]
+_MAX_RESOLUTION = 0.2  # [m]
+_MAX_CELLS = 100_000_000
 
 
 def floor_plan(
     kind: str = "office", *, seed: int = 0, size: tuple[float, float] = (40.0, 25.0), resolution: float = 0.05
 ) -> OccupancyGrid:
-    """A floor plan of a kind: office, corridor, maze, cave or warehouse.
+    """Generates a floor plan.
 
-    All of its free cells hang together, behind a closed outer wall; what is outside is unknown. Doors are 0.9 m or
-    wider, and a robot of 0.3 m radius gets to nearly all of it. The lower left corner is the origin of the map.
+    All free cells are connected and surrounded by a closed outer wall; cells outside of it are unknown. Doors are at least
+    0.9 m wide, and a robot with a radius of 0.3 m can reach almost all free cells. The lower-left corner of the plan is the
+    origin of the map frame.
 
-    size: width and height [m], each at least 8. resolution: side of a cell [m], at most 0.2.
-    seed: names the plan: the same kind, seed, size and resolution give the same cells on every machine.
-    raises: ValueError for an unknown kind, a negative seed, or a size or resolution out of range.
+    Args:
+        kind: One of `KINDS`: office, corridor, maze, cave or warehouse.
+        seed: Seed of the random choices, at least 0. The same kind, seed, size and resolution give the same cells on every
+            machine.
+        size: Width and height [m], each at least 8.
+        resolution: Side of a cell [m], at most 0.2.
+
+    Returns:
+        A grid with cells of value 0 (free), 100 (occupied) and -1 (unknown).
+
+    Raises:
+        ValueError: The kind is unknown, the seed is negative, the size or the resolution is out of range, or the plan would
+            have more than 100 million cells.
     """
     if kind not in _DRAW:
         near = difflib.get_close_matches(kind, KINDS, 1, 0.4) if isinstance(kind, str) else []
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {kind!r}{hint}")
     if index(seed) < 0:
-        raise ValueError(f"seed must be 0 or more, got {seed}")
+        raise ValueError(f"seed must be at least 0, got {seed}")
     try:
         width, height = map(float, size)
     except (TypeError, ValueError):
         raise ValueError(f"size must be two numbers (width, height) [m], got {size!r}") from None
-    if not all(_SMALLEST_SIDE <= side < math.inf for side in (width, height)):
-        raise ValueError(f"size must be at least {_SMALLEST_SIDE} x {_SMALLEST_SIDE} m, got {width} x {height}")
-    if not 0.0 < resolution <= _COARSEST:
-        raise ValueError(f"resolution must be above 0 and at most {_COARSEST} m, got {resolution}")
-    if (width / resolution) * (height / resolution) > _MOST_CELLS:
-        raise ValueError(f"a plan has at most {_MOST_CELLS} cells, {width} x {height} m at {resolution} m has more")
+    if not all(_MIN_SIDE <= side < math.inf for side in (width, height)):
+        raise ValueError(f"size must be at least {_MIN_SIDE} x {_MIN_SIDE} m, got {width} x {height}")
+    if not 0.0 < resolution <= _MAX_RESOLUTION:
+        raise ValueError(f"resolution must be above 0 and at most {_MAX_RESOLUTION} m, got {resolution}")
+    if (width / resolution) * (height / resolution) > _MAX_CELLS:
+        raise ValueError(f"a plan must have at most {_MAX_CELLS} cells, got more: {width} x {height} m at {resolution} m")
     plan = Plan(round(width / resolution), round(height / resolution), resolution)
     _DRAW[kind](plan, Dice(index(seed)))
     fill_unreachable(plan.cells)

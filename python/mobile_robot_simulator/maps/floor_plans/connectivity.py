@@ -1,4 +1,4 @@
-"""Which free cells hang together."""
+"""Connected components of the free cells of a plan."""
 
 from __future__ import annotations
 
@@ -9,21 +9,31 @@ from .plan import FREE, WALL
 
 
 def fill_unreachable(cells: NDArray[np.int8]) -> None:
-    """Wall up, in place, all free cells but those of the largest part, which moves along rows and columns connect."""
-    # Rows like the one below them connect nothing new; plans of straight walls have few others.
-    fresh = np.flatnonzero(np.r_[True, (np.diff(cells == FREE, axis=0)).any(axis=1)])
-    heights = np.diff(np.r_[fresh, len(cells)])
-    parts = label(cells[fresh] == FREE)
+    """Turns all free cells outside the largest 4-connected component into wall, in place.
+
+    Args:
+        cells: Cells (H, W) of a plan.
+    """
+    # Only rows that differ from the row below are labelled, since equal rows are connected alike. Most rows are equal.
+    distinct = np.flatnonzero(np.r_[True, (np.diff(cells == FREE, axis=0)).any(axis=1)])
+    heights = np.diff(np.r_[distinct, len(cells)])
+    parts = label(cells[distinct] == FREE)
     sizes = np.bincount(parts.ravel(), np.repeat(heights, parts.shape[1]))
     sizes[0] = 0
-    stray = np.repeat((parts != 0) & (parts != sizes.argmax()), heights, axis=0)
-    cells[stray] = WALL
+    unreachable = np.repeat((parts != 0) & (parts != sizes.argmax()), heights, axis=0)
+    cells[unreachable] = WALL
 
 
 def label(free: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Number of the part that each cell belongs to, 0 where it is not free.
+    """Labels the 4-connected components of the free cells.
 
-    method: runs along rows, joined from row to row (Rosenfeld & Pfaltz 1966).
+    Method: runs along each row, merged with overlapping runs of the row below (Rosenfeld and Pfaltz, 1966).
+
+    Args:
+        free: True for each free cell, (H, W).
+
+    Returns:
+        The label of each cell's component, (H, W), from 1 on; 0 for cells that are not free.
     """
     edges = np.diff(np.pad(free, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, run_starts = np.nonzero(edges == 1)

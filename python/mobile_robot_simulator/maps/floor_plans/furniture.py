@@ -1,15 +1,15 @@
-"""Furniture: what stands in a room without shutting any of it off."""
+"""Furniture: pieces in a room that leave every part of it reachable."""
 
 from __future__ import annotations
 
 from .dice import Dice
 from .plan import Box, Plan
 
-_PASSAGE = 0.9  # between any two pieces, or a piece and a wall that it does not stand at [m]
+_PASSAGE = 0.9  # least gap between two pieces, or between a piece and a wall that it does not touch [m]
 
 
 class _Room:
-    """A room that fills with furniture; every place to stand stays within reach."""
+    """A room, the furniture in it, and boxes to keep clear. Every free part of the room stays reachable."""
 
     def __init__(self, plan: Plan, floor: Box, keep_clear: list[Box]) -> None:
         self.plan, self.floor = plan, floor
@@ -17,7 +17,10 @@ class _Room:
         self._passage = plan.count(_PASSAGE)
 
     def place(self, piece: Box) -> bool:
-        """Put down a piece if there is room: at walls with nothing in between, else a passage away from everything."""
+        """Places a piece and returns True if it fits.
+
+        It fits if it touches or keeps a passage to each wall, and keeps a passage to all other pieces.
+        """
         floor, passage = self.floor, self._passage
         gaps = (
             piece.left - floor.left,
@@ -33,8 +36,11 @@ class _Room:
         self._taken.append(piece)
         return True
 
-    def round(self, col: int, row: int, radius: float) -> bool:
-        """Put up a pillar, or a plant, if there is room."""
+    def place_pillar(self, col: int, row: int, radius: float) -> bool:
+        """Places a round pillar and returns True if it fits.
+
+        It fits if it keeps a passage to the walls and to all other pieces.
+        """
         size = self.plan.count(radius)
         piece = Box(col - size, row - size, col + size + 1, row + size + 1)
         if any(piece.grown(self._passage).touches(other) for other in self._taken):
@@ -47,7 +53,7 @@ class _Room:
 
 
 def furnish_room(plan: Plan, dice: Dice, floor: Box, door: Box, side: int) -> None:
-    """Furnish an office, a meeting room or an open plan, by its size; the way in stays clear."""
+    """Furnishes a room by its size, as an office, a meeting room or an open-plan office. The door stays clear."""
     room = _Room(plan, floor, [door.grown(plan.count(0.3))])
     area = floor.width * floor.height * plan.resolution**2
     if area > 34.0 or (area > 20.0 and dice.chance(0.3)):
@@ -61,14 +67,14 @@ def furnish_room(plan: Plan, dice: Dice, floor: Box, door: Box, side: int) -> No
 
 
 def furnish_lobby(plan: Plan, dice: Dice, floor: Box, side: int) -> None:
-    """Put a counter, round pillars and benches into a lobby."""
+    """Furnishes a lobby with a counter, round pillars and benches."""
     room = _Room(plan, floor, [])
     at = (floor.left + floor.right) // 2 + plan.count(dice.between(0.01, 1.0))
     back = floor.top - plan.count(2.2) if side > 0 else floor.bottom + plan.count(1.6)
     room.place(Box(at - plan.count(1.4), back, at + plan.count(1.4), back + plan.count(0.6)))
     for share in (0.22, 0.78):
         row = (floor.bottom + floor.top) // 2 - side * plan.count(0.8)
-        room.round(floor.left + round(floor.width * share), row, 0.3)
+        room.place_pillar(floor.left + round(floor.width * share), row, 0.3)
     bench = plan.count(1.8)
     for left in (floor.left, floor.right - plan.count(0.5)):
         if dice.chance(0.7):
@@ -77,7 +83,7 @@ def furnish_lobby(plan: Plan, dice: Dice, floor: Box, side: int) -> None:
 
 
 def _desks(room: _Room, dice: Dice, side: int) -> None:
-    """Desks along the outer wall or a side wall."""
+    """Places desks along the outer wall and sometimes along a side wall."""
     plan, floor = room.plan, room.floor
     long, deep = plan.count(1.6), plan.count(0.8)
     back = floor.top - deep if side > 0 else floor.bottom
@@ -90,7 +96,7 @@ def _desks(room: _Room, dice: Dice, side: int) -> None:
 
 
 def _meeting(room: _Room, dice: Dice) -> None:
-    """A long table in the middle."""
+    """Places a long table in the middle."""
     plan, floor = room.plan, room.floor
     space = 2 * plan.count(1.25)
     width, height = floor.width - space, floor.height - space
@@ -103,20 +109,20 @@ def _meeting(room: _Room, dice: Dice) -> None:
 
 
 def _islands(room: _Room, dice: Dice) -> None:
-    """Islands of four desks, in a row or two."""
+    """Places islands of four desks, in rows and columns."""
     plan, floor = room.plan, room.floor
-    width, height, way = plan.count(dice.between(1.6, 2.0)), plan.count(1.6), plan.count(1.3)
-    cols, rows = (floor.width - way) // (width + way), (floor.height - way) // (height + way)
+    width, height, gap = plan.count(dice.between(1.6, 2.0)), plan.count(1.6), plan.count(1.3)
+    cols, rows = (floor.width - gap) // (width + gap), (floor.height - gap) // (height + gap)
     for col in range(cols):
         for row in range(rows):
-            left = floor.left + way + (floor.width - way) * col // cols
-            bottom = floor.bottom + way + (floor.height - way) * row // rows
+            left = floor.left + gap + (floor.width - gap) * col // cols
+            bottom = floor.bottom + gap + (floor.height - gap) * row // rows
             if dice.chance(0.9):
                 room.place(Box(left, bottom, left + width, bottom + height))
 
 
 def _shelves(room: _Room, dice: Dice) -> None:
-    """Shelves flat at side walls, and a plant in a corner."""
+    """Places shelves along the side walls and a plant in a corner."""
     plan, floor = room.plan, room.floor
     deep = plan.count(0.4)
     for left in (floor.left, floor.right - deep):

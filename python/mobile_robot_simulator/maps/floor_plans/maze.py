@@ -1,16 +1,16 @@
-"""Mazes: one lane to every place, and a few short cuts."""
+"""Mazes: a tree of lanes, plus a few short cuts."""
 
 from __future__ import annotations
 
 from .dice import Dice
 from .plan import Box, Plan
 
-_LANE = 1.5  # [m]
-_SHORT_CUTS = 0.06
+_LANE = 1.5  # width of a lane [m]
+_SHORT_CUT_SHARE = 0.06  # share of places with a short cut to a neighbour
 
 
 def draw_maze(plan: Plan, dice: Dice) -> None:
-    """Carve a maze by recursive backtracking."""
+    """Draws a maze by recursive backtracking."""
     inside, wall = plan.inside, plan.wall
     plan.block(inside.grown(plan.outer_wall))
     cols = (inside.width + wall) // (plan.count(_LANE) + wall)
@@ -25,23 +25,23 @@ def draw_maze(plan: Plan, dice: Dice) -> None:
         low, high = place(*min(one, other)), place(*max(one, other))
         plan.carve(Box(low.left, low.bottom, high.right, high.top))
 
-    been = {(0, 0)}
+    visited = {(0, 0)}
     trail = [(0, 0)]
     while trail:
         col, row = trail[-1]
-        ways = [
-            way
-            for way in ((col + 1, row), (col, row + 1), (col - 1, row), (col, row - 1))
-            if 0 <= way[0] < cols and 0 <= way[1] < rows and way not in been
+        neighbours = [
+            neighbour
+            for neighbour in ((col + 1, row), (col, row + 1), (col - 1, row), (col, row - 1))
+            if 0 <= neighbour[0] < cols and 0 <= neighbour[1] < rows and neighbour not in visited
         ]
-        if not ways:
+        if not neighbours:
             trail.pop()
             continue
-        way = dice.one_of(ways)
-        join((col, row), way)
-        been.add(way)
-        trail.append(way)
+        neighbour = dice.one_of(neighbours)
+        join((col, row), neighbour)
+        visited.add(neighbour)
+        trail.append(neighbour)
     for col in range(cols - 1):
         for row in range(rows - 1):
-            if dice.chance(_SHORT_CUTS):
+            if dice.chance(_SHORT_CUT_SHARE):
                 join((col, row), dice.one_of([(col + 1, row), (col, row + 1)]))

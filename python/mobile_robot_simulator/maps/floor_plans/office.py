@@ -1,4 +1,4 @@
-"""Offices: wings of rooms along corridors, cross corridors, a lobby, furniture."""
+"""Offices: wings of rooms along corridors, cross corridors, a lobby and furniture."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from .dice import Dice
 from .furniture import furnish_lobby, furnish_room
 from .plan import Box, Plan
 
-_WING, _ROOM, _LOBBY = 12.5, 4.2, 8.0  # [m]: a wing's depth, a room's and the lobby's width, all about
-_CROSSING_EVERY = 22.0  # [m]
+_WING, _ROOM, _LOBBY = 12.5, 4.2, 8.0  # average depth of a wing, width of a room, and width of the lobby [m]
+_CROSSING_EVERY = 22.0  # average distance between cross corridors [m]
 
 
 class _Wing(NamedTuple):
-    """A corridor with a row of rooms on either side."""
+    """A corridor (`hall`) with a row of rooms on each side."""
 
     inside: Box
     hall: Box
 
 
 def draw_office(plan: Plan, dice: Dice) -> None:
-    """Lay wings across the longer side, one behind the other."""
+    """Draws wings along the longer side, one behind the other."""
     if plan.height > plan.width:
         turned = Plan(plan.height, plan.width, plan.resolution)
         draw_office(turned, dice)
@@ -43,14 +43,14 @@ def draw_office(plan: Plan, dice: Dice) -> None:
 def _wings(plan: Plan, dice: Dice) -> list[_Wing]:
     inside = plan.inside
     count = max(1, round(inside.height / plan.count(_WING)))
-    # One end of an upper wing may be missing, for a building that is not a mere box.
-    short = dice.whole(1, count - 1) if count > 1 and dice.chance(0.7) else -1
+    # One end of an upper wing may be missing, so that the building is not always a rectangle.
+    shortened = dice.whole(1, count - 1) if count > 1 and dice.chance(0.7) else -1
     wings = []
     for number in range(count):
         bottom = inside.bottom + (inside.height + plan.wall) * number // count
         top = inside.bottom + (inside.height + plan.wall) * (number + 1) // count - plan.wall
         left, right = inside.left, inside.right
-        if number == short and inside.width > plan.count(25.0):
+        if number == shortened and inside.width > plan.count(25.0):
             missing = round(inside.width * dice.between(0.2, 0.35))
             left, right = (left + missing, right) if dice.chance(0.5) else (left, right - missing)
         width = plan.count(dice.between(1.8, 2.4))
@@ -60,7 +60,7 @@ def _wings(plan: Plan, dice: Dice) -> list[_Wing]:
 
 
 def _crossings(plan: Plan, dice: Dice, wings: list[_Wing]) -> list[Box]:
-    """Corridors from each wing's to the next one's, near both ends and where it is far between."""
+    """Cross corridors between neighbouring wings: near both ends, and more in between if the wings are long."""
     crossings = []
     for lower, upper in pairwise(wings):
         left = max(lower.inside.left, upper.inside.left)
@@ -75,7 +75,7 @@ def _crossings(plan: Plan, dice: Dice, wings: list[_Wing]) -> list[Box]:
 
 
 def _draw_rooms(plan: Plan, dice: Dice, wing: _Wing, side: int, crossings: list[Box], *, with_lobby: bool) -> None:
-    """Rooms on one side of a wing's corridor: below it (-1) or above (+1)."""
+    """Draws the rooms on one side of a wing's corridor: below it (-1) or above it (+1)."""
     inside, hall = wing
     bottom, top = (hall.top + plan.wall, inside.top) if side > 0 else (inside.bottom, hall.bottom - plan.wall)
     strip = Box(inside.left, bottom, inside.right, top)
@@ -92,7 +92,7 @@ def _draw_rooms(plan: Plan, dice: Dice, wing: _Wing, side: int, crossings: list[
 
 
 def _gaps(plan: Plan, strip: Box, crossings: list[Box]) -> list[tuple[int, int]]:
-    """Spans of a strip of rooms between the corridors that cross it."""
+    """Columns [left, right) of the parts of a strip between the corridors that cross it."""
     through = sorted(box for box in crossings if box.touches(strip))
     edges = [
         strip.left,
@@ -103,7 +103,7 @@ def _gaps(plan: Plan, strip: Box, crossings: list[Box]) -> list[tuple[int, int]]
 
 
 def _split(plan: Plan, dice: Dice, left: int, right: int, *, with_lobby: bool) -> list[tuple[int, int]]:
-    """Widths of rooms that fill a span, a wall between each two."""
+    """Columns [left, right) of the rooms that fill a span, with a wall between neighbours."""
     span = right - left + plan.wall
     count = max(1, round(span / plan.count(_ROOM)))
     shares = [dice.between(0.75, 1.35) for _ in range(count)]
@@ -117,7 +117,7 @@ def _split(plan: Plan, dice: Dice, left: int, right: int, *, with_lobby: bool) -
 
 
 def _open_room(plan: Plan, dice: Dice, room: Box, side: int) -> None:
-    """A door to the corridor, near a corner as doors are, and furniture clear of it."""
+    """Adds a door to the corridor, near a corner of the room, and furniture that leaves the door free."""
     door = min(plan.door + plan.count(dice.between(0.01, 0.2)), room.width)
     inset = min(plan.count(dice.between(0.15, 0.6)), room.width - door)
     left = room.left + inset if dice.chance(0.5) else room.right - inset - door
@@ -128,7 +128,7 @@ def _open_room(plan: Plan, dice: Dice, room: Box, side: int) -> None:
 
 
 def _open_lobby(plan: Plan, dice: Dice, room: Box, side: int) -> None:
-    """Open to the corridor over its width, but for a stub of wall at either end."""
+    """Opens the lobby to the corridor over its full width, except for a stub of wall at each end."""
     stub = min(plan.count(0.6), room.width // 5)
     wall = (room.bottom - plan.wall, room.bottom) if side > 0 else (room.top, room.top + plan.wall)
     plan.carve(Box(room.left + stub, wall[0], room.right - stub, wall[1]))

@@ -1,4 +1,4 @@
-"""The sheet that floor plans are drawn on, in cells."""
+"""Plan: the array of cells on which floor plans are drawn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ UNKNOWN, FREE, WALL = -1, 0, 100
 
 
 class Box(NamedTuple):
-    """The cells of columns [left, right) and rows [bottom, top)."""
+    """A rectangle of cells: columns [left, right) and rows [bottom, top)."""
 
     left: int
     bottom: int
@@ -30,15 +30,15 @@ class Box(NamedTuple):
         return self.top - self.bottom
 
     def grown(self, by: int) -> Box:
-        """The box with so many cells more on every side."""
+        """The box extended by a number of cells on every side."""
         return Box(self.left - by, self.bottom - by, self.right + by, self.top + by)
 
     def touches(self, other: Box) -> bool:
-        """Whether they share a cell."""
+        """True if the boxes share a cell."""
         return self.left < other.right and other.left < self.right and self.bottom < other.top and other.bottom < self.top
 
     def holds(self, other: Box) -> bool:
-        """Whether the other is all inside."""
+        """True if the other box is completely inside this one."""
         return (
             self.left <= other.left and other.right <= self.right and self.bottom <= other.bottom and other.top <= self.top
         )
@@ -46,7 +46,13 @@ class Box(NamedTuple):
 
 @dataclass
 class Plan:
-    """A sheet of cells, unknown at first, with a pen for boxes and discs."""
+    """Cells of a floor plan, unknown at first, and functions that draw on them.
+
+    Args:
+        width: Number of columns.
+        height: Number of rows.
+        resolution: Side of a cell [m].
+    """
 
     width: int
     height: int
@@ -60,27 +66,27 @@ class Plan:
 
     @property
     def inside(self) -> Box:
-        """All but an outer wall."""
+        """The plan without its outer wall."""
         return Box(0, 0, self.width, self.height).grown(-self.outer_wall)
 
     def count(self, metres: float) -> int:
-        """Number of cells in a length, at least one."""
+        """Number of cells in a length, at least 1."""
         return max(1, round(metres / self.resolution))
 
     def fill(self, box: Box, value: int) -> None:
-        """Give all cells of a box a value."""
+        """Sets all cells of a box to a value."""
         self.cells[max(box.bottom, 0) : max(box.top, 0), max(box.left, 0) : max(box.right, 0)] = value
 
     def carve(self, box: Box) -> None:
-        """Free a box."""
+        """Makes all cells of a box free."""
         self.fill(box, FREE)
 
     def block(self, box: Box) -> None:
-        """Wall off a box."""
+        """Makes all cells of a box wall."""
         self.fill(box, WALL)
 
     def pillar(self, col: int, row: int, radius: float) -> None:
-        """Put up something round."""
+        """Makes all cells of a disc wall; its radius is in metres."""
         reach = radius / self.resolution
         size = math.ceil(reach)
         rows, cols = np.ogrid[-size : size + 1, -size : size + 1]
@@ -90,7 +96,7 @@ class Plan:
         around[round_[: around.shape[0], : around.shape[1]]] = WALL
 
     def enclose(self) -> None:
-        """Put an outer wall around all that is free and touches the unknown."""
+        """Adds an outer wall wherever free cells border on unknown cells."""
         free = self.cells == FREE
         for axis in (0, 1):
             spread = free.copy()

@@ -1,4 +1,4 @@
-"""Warehouses: racks of pallets in aisles, a loading zone, a small office."""
+"""Warehouses: racks of pallets along aisles, a loading zone and a small office."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from .dice import Dice
 from .plan import Box, Plan
 
 _AISLE, _CROSS_AISLE, _RACK, _BAY = 2.8, 3.2, 1.1, 2.7  # [m]
-_BAYS = 5  # of a rack, about
+_BAYS = 5  # average number of bays in a rack
 
 
 def draw_warehouse(plan: Plan, dice: Dice) -> None:
-    """Put racks into a hall, a loading zone to the left of them."""
+    """Draws a hall with a loading zone on the left and racks on the right."""
     inside = plan.inside
     plan.block(inside.grown(plan.outer_wall))
     plan.carve(inside)
@@ -20,7 +20,7 @@ def draw_warehouse(plan: Plan, dice: Dice) -> None:
 
 
 def _racks(plan: Plan, dice: Dice, floor: Box) -> None:
-    """Double racks back to back, along x, an aisle between and at both sides, cross aisles between the rows."""
+    """Draws rows of double racks along x, with an aisle on both sides of each row and cross aisles between the racks."""
     aisle, deep, bay = plan.count(_AISLE), plan.count(_RACK), plan.count(_BAY)
     cross = plan.count(_CROSS_AISLE)
     pitch = 2 * deep + aisle
@@ -37,7 +37,7 @@ def _racks(plan: Plan, dice: Dice, floor: Box) -> None:
 
 
 def _rack(plan: Plan, dice: Dice, left: int, bottom: int, bays: int, bay: int, *, fill: float) -> None:
-    """Uprights front and back of each bay, and pallets in some bays; who is small enough drives under the rest."""
+    """Draws the uprights of each bay and pallets in some bays. A small robot can drive through empty bays."""
     deep, post = plan.count(_RACK), max(2, plan.count(0.1))
     for number in range(bays + 1):
         for row in (bottom, bottom + deep - post):
@@ -55,7 +55,7 @@ def _rack(plan: Plan, dice: Dice, left: int, bottom: int, bays: int, bay: int, *
 
 
 def _dock(plan: Plan, dice: Dice, floor: Box) -> None:
-    """A loading zone: gates in the wall, pallets on the floor, a foreman's office in a corner."""
+    """Draws the loading zone: gates in the wall, pallets on the floor, and an office in a corner."""
     gate, depth = plan.count(3.0), max(1, plan.outer_wall - 2)
     bottom = floor.bottom + plan.count(1.2)
     while bottom + gate < floor.top - plan.count(4.8):
