@@ -38,8 +38,8 @@ impl Default for BeamModelOptions {
 /// | max | `z_max` | always `max_range` |
 /// | random | `z_rand` | uniform in \[0, `max_range`) |
 ///
-/// The weights sum to 1 and each part is normalised over its interval. A beam without a return has `z* = max_range`: its hit part
-/// always reads `max_range`, without noise; the other parts stay as they are.
+/// The weights sum to 1 and each part is normalised over its interval. A beam without a return has `z* = max_range`: its hit
+/// part always reads `max_range`, without noise; the other parts stay as they are.
 ///
 /// ```
 /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
@@ -102,8 +102,9 @@ impl BeamModel {
 
     /// Draws the readings \[m\] of the beams of one scan, given their true ranges \[m\].
     ///
-    /// `ranges[i]` is the true range of beam `i`, infinite if the beam has no return within `max_range`. Its reading is written to
-    /// `readings[i]`. Reading `i` depends only on `ranges[i]`, `max_range`, i and the name `(seed, index)` of the scan.
+    /// `ranges[i]` is the true range of beam `i`, infinite if the beam has no return within `max_range`. Its reading is
+    /// written to `readings[i]`. Reading `i` depends only on `ranges[i]`, `max_range`, i and the name `(seed, index)` of the
+    /// scan.
     ///
     /// ```
     /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
@@ -165,7 +166,8 @@ impl BeamModel {
         (-libm::log1p(uniform * libm::expm1(-exponent)) / self.options.lambda_short).min(range)
     }
 
-    /// Returns the probability density \[1/m\] of a reading below `max_range`, or the probability of the reading `max_range`.
+    /// Returns the probability density \[1/m\] of a reading below `max_range`, or the probability of the reading
+    /// `max_range`.
     ///
     /// `hit` is the true range `z*` \[m\], `None` for a beam without a return. With `z` for the reading:
     ///
@@ -207,7 +209,8 @@ impl BeamModel {
 
     /// Returns the [`likelihood`](Self::likelihood) of each reading, given the true range at the same position in `ranges`.
     ///
-    /// A true range of `max_range` or more means no return. If the lengths differ, the extra elements of the longer are ignored.
+    /// A true range of `max_range` or more means no return. If the lengths differ, the extra elements of the longer are
+    /// ignored.
     ///
     /// # Errors
     /// [`Error::Number`] if `max_range` is not positive and finite, or a true range is negative or NaN.
@@ -242,9 +245,10 @@ impl BeamModel {
 /// +----------------+---------+----------+---------------------------+
 /// ```
 ///
-/// Beams `i` and `i + GROUP / 2` of a group share one pair of normal numbers: it is made of the 32 `normal` bits of both beams and
-/// the 2 `quarter` bits of beam `i`. These bits decide nearly every reading. The others (a short or random reading, a hit that has
-/// to be drawn again, a choice on the boundary between two parts) are drawn from a separate stream for the beam.
+/// Beams `i` and `i + GROUP / 2` of a group share one pair of normal numbers: it is made of the 32 `normal` bits of both
+/// beams and the 2 `quarter` bits of beam `i`. These bits decide nearly every reading. The others (a short or random
+/// reading, a hit that has to be drawn again, a choice on the boundary between two parts) are drawn from a separate stream
+/// for the beam.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler<'a> {
     model: &'a BeamModel,

@@ -101,8 +101,8 @@ impl LaserScanner {
     /// Returns the scanner with these parameters. [`LaserScanner`] tells where its beams point.
     ///
     /// # Errors
-    /// - [`Error::Number`]: `fov` is not in (0, 2π], the ranges are not `0 <= min_range < max_range`, `max_range` is too large for a
-    ///   float32, or `mount` is not finite.
+    /// - [`Error::Number`]: `fov` is not in (0, 2π], the ranges are not `0 <= min_range < max_range`, `max_range` is too
+    ///   large for a float32, or `mount` is not finite.
     /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`].
     pub fn new(options: ScannerOptions) -> Result<Self, Error> {
         let ScannerOptions { fov, beam_count, min_range, max_range, mount } = options;
@@ -159,9 +159,9 @@ impl LaserScanner {
 
     /// Writes the true range \[m\] of each beam to `ranges`, seen from a robot at `map_from_base`.
     ///
-    /// `ranges[i]` is the distance from the laser to the nearest blocking cell or obstacle along beam `i`: 0 if the laser is inside
-    /// one, `max_range` without a return. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The robot may be
-    /// off the grid. `map_from_base` must be finite; this is not checked here.
+    /// `ranges[i]` is the distance from the laser to the nearest blocking cell or obstacle along beam `i`: 0 if the laser is
+    /// inside one, `max_range` without a return. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The
+    /// robot may be off the grid. `map_from_base` must be finite; this is not checked here.
     ///
     /// ```
     /// use mobile_robot_simulator::{
@@ -178,7 +178,8 @@ impl LaserScanner {
     ///     GridOptions { resolution: 1.0, origin, occupied_threshold, unknown: Unknown::Free },
     /// )?;
     ///
-    /// let options = ScannerOptions { fov: std::f64::consts::PI, beam_count: 3, max_range: 20.0, ..ScannerOptions::default() };
+    /// let fov = std::f64::consts::PI;
+    /// let options = ScannerOptions { fov, beam_count: 3, max_range: 20.0, ..ScannerOptions::default() };
     /// let laser = LaserScanner::new(options)?;
     /// let mut ranges = [0.0; 3];
     /// laser.scan(&grid, Pose::new(2.0, 0.5, 0.0), &mut ranges)?;
@@ -190,7 +191,8 @@ impl LaserScanner {
     /// If `ranges` does not have one element per beam.
     ///
     /// # Errors
-    /// [`Error::Kernel`] if the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot run.
+    /// [`Error::Kernel`] if the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot
+    /// run.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
         let (world, max_range) = (world.into(), self.options.max_range);
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
@@ -203,7 +205,8 @@ impl LaserScanner {
     /// `poses[i]` is `[x, y, yaw]` of the robot in the map frame \[m, rad\]. The reading of beam `b` of scan `i` is
     /// `readings[i * beam_count + b]`. Without noise the readings are those of [`scan`](Self::scan).
     ///
-    /// The work is shared by `threads` threads, by default as many as there are cores. The readings do not depend on `threads`.
+    /// The work is shared by `threads` threads, by default as many as there are cores. The readings do not depend on
+    /// `threads`.
     ///
     /// # Errors
     /// - [`Error::Row`]: a pose is not finite.
@@ -276,7 +279,8 @@ impl LaserScanner {
 
     /// Returns the end points `[x, y]` \[m\] in the map frame of the valid returns of a scan taken from `map_from_base`.
     ///
-    /// A reading is valid if `min_range <= reading < max_range`; the other readings give no point. Points are in the order of beams.
+    /// A reading is valid if `min_range <= reading < max_range`; the other readings give no point. Points are in the order
+    /// of beams.
     ///
     /// # Errors
     /// [`Error::Length`] if `readings` does not have one element per beam.

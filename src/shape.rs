@@ -12,8 +12,8 @@ pub const MAX_CORNERS: usize = 1000;
 
 /// A disc centred at the origin of the shape's own frame, or a simple polygon in that frame.
 ///
-/// A [`Pose`](crate::Pose) places the shape: it gives the position and yaw of the shape's frame in the map frame. A polygon does
-/// not have to contain the origin.
+/// A [`Pose`](crate::Pose) places the shape: it gives the position and yaw of the shape's frame in the map frame. A polygon
+/// does not have to contain the origin.
 ///
 /// ```
 /// use mobile_robot_simulator::Shape;
@@ -53,8 +53,8 @@ impl Shape {
 
     /// Returns the polygon with the given corners `[x, y]` \[m\]; an edge joins the last corner to the first.
     ///
-    /// The polygon must be simple: its edges may not cross or touch. It may be concave, and its corners may be in clockwise or
-    /// counter-clockwise order.
+    /// The polygon must be simple: its edges may not cross or touch. It may be concave, and its corners may be in clockwise
+    /// or counter-clockwise order.
     ///
     /// ```
     /// use mobile_robot_simulator::Shape;

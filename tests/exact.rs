@@ -1,7 +1,8 @@
-//! Every kernel of this machine casts more than fifty million beams, and each range equals that of the plain traversal to the
-//! last bit.
+//! Every kernel of this machine casts more than fifty million beams, and each range equals that of the plain traversal to
+//! the last bit.
 //!
-//! `cargo test --release --test exact` casts all of them. `cargo test` casts one in a hundred, with debug assertions in the kernels.
+//! `cargo test --release --test exact` casts all of them. `cargo test` casts one in a hundred, with debug assertions in the
+//! kernels.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -82,7 +83,8 @@ fn grid(blocking: impl Iterator<Item = bool>, width: usize) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a grid")
 }
 
-/// Random poses on and around the grid: one coordinate in four on a grid line, one angle in four a multiple of 45°, some far away.
+/// Random poses on and around the grid: one coordinate in four on a grid line, one angle in four a multiple of 45°, some far
+/// away.
 fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
     let mut stream = random::stream(SEED, index);
     let one_in = |count: u64, index: u64| random::stream(SEED + 1, index).next_u64().is_multiple_of(count);

@@ -84,7 +84,8 @@ fn first_name(code: &str) -> String {
 
 /// Returns the imports of each module of the core.
 ///
-/// Fails on a name that is not a module: the core must import a name from the module that defines it, not from the crate's root.
+/// Fails on a name that is not a module: the core must import a name from the module that defines it, not from the crate's
+/// root.
 fn imports(files: &[File]) -> Imports {
     let core = || files.iter().filter(|file| file.module != "python" && file.module != "lib");
     let mut imports: Imports = core().map(|file| (file.module.clone(), BTreeSet::new())).collect();
@@ -137,7 +138,8 @@ fn only_the_binding_mentions_python() {
 #[test]
 fn the_helpers_find_imports_and_cycles() {
     let code = code(
-        "use crate::{a::{x, y}, b};\n// crate::not_this\nuse crate::c::z; \"crate::nor_this\"\n#[cfg(test)]\nmod tests { use crate::d; }",
+        "use crate::{a::{x, y}, b};\n// crate::not_this\nuse crate::c::z; \"crate::nor_this\"\n\
+         #[cfg(test)]\nmod tests { use crate::d; }",
     );
     assert_eq!(root_names(&code), ["a", "b", "c"].map(String::from).into());
     let imports = |edges: &[(&str, &[&str])]| -> Imports {

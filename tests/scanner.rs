@@ -128,8 +128,8 @@ fn scans_of_a_batch_equal_scans_cast_alone() {
     let cells = (0..room.cells().len()).map(|index| (if index % 100 < 50 { &room } else { &checkerboard }).cells()[index]);
     let both = OccupancyGrid::new(cells.collect(), room.width(), room.options()).expect("half a checkerboard");
     let obstacles = Obstacles::new([(&disc, Pose::new(3.0, 4.0, 0.0))]).expect("an obstacle");
-    // With this many poses, scans of up to 544 beams are cast together (a test in `raycast` checks this number). The last chunk
-    // is not full. Some scans start off the grid, one in a wall.
+    // With this many poses, scans of up to 544 beams are cast together (a test in `raycast` checks this number). The last
+    // chunk is not full. Some scans start off the grid, one in a wall.
     let mut poses = poses(1037);
     poses[300] = [-2.0, 3.5, 0.3];
     poses[301] = [1e300, 0.0, 1.0];

@@ -12,8 +12,8 @@ use crate::world::World;
 /// A footprint that a contact stops is at most this far \[m\] from the wall or obstacle, and does not overlap it.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Once the gap has reached its target, a step may still reduce it by this much \[m\], so that rounding does not stop a footprint
-/// that moves along a wall.
+/// Once the gap has reached its target, a step may still reduce it by this much \[m\], so that rounding does not stop a
+/// footprint that moves along a wall.
 const CREEP: f64 = 1e-10;
 
 /// A footprint approaches a piece if it gets nearer at more than this fraction of its top speed.
@@ -78,7 +78,7 @@ impl Footprint {
         blockers.overlap(&self.placed, self.radius)
     }
 
-    /// Returns the distance \[m\] from a footprint that overlaps nothing to the nearest piece, infinity if there are no pieces.
+    /// Returns the distance \[m\] from a footprint that overlaps nothing to the nearest piece, infinity without pieces.
     pub fn gap(&mut self, pose: Pose, blockers: &Blockers<'_>) -> f64 {
         self.place(pose);
         let gaps =
@@ -104,12 +104,12 @@ impl Footprint {
         self.placed.extend(self.corners.iter().map(|&corner| pose.position + heading.rotate(corner)));
     }
 
-    /// Returns the first contact within `duration` seconds along a path that starts without overlap, `None` if there is none.
+    /// Returns the first contact within `duration` seconds along a path that starts without overlap, if any.
     ///
     /// The footprint overlaps nothing on the path up to the contact.
     ///
-    /// Method: conservative advancement (Mirtich 1996). A straight line separates each side of the footprint from each piece. The
-    /// side cannot meet the piece before one of its two ends crosses this line:
+    /// Method: conservative advancement (Mirtich 1996). A straight line separates each side of the footprint from each
+    /// piece. The side cannot meet the piece before one of its two ends crosses this line:
     ///
     /// ```text
     ///        end \                  |  /
@@ -122,8 +122,8 @@ impl Footprint {
     ///                          separating line
     /// ```
     ///
-    /// [`Kinematics::earliest`] gives a time before which an end cannot cross. The footprint advances by the smallest such time
-    /// of all sides and pieces, and repeats this until the gap is within the tolerance.
+    /// [`Kinematics::earliest`] gives a time before which an end cannot cross. The footprint advances by the smallest such
+    /// time of all sides and pieces, and repeats this until the gap is within the tolerance.
     ///
     /// # Errors
     /// [`Error::Number`] if the path has more than [`MAX_SECTIONS`] sections.
@@ -223,7 +223,7 @@ struct Search {
 }
 
 impl Pair<'_> {
-    /// Returns the gap \[m\], the contact it would be, and the separating line as its signed distance from the frame's origin.
+    /// Returns the gap \[m\], the contact it would be, and the signed distance of the separating line from the origin \[m\].
     ///
     /// The line is perpendicular to `toward`. It is moved back by both radii, so that the skeleton may not cross it.
     fn nearest(&self) -> (f64, Hit, f64) {

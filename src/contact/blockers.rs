@@ -31,7 +31,8 @@ pub struct Blockers<'a> {
 }
 
 impl<'a> Blockers<'a> {
-    /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid. A NaN `center` gives no pieces of the grid.
+    /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid. A NaN `center` gives no pieces of the
+    /// grid.
     pub fn around(world: World<'a>, center: DVec2, radius: f64) -> Self {
         let mut blockers = Self { world, near: Vec::new() };
         blockers.gather(center, radius);
@@ -57,8 +58,8 @@ impl<'a> Blockers<'a> {
 
     /// Adds the edges between blocking and free cells.
     ///
-    /// Edges of neighbouring cells in a straight line are merged into one: a footprint that slides along a wall must not be caught
-    /// at the seam between two cells.
+    /// Edges of neighbouring cells in a straight line are merged into one: a footprint that slides along a wall must not be
+    /// caught at the seam between two cells.
     ///
     /// ```text
     ///   +---+---+---+            +-----------+
@@ -147,7 +148,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Returns the distance \[m\] between piece and footprint, where `radius` is that of the footprint. Zero or less: they meet.
+    /// Returns the distance \[m\] between piece and footprint, given the footprint's radius; zero or less if they meet.
     pub fn gap(&self, radius: f64) -> f64 {
         self.own.distance(self.other) - self.radius - radius
     }

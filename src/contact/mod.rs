@@ -1,7 +1,7 @@
 //! Contact between a robot's footprint and blocking cells or obstacles: overlap, clearance, and motion until contact.
 //!
-//! Internally everything is in the frame of the grid, in metres from its corner. Poses, points and normals that go in or come out
-//! are in the map frame.
+//! Internally everything is in the frame of the grid, in metres from its corner. Poses, points and normals that go in or
+//! come out are in the map frame.
 
 mod approach;
 mod blockers;
@@ -47,7 +47,7 @@ pub enum ContactMode {
 pub struct Contact {
     /// The point of contact, on the wall or obstacle, in the map frame \[m\].
     pub point: DVec2,
-    /// Unit vector in the map frame from the wall or obstacle towards the footprint. Zero if the robot's origin is inside it.
+    /// Unit vector in the map frame from the wall or obstacle towards the footprint; zero if it contains the robot's origin.
     pub normal: DVec2,
     /// Time of the contact as a fraction of the step, from 0 to 1.
     pub fraction: f64,
@@ -70,8 +70,8 @@ pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -
 
 /// Returns the distance \[m\] between a footprint at a pose and the nearest blocking cell or obstacle.
 ///
-/// The distance is 0 if they share a point, and `limit` \[m\] if nothing is nearer than that. `pose` is that of the footprint's
-/// frame in the map frame.
+/// The distance is 0 if they share a point, and `limit` \[m\] if nothing is nearer than that. `pose` is that of the
+/// footprint's frame in the map frame.
 ///
 /// # Errors
 /// [`Error::Number`] if the pose is not finite, or `limit` is not positive and finite.
@@ -96,10 +96,10 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
     }
 }
 
-/// Moves a robot for `dt` seconds under a constant twist. Returns the pose it reaches and the first contact on its path, if any.
+/// Returns the pose that a robot reaches after `dt` seconds under a constant twist, and its first contact, if any.
 ///
-/// `pose` is that of the robot in the map frame \[m, rad\]; `twist` is in the robot's own frame \[m/s, rad/s\]. The path is the
-/// exact arc of [`integrate`]. Without contact the result equals that of `integrate`, to the last bit.
+/// `pose` is that of the robot in the map frame \[m, rad\]; `twist` is in the robot's own frame \[m/s, rad/s\]. The path is
+/// the exact arc of [`integrate`]. Without contact the result equals that of `integrate`, to the last bit.
 ///
 /// ```text
 ///        Stop                  Slide                 Report
@@ -111,15 +111,16 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
 ///    ,'    |//             ,'     |//               ,'  |//
 /// ```
 ///
-/// - [`Stop`](ContactMode::Stop): the robot stops within [`CONTACT_TOLERANCE`] of the wall or obstacle and never overlaps it.
-/// - [`Slide`](ContactMode::Slide): the robot uses the rest of the step to move along it. Its linear velocity becomes the nearest
-///   one that moves no contact point into a wall or obstacle, and is constant in the map frame; the robot keeps turning at the
-///   commanded rate. If no such velocity exists, as in a corner, it stops turning as well.
+/// - [`Stop`](ContactMode::Stop): the robot stops within [`CONTACT_TOLERANCE`] of the wall or obstacle and does not overlap
+///   it.
+/// - [`Slide`](ContactMode::Slide): the robot uses the rest of the step to move along it. Its linear velocity becomes the
+///   nearest one that moves no contact point into a wall or obstacle, and is constant in the map frame; the robot keeps
+///   turning at the commanded rate. If no such velocity exists, as in a corner, it stops turning as well.
 /// - [`Report`](ContactMode::Report): the robot reaches the end of the arc.
 ///
-/// A robot that overlaps something at the start is in contact at fraction 0. It then moves as the largest copy of itself, scaled
-/// about its origin, that overlaps nothing: it can move away or along, but not deeper. If its origin is inside a blocking cell or
-/// an obstacle there is no such copy; the robot then moves freely, and the contact has a zero normal.
+/// A robot that overlaps something at the start is in contact at fraction 0. It then moves as the largest copy of itself,
+/// scaled about its origin, that overlaps nothing: it can move away or along, but not deeper. If its origin is inside a
+/// blocking cell or an obstacle there is no such copy; the robot then moves freely, and the contact has a zero normal.
 ///
 /// Method: conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996).
 ///
@@ -145,9 +146,9 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
 /// ```
 ///
 /// # Errors
-/// [`Error::Number`] if `pose`, `twist` or the pose at the end of the arc is not finite, if `dt` is negative or not finite, or if
-/// `dt` is so long that the arc takes more than 100000 sections, each at most as long as the footprint's reach (or four cells, if
-/// that is more) and with a turn of at most 0.5 rad.
+/// [`Error::Number`] if `pose`, `twist` or the pose at the end of the arc is not finite, if `dt` is negative or not finite,
+/// or if `dt` is so long that the arc takes more than 100000 sections, each at most as long as the footprint's reach (or
+/// four cells, if that is more) and with a turn of at most 0.5 rad.
 pub fn advance<'a>(
     world: impl Into<World<'a>>,
     footprint: &Shape,

@@ -66,13 +66,15 @@ impl Kinematics {
         self.linear + self.angular * offset.perp()
     }
 
-    /// Returns a lower bound on the time \[s\] that the point at `offset` needs to move by `distance` along the unit vector `normal`.
+    /// Returns a lower bound on the time \[s\] in which the point at `offset` moves by `distance` along a unit vector
+    /// `normal`.
     ///
     /// The bound is infinite if the point cannot get there within `horizon` seconds.
     ///
-    /// Method: within the horizon the displacement is at most `v·t + a·t²/2` (Taylor's theorem), where v is the current velocity
-    /// along `normal` and a is the largest acceleration along it. The point circles at constant turn rate ω, so its acceleration
-    /// changes at a rate (jerk) of at most ω² times its speed. The bound is the first root of `v·t + a·t²/2 = distance`.
+    /// Method: within the horizon the displacement is at most `v·t + a·t²/2` (Taylor's theorem), where v is the current
+    /// velocity along `normal` and a is the largest acceleration along it. The point circles at constant turn rate ω, so its
+    /// acceleration changes at a rate (jerk) of at most ω² times its speed. The bound is the first root of
+    /// `v·t + a·t²/2 = distance`.
     pub fn earliest(self, offset: DVec2, normal: DVec2, distance: f64, horizon: f64) -> f64 {
         let square = self.angular * self.angular;
         let jerk = square * (self.linear.length() + self.angular.abs() * offset.length());

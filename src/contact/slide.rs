@@ -9,10 +9,10 @@ use crate::motion::Twist;
 use crate::pose::{Pose, rotate};
 use crate::world::World;
 
-/// Largest number of contacts handled in one step. After the next contact the footprint stands still for the rest of the step.
+/// Largest number of contacts handled in one step. After one more the footprint stands still for the rest of the step.
 const MAX_CONTACTS: usize = 8;
 
-/// Returns the pose in the frame of the grid after `duration` seconds, where the footprint slides from its `first` contact on.
+/// Returns the pose after `duration` seconds of a path, in the frame of the grid; the footprint slides from `first` on.
 ///
 /// After each contact the footprint moves on a straight line, at the allowed twist nearest to the wanted one.
 ///
@@ -47,9 +47,9 @@ fn allowed_twist(wanted: Twist, hits: &[Hit]) -> Twist {
 
 /// Returns the allowed linear velocity nearest to the wanted one at a given turn rate, `None` if no velocity is allowed.
 ///
-/// A contact point moves at `v + angular · perp(offset)`. It must not move along `toward`, so a contact allows the velocities
-/// with `v · toward <= limit`, a half-plane. The nearest point of the intersection of these half-planes is the wanted velocity,
-/// its projection onto one boundary, or the corner of two boundaries:
+/// A contact point moves at `v + angular · perp(offset)`. It must not move along `toward`, so a contact allows the
+/// velocities with `v · toward <= limit`, a half-plane. The nearest point of the intersection of these half-planes is the
+/// wanted velocity, its projection onto one boundary, or the corner of two boundaries:
 ///
 /// ```text
 ///   v · toward > limit, not allowed

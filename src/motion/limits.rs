@@ -31,10 +31,10 @@ impl Limits {
     pub const NONE: Self =
         Self { velocity: [f64::INFINITY; 3], acceleration: [f64::INFINITY; 3], deceleration: [f64::INFINITY; 3] };
 
-    /// Returns limits on the speed \[m/s, rad/s\], on its increase and on its decrease \[m/s², rad/s²\] of the axes `[vx, vy, wz]`.
+    /// Returns limits for the axes `[vx, vy, wz]`: on speed \[m/s, rad/s\], its increase and its decrease \[m/s², rad/s²\].
     ///
-    /// A velocity limit of 0 holds an axis still. An acceleration limit of 0 never lets it speed up, a deceleration limit of 0 never
-    /// lets it slow down.
+    /// A velocity limit of 0 holds an axis still. An acceleration limit of 0 never lets it speed up, a deceleration limit of
+    /// 0 never lets it slow down.
     ///
     /// # Errors
     /// [`Error::Number`] if a limit is negative or NaN.
@@ -68,8 +68,8 @@ impl Limits {
 
     /// Returns the velocity after `dt` seconds of a robot that moves at `current` and is commanded to move at `wanted`.
     ///
-    /// An axis that changes its direction first slows down to 0 at the deceleration limit, then uses the remaining time to speed up
-    /// at the acceleration limit. A speed above the velocity limit becomes the limit at once.
+    /// An axis that changes its direction first slows down to 0 at the deceleration limit, then uses the remaining time to
+    /// speed up at the acceleration limit. A speed above the velocity limit becomes the limit at once.
     ///
     /// # Errors
     /// [`Error::Number`] if a velocity is not finite, or `dt` is negative or not finite.

@@ -47,8 +47,8 @@ impl Twist {
 
     /// Returns the constant twist that moves a robot from `start` to `end` in `duration` seconds, with a turn in (-π, π].
     ///
-    /// The inverse of [`integrate`]: `integrate(start, twist, duration)` is `end` up to rounding and whole turns of yaw. `duration`
-    /// must not be 0.
+    /// The inverse of [`integrate`]: `integrate(start, twist, duration)` is `end` up to rounding and whole turns of yaw.
+    /// `duration` must not be 0.
     #[must_use]
     pub fn between(start: Pose, end: Pose, duration: f64) -> Self {
         let turn = wrap_angle(end.yaw - start.yaw);
@@ -60,8 +60,8 @@ impl Twist {
 
 /// Returns the pose of a robot that starts at `pose` and moves at a constant `twist` for `duration` seconds.
 ///
-/// `twist` is in the robot's own frame, so the path is an arc of a circle (a straight line without turn). The result is exact up to
-/// rounding for any duration, also a negative one. The yaw is not wrapped.
+/// `twist` is in the robot's own frame, so the path is an arc of a circle (a straight line without turn). The result is
+/// exact up to rounding for any duration, also a negative one. The yaw is not wrapped.
 ///
 /// Formula: the exponential of SE(2). With `φ = ω · Δt` and `sinc(x) = sin(x) / x`:
 ///
@@ -87,8 +87,7 @@ pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
     Pose { position: pose.position + step, yaw: pose.yaw + turn }
 }
 
-/// Returns the position that a robot at the origin reaches under a constant twist, and the derivative of this position by the turn
-/// rate.
+/// Returns the position that a robot at the origin reaches under a constant twist, and its derivative by the turn rate.
 pub(crate) fn arc(linear: DVec2, angular: f64, duration: f64) -> (DVec2, DVec2) {
     let half = 0.5 * angular * duration;
     let step = rotate(linear, half) * duration;
@@ -144,8 +143,8 @@ fn sinc(x: f64) -> f64 {
 /// Returns the derivative of sin(x)/x, computed by its series near 0.
 fn sinc_slope(x: f64) -> f64 {
     let square = x * x;
-    // Below this limit the first omitted term, x⁷/45360, is smaller than 1e-13 of the first one. Above it the cancellation in the
-    // closed form costs no more than that.
+    // Below this limit the first omitted term, x⁷/45360, is smaller than 1e-13 of the first one. Above it the cancellation
+    // in the closed form costs no more than that.
     if square < 1e-3 {
         -x / 3.0 * (1.0 - square / 10.0 * (1.0 - square / 28.0))
     } else {

@@ -19,8 +19,8 @@ use crate::random;
 /// | turn rate ω | `α3·v² + α4·ω²` |
 /// | rate γ of the rotation at the end | `α5·v² + α6·ω²` |
 ///
-/// The speed is the length of the linear velocity, along its direction; forward for a robot that turns in place. The book has no
-/// robot that moves sideways: for one that does, v is taken along its direction of travel.
+/// The speed is the length of the linear velocity, along its direction; forward for a robot that turns in place. The book
+/// has no robot that moves sideways: for one that does, v is taken along its direction of travel.
 ///
 /// The variances are per step, as in the book: a path has less noise if it is split into more steps.
 ///
@@ -70,8 +70,8 @@ impl MotionNoise {
     /// v̂ ~ N(v, α1·v² + α2·ω²)    ω̂ ~ N(ω, α3·v² + α4·ω²)    γ̂ ~ N(0, α5·v² + α6·ω²)
     /// ```
     ///
-    /// The robot moves along the arc of v̂ and ω̂, then turns by γ̂·Δt. Every call draws three normal numbers from `stream`, also for
-    /// a twist of 0. The input is not checked.
+    /// The robot moves along the arc of v̂ and ω̂, then turns by γ̂·Δt. Every call draws three normal numbers from `stream`,
+    /// also for a twist of 0. The input is not checked.
     pub fn sample(&self, pose: Pose, twist: Twist, duration: f64, stream: &mut impl Rng) -> Pose {
         let deviations = self.variances(twist).map(f64::sqrt);
         let [speed, turn, last] = deviations.map(|deviation| deviation * normal::sample(stream));
@@ -98,8 +98,8 @@ impl MotionNoise {
     /// - M is the diagonal matrix of the variances in [`MotionNoise`].
     /// - `pose` is the pose at the start of the step: the true pose, or the one the robot believes in.
     ///
-    /// The result is symmetric to the last bit. It is of first order in the errors, which is accurate while the standard deviation
-    /// of the yaw is below about 0.2 rad.
+    /// The result is symmetric to the last bit. It is of first order in the errors, which is accurate while the standard
+    /// deviation of the yaw is below about 0.2 rad.
     ///
     /// Source: *Probabilistic Robotics*, table 7.2, lines 3 to 7, extended by γ.
     ///

@@ -77,8 +77,8 @@ impl Body {
 
     /// Returns the distance to the nearest edge that the ray crosses from outside to inside.
     ///
-    /// Corners are expressed in the ray's own frame: `along` it and `left` of it. The interior lies to the left of every edge
-    /// (corners are counter-clockwise), so an edge that the ray enters through runs from the ray's left to its right:
+    /// Corners are expressed in the ray's own frame: `along` it and `left` of it. The interior lies to the left of every
+    /// edge (corners are counter-clockwise), so an edge that the ray enters through runs from the ray's left to its right:
     ///
     /// ```text
     ///           start (left > 0)

@@ -14,8 +14,8 @@ use crate::shape::Shape;
 
 /// A set of obstacles, each a [`Shape`] at a [`Pose`] in the map frame.
 ///
-/// The range of a beam is the distance to the nearest blocking cell or obstacle. Distances to obstacles are computed in closed
-/// form, with a rounding error of about 1e-15 times the coordinates. Boundary cases:
+/// The range of a beam is the distance to the nearest blocking cell or obstacle. Distances to obstacles are computed in
+/// closed form, with a rounding error of about 1e-15 times the coordinates. Boundary cases:
 ///
 /// | beam | range |
 /// |---|---|

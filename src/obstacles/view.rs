@@ -88,8 +88,8 @@ impl<'a> View<'a> {
 
     /// Replaces each range \[m\] by the distance to the nearest obstacle, if that is shorter than the range and `max_range`.
     ///
-    /// `ranges[i]` is the range of beam `first + i`, infinite for no return. `direction(i)` is the direction of that beam: a unit
-    /// vector in the laser frame.
+    /// `ranges[i]` is the range of beam `first + i`, infinite for no return. `direction(i)` is the direction of that beam: a
+    /// unit vector in the laser frame.
     pub fn shorten(&self, first: usize, direction: impl Fn(usize) -> DVec2, ranges: &mut [f64]) {
         for seen in &self.seen {
             let (start, end) = (seen.beams.0.max(first), seen.beams.1.min(first + ranges.len()));
