@@ -1,0 +1,71 @@
+"""motion: commands are integrated exactly and can be read at any time; snapshots restore everything."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mobile_robot_simulator import Pose
+from mobile_robot_simulator.physics.motion import STANDING, Motion
+
+SECOND = 1_000_000_000
+
+
+def driving(timeout: float = 0.0) -> Motion:
+    """A robot that starts at (1, 2, 0) in a frame at (10, 0, 0) of the map and drives forward at 1 m/s."""
+    motion = Motion(0, timeout, Pose(10.0), Pose(1.0, 2.0))
+    motion.command((1.0, 0.0, 0.0), 0)
+    return motion
+
+
+def test_poses_are_exact_at_any_time_and_in_both_frames() -> None:
+    motion = driving()
+    motion.command((math.pi / 2, 0.0, math.pi / 2), SECOND)  # A quarter of a circle of radius 1 m.
+    assert tuple(motion.pose(2 * SECOND)) == pytest.approx((3.0, 3.0, math.pi / 2))
+    assert tuple(motion.map_pose(2 * SECOND)) == pytest.approx((13.0, 3.0, math.pi / 2))
+    assert tuple(motion.map_pose_at(SECOND // 2)) == pytest.approx((11.5, 2.0, 0.0))
+    assert motion.distance(2 * SECOND) == pytest.approx(1.0 + math.pi / 2)
+
+
+def test_a_command_ends_at_its_timeout_and_a_repeated_one_extends_it() -> None:
+    motion = driving(timeout=0.5)
+    motion.command((1.0, 0.0, 0.0), SECOND // 4)
+    assert motion.velocity(3 * SECOND // 4 - 1) == (1.0, 0.0, 0.0)
+    assert motion.velocity(3 * SECOND // 4) == STANDING
+    assert motion.pose(SECOND).x == pytest.approx(1.75)
+    assert len(motion.trajectory(SECOND)) == 2
+
+
+def test_slip_slows_the_robot_and_not_its_wheels() -> None:
+    motion = driving()
+    motion.slip(0.25, SECOND)
+    assert motion.slipped
+    assert motion.velocity(2 * SECOND) == (0.75, 0.0, 0.0) and motion.wheel_velocity(2 * SECOND) == (1.0, 0.0, 0.0)
+    assert motion.pose(2 * SECOND).x == pytest.approx(2.75) and motion.wheel_pose(2 * SECOND).x == pytest.approx(3.0)
+
+
+def test_moving_the_frame_moves_the_robot_in_the_map_only() -> None:
+    motion = driving()
+    motion.move_frame(Pose(20.0), SECOND)
+    assert motion.pose(SECOND).x == 2.0 and motion.map_pose(SECOND).x == 22.0
+    motion.place(Pose(5.0), SECOND)
+    assert motion.pose(2 * SECOND).x == 6.0
+
+
+def test_a_restored_motion_equals_the_saved_one() -> None:
+    motion = driving(timeout=0.5)
+    motion.slip(0.5, SECOND // 4)
+    state = motion.save()
+    motion.set_timeout(9.0, SECOND // 4)
+    motion.stop(SECOND)
+    motion.restore(state)
+    assert motion.save() == state
+    assert motion.velocity(SECOND // 2) == STANDING and motion.pose(SECOND).x == pytest.approx(1.375)
+
+
+def test_a_continuing_motion_keeps_the_past() -> None:
+    before = driving()
+    motion = Motion(SECOND, 0.0, Pose(10.0), before.pose(SECOND)).continuing(before)
+    assert motion.distance(SECOND) == 1.0 and motion.trajectory(SECOND)[0].start_ns == 0
+    assert motion.map_pose_at(SECOND // 2).x == 11.5
