@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
-from ..simulation.fault import check_at_least_0
+from ..simulation.arguments import check_at_least_0
 
 if TYPE_CHECKING:
     from ..physics.motion import ContactEvent
