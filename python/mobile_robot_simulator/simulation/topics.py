@@ -24,11 +24,11 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
     Raises:
         ValueError: There is no such topic. The message suggests the most similar name.
     """
-    topics = {topic.name: topic for topic in bus.topics()}
-    found = topics.get(absolute(name))
+    found = bus.find_topic(name)
     if found is None:
-        near = difflib.get_close_matches(absolute(name), topics, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(topics)}"
+        names = bus.topic_names()
+        near = difflib.get_close_matches(absolute(name), names, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
         raise ValueError(f"unknown topic {name!r}; {hint}")
     return found
 

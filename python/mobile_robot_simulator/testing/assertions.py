@@ -2,6 +2,21 @@
 
 They check the ground truth, not what the robot believes. `assert_reaches` and `assert_rate` run the simulation. If
 `Simulation.picture` names a file, a failed assertion saves a picture of the drive there and names the file.
+
+Example:
+    >>> import numpy as np
+    >>> import mobile_robot_simulator as mrs
+    >>> from mobile_robot_simulator.testing import assert_reaches
+    >>> grid = mrs.OccupancyGrid(np.zeros((100, 100), np.int8), resolution=0.1)
+    >>> sim = mrs.Simulation(grid, start=(1.0, 5.0, 0.0), parameters={"velocity_timeout": 0.0})
+    >>> sim.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5)))
+    >>> assert_reaches(sim, (2.0, 5.0), within=5.0, tolerance=0.12)
+    1.8
+    >>> assert_reaches(sim, (1.0, 5.0), within=1.0)
+    Traceback (most recent call last):
+    AssertionError: the robot did not come within 0.3 m of (1, 5) in 1 s: it was never nearer than 0.900 m
+      nearest: 0.900 m away, at (1.900, 5.000) at 1.800 s
+      end: 1.400 m away, at (2.400, 5.000) at 2.800 s
 """
 
 from __future__ import annotations

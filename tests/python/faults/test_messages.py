@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 
 import numpy as np
@@ -101,3 +102,8 @@ def test_faults_of_scans_need_a_topic_of_scans(sim, make):
     with pytest.raises(TypeError, match="needs a topic of LaserScan, /odom carries Odometry"):
         sim.add_fault(make())
     sim.run_for(1.0)
+
+
+def test_the_example_of_the_documentation_runs():
+    results = doctest.testmod(faults)
+    assert results.attempted and not results.failed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
+from mobile_robot_simulator.simulation import simulation
 from simulations import twist
 
 SECOND = 1_000_000_000
@@ -337,3 +339,8 @@ def test_the_repr_shows_time_robots_and_map(room: mrs.OccupancyGrid) -> None:
     assert repr(sim) == (
         "Simulation(at 0 s, 2 robots: one at (0.00, 0.00, 0.00), two at (-2.00, 3.00, 0.00), map 200x160 cells)"
     )
+
+
+def test_the_example_of_the_documentation_runs():
+    results = doctest.testmod(simulation)
+    assert results.attempted and not results.failed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import faults
+from mobile_robot_simulator.testing import assertions
 from mobile_robot_simulator.testing.assertions import (
     assert_clearance,
     assert_no_contact,
@@ -232,3 +234,8 @@ def test_a_missing_return_differs_from_a_range():
         other = np.array([1.0, none, 1.0], np.float32)
         assert "inf m, at beam 1: " in message(assert_scan_close, ones, other)
         assert_scan_close(other, other)
+
+
+def test_the_example_of_the_documentation_runs():
+    results = doctest.testmod(assertions)
+    assert results.attempted and not results.failed
