@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+import signal
 
 import numpy as np
 import pytest
@@ -14,20 +13,9 @@ import mobile_robot_simulator as mrs
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=60)
 settings.load_profile("repeatable")
 
-# Real maps, which do not travel with the project.
-SHARED_MAPS = Path(__file__).parents[2] / ".." / "shared" / "maps"
-
-
-@pytest.fixture(scope="session")
-def shared_map() -> Callable[..., mrs.OccupancyGrid]:
-    """Loads a real map by its folder; skips the test if there are none."""
-
-    def load(name: str, file: str = "map.yaml") -> mrs.OccupancyGrid:
-        if not SHARED_MAPS.is_dir():
-            pytest.skip(f"no folder of real maps at {SHARED_MAPS}")
-        return mrs.load_map(SHARED_MAPS / name / file)
-
-    return load
+# A shell that starts `make test &` has SIGINT ignored, which processes inherit. Tests that send SIGINT need it to be heard.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ def documented() -> Iterator[tuple[str, Any]]:
             continue
         yield name, thing
         if inspect.isclass(thing):
-            for member in vars(thing):
+            for member in sorted(vars(thing)):
                 if not member.startswith("_"):
                     yield f"{name}.{member}", getattr(thing, member)
 

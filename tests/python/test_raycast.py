@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 import mobile_robot_simulator as mrs
 import reference
+from map_folders import maps
 
 RAYS_SEED = 20_240_501
 WALLS_SEED = 77
@@ -246,20 +248,23 @@ def test_any_ray_on_any_grid_agrees_with_the_reference(
     reference.assert_ranges(mrs.cast_rays(grid, np.array(rays), 30.0), reference.cast(grid, rays, 30.0))
 
 
-REAL_MAPS = [
-    ("nav2_tb3_sandbox", "map.yaml"),
-    ("nav2_depot", "map.yaml"),
-    ("willow_2010_0.10", "map.yaml"),
-    ("radish_intel", "map_logframe.yaml"),
-    ("mit_basement_fixed", "map.yaml"),
-    ("f1_berlin", "map.yaml"),
-    ("ros1_testmap2_negate", "map.yaml"),
-]
+MAPS = maps(
+    carried=["office", "office_turned", "warehouse_grey_is_free", "corridor_shades", "cave_turned", "maze_negated"],
+    real=[
+        "nav2_tb3_sandbox/map.yaml",
+        "nav2_depot/map.yaml",
+        "willow_2010_0.10/map.yaml",
+        "radish_intel/map_logframe.yaml",
+        "mit_basement_fixed/map.yaml",
+        "f1_berlin/map.yaml",
+        "ros1_testmap2_negate/map.yaml",
+    ],
+)
 
 
-@pytest.mark.parametrize(("name", "file"), REAL_MAPS)
-def test_real_maps_agree_with_the_reference(shared_map: Callable[..., mrs.OccupancyGrid], name: str, file: str) -> None:
-    grid = shared_map(name, file)
+@pytest.mark.parametrize("path", MAPS)
+def test_whole_maps_agree_with_the_reference(path: Path) -> None:
+    grid = mrs.load_map(path)
     rays = rays_around(grid, 60, RAYS_SEED, margin=0.1)
     bounds = reference.cast(grid, rays, 30.0)
     assert bounds.clear.mean() > 0.9

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 
 import mobile_robot_simulator as mrs
 import reference
+from map_folders import maps
 
 PI = math.pi
 POSES_SEED = 11
@@ -134,14 +136,15 @@ def test_scans_agree_with_the_reference(
         reference.assert_ranges(laser.scan(grid, tuple(pose)), bounds)
 
 
-@pytest.mark.parametrize(
-    ("name", "file"),
-    [("nav2_tb3_sandbox", "map.yaml"), ("radish_intel", "map_logframe.yaml"), ("mit_basement_fixed", "map.yaml")],
+MAPS = maps(
+    carried=["office", "office_turned", "cave_turned"],
+    real=["nav2_tb3_sandbox/map.yaml", "radish_intel/map_logframe.yaml", "mit_basement_fixed/map.yaml"],
 )
-def test_scans_of_real_maps_agree_with_the_reference(
-    shared_map: Callable[..., mrs.OccupancyGrid], name: str, file: str
-) -> None:
-    grid = shared_map(name, file)
+
+
+@pytest.mark.parametrize("path", MAPS)
+def test_scans_of_whole_maps_agree_with_the_reference(path: Path) -> None:
+    grid = mrs.load_map(path)
     laser = mrs.LaserScanner(fov=2 * PI, beam_count=24, max_range=30.0)
     poses = [grid.draw_free_pose(radius=0.1, seed=seed) for seed in range(3)]
     ranges = laser.scan_batch(grid, np.array([tuple(pose) for pose in poses]))

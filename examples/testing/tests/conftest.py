@@ -1,4 +1,4 @@
-"""Imports the controllers without ROS. The fixtures of the simulator need no setup."""
+"""The controllers, imported without ROS. The fixtures of the simulator need nothing here."""
 
 from mobile_robot_simulator.testing.rclpy_shim import stand_in
 

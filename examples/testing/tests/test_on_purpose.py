@@ -1,4 +1,4 @@
-"""Fails on purpose, to show the report of a failure."""
+"""Fails on purpose: shows what the report of a failure looks like."""
 
 import pytest
 from followers.pure_pursuit import PurePursuit

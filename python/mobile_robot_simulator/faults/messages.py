@@ -1,11 +1,11 @@
-"""Faults of messages: dropped, delayed, duplicated, reordered or changed."""
+"""Faults of messages: lost, late, repeated, out of order, changed."""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,34 +13,21 @@ from ..bus.bus import Bus
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
-from ..simulation.arguments import check_at_least_0
-from ..simulation.fault import Fault, FaultTarget
-from ..simulation.topics import find_topic
+from ..simulation.fault import Fault, check_at_least_0
+from ..simulation.simulation import Simulation
+
+if TYPE_CHECKING:
+    from ..simulation.simulation import Simulation
+
 
 Copies = list[tuple[int, Message]] | None
-"""Messages to send instead of one message, each with its delay [ns]; None to send it unchanged."""
 
 
 class MessageFault(Fault):
-    """A fault that changes the messages of a topic, each with a probability.
-
-    Args:
-        topic: Name of the topic.
-        probability: Probability with which a message is changed, in 0..1.
-        start: Time at which the fault begins [s].
-        end: Time at which the fault ends [s].
-        seed: Seed of the random numbers.
-
-    Attributes:
-        topic: Name of the topic, with a leading slash.
-        probability: Probability with which a message is changed.
-
-    Raises:
-        ValueError: The probability is not in 0..1, or the times are not valid for a `Fault`.
-    """
+    """Something that goes wrong with the messages of a topic, each with a probability."""
 
     needs: type[Message] = Message
-    """Type of messages that the fault can change."""
+    """What the topic must carry."""
 
     def __init__(
         self, topic: str, *, probability: float = 1.0, start: float = 0.0, end: float = math.inf, seed: int = 0
@@ -52,14 +39,11 @@ class MessageFault(Fault):
 
     @abstractmethod
     def change(self, message: Message) -> Copies:
-        """Returns the messages to send instead of a message that is affected."""
+        """What goes out instead of a message, and how much later [ns]; None for the message as it is."""
 
-    def pass_by(self, message: Message) -> Copies:
-        """Returns the messages to send instead of a message that is not affected; None to send it unchanged."""
-        return None
-
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        carried = find_topic(bus, self.topic).msg_type
+    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+        simulation.latest(self.topic)
+        carried = next(topic.msg_type for topic in bus.topics() if topic.name == self.topic)
         if not issubclass(carried, self.needs):
             raise TypeError(
                 f"{type(self).__name__} needs a topic of {self.needs.__name__}, {self.topic} carries {carried.__name__}"
@@ -73,31 +57,22 @@ class MessageFault(Fault):
             return self.pass_by(message)
         return self.change(message)
 
-    def _arguments(self) -> list[str]:
-        return [repr(self.topic)] + ([f"probability={self.probability:g}"] if self.probability < 1.0 else [])
+    def pass_by(self, message: Message) -> Copies:
+        """What goes out instead of a message that chance spares."""
+        return None
 
 
 class Drop(MessageFault):
-    """Messages of a topic are lost."""
+    """Messages that are lost."""
 
     def change(self, message: Message) -> Copies:
-        """Sends nothing."""
+        """Nothing goes out."""
         self._note(f"drop {self.topic}")
         return []
 
 
 class Delay(MessageFault):
-    """Messages of a topic arrive late. They may overtake each other.
-
-    Args:
-        topic: Name of the topic.
-        seconds: Shortest delay [s].
-        jitter: Range of the additional random delay, uniform in 0..jitter [s].
-        **options: As for `MessageFault`.
-
-    Raises:
-        ValueError: `seconds` or `jitter` is negative or not finite.
-    """
+    """Messages that come late by `seconds`, and by up to `jitter` more, drawn evenly; they may overtake one another."""
 
     def __init__(self, topic: str, seconds: float, *, jitter: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
@@ -105,27 +80,14 @@ class Delay(MessageFault):
         self.seconds, self.jitter = seconds, jitter
 
     def change(self, message: Message) -> Copies:
-        """Sends the message later."""
+        """The message goes out later."""
         delay_ns = round((self.seconds + self.jitter * self._random.random()) * NANOSECONDS)
         self._note(f"delay {self.topic} by {delay_ns / NANOSECONDS:g} s")
         return [(delay_ns, message)]
 
-    def _arguments(self) -> list[str]:
-        topic, *others = super()._arguments()
-        return [topic, f"{self.seconds:g} s", *([f"jitter={self.jitter:g} s"] if self.jitter else []), *others]
-
 
 class Duplicate(MessageFault):
-    """Messages of a topic arrive twice.
-
-    Args:
-        topic: Name of the topic.
-        after: Delay of the second copy [s].
-        **options: As for `MessageFault`.
-
-    Raises:
-        ValueError: `after` is negative or not finite.
-    """
+    """Messages that come twice, the second time `after` seconds later."""
 
     def __init__(self, topic: str, *, after: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
@@ -133,23 +95,20 @@ class Duplicate(MessageFault):
         self.after = after
 
     def change(self, message: Message) -> Copies:
-        """Sends the message twice."""
+        """The message goes out twice."""
         self._note(f"duplicate {self.topic}")
         return [(0, message), (round(self.after * NANOSECONDS), message)]
 
-    def _arguments(self) -> list[str]:
-        return super()._arguments() + ([f"after={self.after:g} s"] if self.after else [])
-
 
 class Reorder(MessageFault):
-    """Messages of a topic arrive after the message that follows them. If none follows, the message is lost."""
+    """Messages that come after the next one. One that no other follows is lost."""
 
     def __init__(self, topic: str, **options: Any) -> None:
         super().__init__(topic, **options)
         self._held: Message | None = None
 
     def change(self, message: Message) -> Copies:
-        """Holds the message back until the next one."""
+        """The message waits for the next."""
         if self._held is not None:
             return self.pass_by(message)
         self._note(f"reorder {self.topic}")
@@ -157,36 +116,25 @@ class Reorder(MessageFault):
         return []
 
     def pass_by(self, message: Message) -> Copies:
-        """Sends the message, then the one that was held back."""
+        """The message goes out, and the one that waited after it."""
         held, self._held = self._held, None
         return None if held is None else [(0, message), (0, held)]
 
 
 class Blackout(Drop):
-    """A sensor publishes nothing for a while.
-
-    Args:
-        topic: Name of the sensor's topic.
-        start: Time at which the fault begins [s].
-        end: Time at which the fault ends [s].
-    """
+    """A sensor that says nothing for a while."""
 
     def __init__(self, topic: str = "/scan", *, start: float = 0.0, end: float = math.inf) -> None:
         super().__init__(topic, start=start, end=end)
 
     def change(self, message: Message) -> Copies:
-        """Sends nothing."""
+        """Nothing goes out."""
         self._note(f"blackout of {self.topic}")
         return []
 
 
 class StuckRanges(MessageFault):
-    """A scanner repeats the ranges of the first affected scan, with current stamps.
-
-    Args:
-        topic: Name of the scanner's topic.
-        **options: As for `MessageFault`.
-    """
+    """A scanner whose ranges stay what they were when it began, under stamps that go on."""
 
     needs = LaserScan
 
@@ -195,7 +143,7 @@ class StuckRanges(MessageFault):
         self._first: LaserScan | None = None
 
     def change(self, message: Message) -> Copies:
-        """Sends the scan with the ranges of the first affected scan."""
+        """The scan goes out with the ranges of the first."""
         assert isinstance(message, LaserScan)
         self._first = self._first or message
         self._note(f"ranges of {self.topic} stuck")
@@ -203,20 +151,9 @@ class StuckRanges(MessageFault):
 
 
 class BlockedSector(MessageFault):
-    """An object on the scanner blocks the beams in a sector.
+    """Something on the scanner: beams from one angle to another [rad, in the scanner's frame] see it at `distance` [m].
 
-    A blocked beam reads the distance to the object, or its own range if that is shorter. If the object is nearer than the
-    scanner's minimum range, the beam reads -inf, as REP 117 specifies.
-
-    Args:
-        first_angle: Start of the sector in the scanner's frame [rad].
-        last_angle: End of the sector in the scanner's frame [rad], greater than `first_angle`.
-        distance: Distance from the scanner to the object [m].
-        topic: Name of the scanner's topic.
-        **options: As for `MessageFault`.
-
-    Raises:
-        ValueError: `last_angle` is not greater than `first_angle`, or `distance` is negative or not finite.
+    Nearer than the scanner's least range they read -inf, as REP-117 has it.
     """
 
     needs = LaserScan
@@ -231,7 +168,7 @@ class BlockedSector(MessageFault):
         self.first_angle, self.last_angle, self.distance = first_angle, last_angle, distance
 
     def change(self, message: Message) -> Copies:
-        """Sends the scan with the readings of the blocked beams."""
+        """The scan goes out with other ranges in the sector."""
         assert isinstance(message, LaserScan)
         angles = message.angle_min + np.arange(len(message.ranges)) * message.angle_increment
         blocked = (self.first_angle <= angles) & (angles <= self.last_angle)
@@ -239,7 +176,3 @@ class BlockedSector(MessageFault):
         self._note(f"{int(blocked.sum())} beams of {self.topic} blocked")
         ranges = np.where(blocked, np.minimum(message.ranges, np.float32(reading)), message.ranges).astype(np.float32)
         return [(0, replace(message, ranges=ranges))]
-
-    def _arguments(self) -> list[str]:
-        sector = [f"{self.first_angle:g} rad", f"{self.last_angle:g} rad", f"distance={self.distance:g} m"]
-        return sector + super()._arguments()

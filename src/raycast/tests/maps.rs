@@ -1,4 +1,4 @@
-//! Rays over real maps. The maps are not part of the project; without their folder the test is skipped.
+//! Rays over whole maps: those in `tests/maps`, and real ones, which are not part of the project and are optional.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -9,7 +9,11 @@ use rand::{Rng, RngExt};
 use super::methods::{Start, check_all, toward, unit_grid};
 use crate::random;
 
-const IMAGES: [&str; 8] = [
+/// Maps of the repository.
+const CARRIED: [&str; 3] = ["office/map.png", "cave_turned/map.png", "corridor_shades/map.png"];
+
+/// Real maps in the optional folder `../shared/maps`.
+const REAL: [&str; 8] = [
     "f1_berlin/berlin.png",
     "flatland_conestogo/map.png",
     "nav2_depot/depot.pgm",
@@ -21,14 +25,23 @@ const IMAGES: [&str; 8] = [
 ];
 
 #[test]
+fn every_kernel_agrees_with_the_traversal_on_carried_maps() {
+    check_maps(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps"), &CARRIED);
+}
+
+#[test]
 fn every_kernel_agrees_with_the_traversal_on_real_maps() {
-    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
-    if !maps.is_dir() {
-        eprintln!("skipped: no real maps in {}", maps.display());
-        return;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
+    if folder.is_dir() {
+        check_maps(&folder, &REAL);
+    } else {
+        eprintln!("skipped: no real maps in {}", folder.display());
     }
-    for image in IMAGES {
-        let pixels = image::open(maps.join(image)).expect(image).into_luma8();
+}
+
+fn check_maps(folder: &Path, images: &[&str]) {
+    for image in images {
+        let pixels = image::open(folder.join(image)).expect(image).into_luma8();
         let (width, height) = (pixels.width() as usize, pixels.height() as usize);
         let dark: Vec<bool> = pixels.pixels().map(|pixel| pixel.0[0] < 90).collect();
         let blocking: Vec<bool> = dark.chunks(width).rev().flatten().copied().collect();

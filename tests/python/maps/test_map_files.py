@@ -21,10 +21,9 @@ from hypothesis import strategies as st
 from PIL import Image, ImageFile
 
 import mobile_robot_simulator as mrs
+from map_folders import CARRIED_MAPS, SHARED_MAPS, maps, needs_real_maps
 
-# Real maps, which are not part of the project.
-SHARED_MAPS = Path(__file__).parents[3] / ".." / "shared" / "maps"
-needs_shared_maps = pytest.mark.skipif(not SHARED_MAPS.is_dir(), reason=f"no folder of real maps at {SHARED_MAPS}")
+Expected = dict[str, tuple[tuple[int, int], float, tuple[float, float, float], tuple[int, int, int]]]
 
 ENTRIES = {
     "image": "map.pgm",
@@ -585,42 +584,11 @@ def test_invalid_paths_are_rejected(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["folder.yaml"]
 
 
-# --- Shared maps ---
+# --- Images as GraphicsMagick reads them ---
 
-ONE_BIT = [0, 255, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 255, 255, 255, 0, 255, 255, 255, 255, 0, 0, 0, 0]
-MAXVAL_100 = [0, 255, 204, 255, 89, 89, 99, 51, 229, 229, 61, 0, 204, 206, 204, 0, 255, 127, 255, 255, 0, 0, 2, 2]
-MAXVAL_4095 = [0, 254, 204, 255, 88, 89, 100, 50, 230, 228, 60, 0, 204, 205, 204, 0, 254, 128, 255, 255, 0, 0, 1, 2]
-COLOUR = [76, 149, 29, 225, 255, 255, 0, 124] + 16 * [255]
-JPEG = [2, 253, 207, 255, 89, 90, 98, 49, 228, 228, 63, 1, 205, 206, 206, 1, 252, 129, 255, 254, 0, 1, 1, 4]
+ENCODED = json.loads((CARRIED_MAPS / "encodings" / "graphicsmagick.json").read_text())
+"""8-bit greys that GraphicsMagick reads from each image, top row first."""
 
-# Greys that GraphicsMagick reads; None if they equal base.npy.
-ODD_IMAGES = {
-    "bmp_24bit.bmp": None,
-    "bmp_8bit.bmp": None,
-    "jpg_l.jpg": JPEG,
-    "p2_ascii.pgm": None,
-    "p2_ascii_oneperline.pgm": None,
-    "p4_bitmap.pbm": ONE_BIT,
-    "p5_12bit_maxval4095.pgm": MAXVAL_4095,
-    "p5_16bit.pgm": None,
-    "p5_comments_everywhere.pgm": None,
-    "p5_crlf_header.pgm": None,
-    "p5_maxval100.pgm": MAXVAL_100,
-    "p5_oneline_header.pgm": None,
-    "p5_plain.pgm": None,
-    "p5_trailing_bytes.pgm": None,
-    "p6_rgb.ppm": None,
-    "png_16bit.png": None,
-    "png_1bit.png": ONE_BIT,
-    "png_colour.png": COLOUR,
-    "png_l.png": None,
-    "png_la.png": None,
-    "png_palette_adaptive.png": None,
-    "png_palette_reversed.png": None,
-    "png_rgb.png": None,
-    "png_rgba_transparent.png": None,
-    "tif_l.tif": None,
-}
 TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # pixels (0, 0), (1, 0) and (2, 3), row first
 
 
@@ -638,35 +606,42 @@ def expected_cell(mode: str, grey: int, opaque: bool) -> int:
     return -1 if mode == "trinary" else round((occupancy - 0.196) / (0.65 - 0.196) * 100)
 
 
-@needs_shared_maps
 @pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
-@pytest.mark.parametrize("name", ODD_IMAGES)
+@pytest.mark.parametrize("name", ENCODED)
 def test_odd_encodings_load_as_graphicsmagick_reads_them(tmp_path: Path, name: str, mode: str) -> None:
-    folder = SHARED_MAPS / "odd_synthetic"
-    greys = np.array(ODD_IMAGES[name] or np.load(folder / "base.npy")).reshape(4, 6)
-    oracle = json.loads((folder / "oracles.json").read_text())[name]["graphicsmagick"]
-    assert oracle == ("eq" if ODD_IMAGES[name] is None else f"differs: {greys[0].tolist()}")
+    greys = np.array(ENCODED[name])
     clear = [(0, 0), (1, 0), (2, 3)] if name in TRANSPARENT else []
     expected = [[expected_cell(mode, int(greys[row, col]), (row, col) not in clear) for col in range(6)] for row in range(4)]
-    shutil.copy(folder / name, tmp_path / name)
+    shutil.copy(CARRIED_MAPS / "encodings" / name, tmp_path / name)
     cells = mrs.load_map(write_yaml(tmp_path, image=name, mode=mode)).cells
-    if name == "jpg_l.jpg" and mode == "raw":  # JPEG decoders may differ by one level
+    if name == "jpg_l.jpg" and mode == "raw":  # decoders of JPEG may differ by a level
         assert np.abs(cells - np.array(expected[::-1])).max() <= 1
     else:
         assert cells.tolist() == expected[::-1]
 
 
-@needs_shared_maps
-def test_the_truncated_encoding_is_rejected_and_every_file_is_tested(tmp_path: Path) -> None:
-    folder = SHARED_MAPS / "odd_synthetic"
-    assert set(json.loads((folder / "oracles.json").read_text())) == {*ODD_IMAGES, "p5_truncated.pgm"}
+def test_the_truncated_encoding_is_refused_and_none_is_forgotten(tmp_path: Path) -> None:
+    folder = CARRIED_MAPS / "encodings"
+    assert {path.name for path in folder.iterdir()} == {*ENCODED, "p5_truncated.pgm", "graphicsmagick.json"}
     path = write_yaml(tmp_path, image=str(folder.resolve() / "p5_truncated.pgm"))
     with pytest.raises(ValueError, match=r"p5_truncated\.pgm: .*the file is truncated: 19 of 24 samples"):
         mrs.load_map(path)
 
 
+# --- Whole maps ---
+
+CARRIED: Expected = {
+    "cave_turned": ((240, 320), 0.05054, (-22.1918, -24.3587, -0.221075), (29142, 37758, 9900)),
+    "corridor_shades": ((100, 600), 0.1, (0.0, 0.0, 0.0), (22574, 29668, 7758)),
+    "maze_negated": ((53, 60), 0.15, (-2.0, -3.0, -1.0), (0, 2322, 858)),
+    "maze_one_line_header": ((53, 60), 0.15, (0.0, 0.0, 0.0), (0, 2322, 858)),
+    "office": ((240, 320), 0.05, (-10.0, -8.0, 0.0), (0, 63482, 13318)),
+    "office_turned": ((240, 320), 0.0504, (25.9, 48.5, 3.14), (0, 63482, 13318)),
+    "warehouse_grey_is_free": ((240, 320), 0.05, (0.0, 0.0, 0.0), (0, 66840, 9960)),
+}
+
 # Height and width, resolution, origin; unknown, free and occupied cells counted in GraphicsMagick's pixels.
-REAL_MAPS: dict[str, tuple[tuple[int, int], float, tuple[float, float, float], tuple[int, int, int]]] = {
+REAL: Expected = {
     "f1_berlin/map.yaml": ((600, 600), 0.05, (-11.60654, -26.520793, 0.0), (0, 107954, 252046)),
     "flatland_conestogo/map.yaml": ((505, 1310), 0.05, (-16.6, -6.65, 0.0), (147748, 495587, 18215)),
     "mit_basement_fixed/map.yaml": ((1300, 1300), 0.0504, (25.9, 48.5, 3.14), (1399884, 275742, 14374)),
@@ -689,22 +664,37 @@ REAL_MAPS: dict[str, tuple[tuple[int, int], float, tuple[float, float, float], t
 }
 
 
-@needs_shared_maps
-@pytest.mark.parametrize("name", REAL_MAPS)
-def test_real_maps_load(name: str) -> None:
-    grid = mrs.load_map(SHARED_MAPS / name)
+def counted(path: Path) -> tuple[Any, ...]:
+    """Height and width, resolution, origin; numbers of unknown, free and occupied cells."""
+    grid = mrs.load_map(path)
     counts = tuple(int(np.count_nonzero(grid.cells == value)) for value in (-1, 0, 100))
-    assert (grid.shape, grid.resolution, tuple(grid.origin), counts) == REAL_MAPS[name]
+    return grid.shape, grid.resolution, tuple(grid.origin), counts
 
 
-@needs_shared_maps
-def test_every_real_map_is_tested() -> None:
-    assert {str(path.relative_to(SHARED_MAPS)) for path in SHARED_MAPS.glob("*/*.yaml")} == set(REAL_MAPS)
+@pytest.mark.parametrize("name", CARRIED)
+def test_carried_maps_load(name: str) -> None:
+    assert counted(CARRIED_MAPS / name / "map.yaml") == CARRIED[name]
 
 
-@needs_shared_maps
-def test_a_real_map_is_upright() -> None:
-    with Image.open(SHARED_MAPS / "nav2_depot" / "depot.pgm") as image:
+def test_no_carried_map_is_forgotten() -> None:
+    assert {path.parent.name for path in CARRIED_MAPS.glob("*/map.yaml")} == set(CARRIED)
+
+
+@needs_real_maps
+@pytest.mark.parametrize("name", REAL)
+def test_real_maps_load(name: str) -> None:
+    assert counted(SHARED_MAPS / name) == REAL[name]
+
+
+@needs_real_maps
+def test_no_real_map_is_forgotten() -> None:
+    assert {str(path.relative_to(SHARED_MAPS)) for path in SHARED_MAPS.glob("*/*.yaml")} == set(REAL)
+
+
+@pytest.mark.parametrize("path", maps(carried=["office"], real=["nav2_depot/map.yaml"]))
+def test_a_map_stands_upright(path: Path) -> None:
+    with Image.open(path.parent / yaml.safe_load(path.read_text())["image"]) as image:
         black = np.argwhere(np.asarray(image)[::-1] == 0)
-    occupied = np.argwhere(mrs.load_map(SHARED_MAPS / "nav2_depot" / "map.yaml").cells == 100)
+    occupied = np.argwhere(mrs.load_map(path).cells == 100)
+    assert len(black)
     assert {tuple(cell) for cell in black.tolist()} <= {tuple(cell) for cell in occupied.tolist()}
