@@ -1,1 +1,1 @@
-"""Two controllers written for rclpy, that know nothing of a simulator."""
+"""Two controllers written for rclpy. They do not use the simulator."""

@@ -1,4 +1,7 @@
-"""PurePursuit: drives along a path by steering for a point a little ahead on it (Coulter 1992)."""
+"""PurePursuit: follows a path by steering towards a point ahead on it.
+
+Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, 1992.
+"""
 
 import math
 
@@ -9,9 +12,13 @@ from rclpy.node import Node
 
 
 class PurePursuit(Node):
-    """Follows a path in the odometry's frame, and stops at its end.
+    """Follows a path in the odometry frame and stops at its end.
 
-    Parameters: path, x and y of its points in turn [m]; lookahead [m]; speed [m/s]; rate of the commands [Hz].
+    Parameters of the node:
+        path: Points of the path: x1, y1, x2, y2, ... [m].
+        lookahead: Distance along the path to the point that the robot steers towards [m].
+        speed: Speed of the robot [m/s].
+        rate: Rate of the commands [Hz].
     """
 
     def __init__(self):
@@ -31,12 +38,12 @@ class PurePursuit(Node):
         self.create_timer(1.0 / self.get_parameter("rate").value, self.on_timer)
 
     def on_odometry(self, message):
-        """Remember where the robot believes to be."""
+        """Stores the estimated pose of the robot."""
         position, orientation = message.pose.pose.position, message.pose.pose.orientation
         self.pose = position.x, position.y, 2.0 * math.atan2(orientation.z, orientation.w)
 
     def on_timer(self):
-        """Send a command."""
+        """Publishes a velocity command."""
         command = Twist()
         if self.pose is not None:
             x, y, yaw = self.pose
@@ -45,29 +52,29 @@ class PurePursuit(Node):
             if distance > 0.1:
                 bearing = math.atan2(goal_y - y, goal_x - x) - yaw
                 bearing = math.atan2(math.sin(bearing), math.cos(bearing))
-                if abs(bearing) > 1.2:  # behind: turn on the spot first
+                if abs(bearing) > 1.2:  # not ahead of the robot: turn in place first
                     command.angular.z = math.copysign(1.0, bearing)
                 else:
                     command.linear.x = min(self.speed, distance)
                     command.angular.z = command.linear.x * 2.0 * math.sin(bearing) / distance
             elif self.segment == len(self.path) - 2:
-                self.get_logger().info("at the end of the path", once=True)
+                self.get_logger().info("reached the end of the path", once=True)
         self.commands.publish(command)
 
     def target(self, x, y):
-        """The point a lookahead on along the path from where it is nearest."""
-        nearest = math.inf
+        """Returns the point on the path that is `lookahead` ahead of the point nearest to (x, y)."""
+        smallest = math.inf
         for index in range(self.segment, len(self.path) - 1):
             (ax, ay), (bx, by) = self.path[index : index + 2]
             length = math.hypot(bx - ax, by - ay)
             along = max(0.0, min(length, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length))
             px, py = ax + (bx - ax) * along / length, ay + (by - ay) * along / length
-            if math.hypot(px - x, py - y) < nearest - 1e-9:
-                nearest, best, at = math.hypot(px - x, py - y), index, along
-            if along < length:  # look no farther than to where the path goes on
+            if math.hypot(px - x, py - y) < smallest - 1e-9:
+                smallest, nearest_segment, nearest_along = math.hypot(px - x, py - y), index, along
+            if along < length:  # the robot has not passed the end of this segment: ignore later ones
                 break
-        self.segment, left = best, self.lookahead + at
-        for index in range(best, len(self.path) - 1):
+        self.segment, left = nearest_segment, self.lookahead + nearest_along
+        for index in range(nearest_segment, len(self.path) - 1):
             (ax, ay), (bx, by) = self.path[index : index + 2]
             length = math.hypot(bx - ax, by - ay)
             if left <= length:
@@ -77,7 +84,7 @@ class PurePursuit(Node):
 
 
 def main():
-    """Run the node under ROS."""
+    """Runs the node under ROS."""
     rclpy.init()
     rclpy.spin(PurePursuit())
 

@@ -1,4 +1,4 @@
-"""The controllers, imported without ROS. The fixtures of the simulator need nothing here."""
+"""Imports the controllers without ROS. The fixtures of the simulator need no setup."""
 
 from mobile_robot_simulator.testing.rclpy_shim import stand_in
 

@@ -1,4 +1,4 @@
-"""Fails on purpose: shows what the report of a failure looks like."""
+"""Fails on purpose, to show the report of a failure."""
 
 import pytest
 from followers.pure_pursuit import PurePursuit

@@ -1,4 +1,4 @@
-"""The wall-follower keeps its distance, in rooms that are generated and among others."""
+"""The wall follower keeps its distance, in generated maps and beside moving obstacles."""
 
 import pytest
 from followers.wall_follower import WallFollower
@@ -10,7 +10,7 @@ LASER = {"laser_fov": 4.71, "laser_beam_count": 271, "laser_max_range": 10.0, "r
 
 
 @pytest.mark.simulator(map="corridor", seed=4, parameters=LASER)
-def test_it_goes_along_a_corridor(simulation):
+def test_the_robot_drives_along_a_corridor(simulation):
     sim = simulation()
     sim.spawn(WallFollower, parameters={"distance": 0.7})
     sim.run_for(60.0)
@@ -19,7 +19,7 @@ def test_it_goes_along_a_corridor(simulation):
 
 
 @pytest.mark.simulator(map="office", seed=2, parameters=LASER)
-def test_it_does_not_bump_into_what_crosses_its_way(simulation):
+def test_the_robot_does_not_hit_a_crossing_obstacle(simulation):
     sim = simulation()
     x, y, _ = sim.pose
     sim.add_obstacle(Shape.disc(0.2), [(5.0, x + 2.0, y + 0.5, 0.0), (15.0, x - 2.0, y + 0.5, 0.0)], name="walker")
@@ -29,7 +29,7 @@ def test_it_does_not_bump_into_what_crosses_its_way(simulation):
 
 
 @pytest.mark.simulator(map="corridor", seed=4, parameters=LASER)
-def test_it_stands_when_the_scanner_is_silent(simulation):
+def test_the_robot_stops_while_the_scanner_is_silent(simulation):
     sim = simulation()
     sim.spawn(WallFollower)
     sim.add_fault(faults.Blackout(start=5.0, end=10.0))

@@ -254,9 +254,13 @@ class Bus(Handle):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {msg_type.__name__}")
         return topic
 
+    def find_topic(self, name: str) -> BusTopic | None:
+        """Returns the topic of a name, or None if it does not exist."""
+        return self._topics.get(absolute(name))
+
     def latest(self, topic: str) -> Message | None:
         """Returns the last message sent to a topic, or None if there is none."""
-        found = self._topics.get(absolute(topic))
+        found = self.find_topic(topic)
         return found.latest if found else None
 
     def latched(self) -> list[tuple[str, Message, int]]:

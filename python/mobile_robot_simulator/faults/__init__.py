@@ -1,6 +1,19 @@
-"""Faults that a simulation can be given: lost messages, slipping wheels, stopped nodes, jumping clocks.
+"""Faults for simulations: lost or late messages, a blocked scanner, slipping wheels, stopped nodes, jumping clocks.
 
-Each fault is seeded, so that the same fault goes wrong in the same way each time.
+A fault is added with `Simulation.add_fault`. It acts from its `start` until just before its `end`, in simulated time. Faults
+are seeded: the same fault disturbs the same simulation in the same way every time. Each fault reports what it does on the
+topic `/faults` (std_msgs/String). Recordings contain the messages as they are after all faults. Faults of one topic are
+applied in the order in which they were added.
+
+Example:
+    >>> import numpy as np
+    >>> import mobile_robot_simulator as mrs
+    >>> sim = mrs.Simulation(mrs.OccupancyGrid(np.zeros((100, 100), np.int8), resolution=0.1), start=(5.0, 5.0, 0.0))
+    >>> sim.add_fault(mrs.faults.Blackout("/scan", start=1.0, end=2.0))
+    Blackout('/scan', start=1 s, end=2 s)
+    >>> sim.run_for(1.5)
+    >>> sim.latest("/faults").data
+    'blackout of /scan'
 """
 
 from ..simulation.fault import Fault

@@ -1,11 +1,11 @@
-"""Faults of messages: lost, late, repeated, out of order, changed."""
+"""Faults of messages: dropped, delayed, duplicated, reordered or changed."""
 
 from __future__ import annotations
 
 import math
 from abc import abstractmethod
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,21 +13,34 @@ from ..bus.bus import Bus
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
-from ..simulation.fault import Fault, check_at_least_0
-from ..simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from ..simulation.simulation import Simulation
-
+from ..simulation.arguments import check_at_least_0
+from ..simulation.fault import Fault, FaultTarget
+from ..simulation.topics import find_topic
 
 Copies = list[tuple[int, Message]] | None
+"""Messages to send instead of one message, each with its delay [ns]; None to send it unchanged."""
 
 
 class MessageFault(Fault):
-    """Something that goes wrong with the messages of a topic, each with a probability."""
+    """A fault that changes the messages of a topic, each with a probability.
+
+    Args:
+        topic: Name of the topic.
+        probability: Probability with which a message is changed, in 0..1.
+        start: Time at which the fault begins [s].
+        end: Time at which the fault ends [s].
+        seed: Seed of the random numbers.
+
+    Attributes:
+        topic: Name of the topic, with a leading slash.
+        probability: Probability with which a message is changed.
+
+    Raises:
+        ValueError: The probability is not in 0..1, or the times are not valid for a `Fault`.
+    """
 
     needs: type[Message] = Message
-    """What the topic must carry."""
+    """Type of messages that the fault can change."""
 
     def __init__(
         self, topic: str, *, probability: float = 1.0, start: float = 0.0, end: float = math.inf, seed: int = 0
@@ -39,11 +52,14 @@ class MessageFault(Fault):
 
     @abstractmethod
     def change(self, message: Message) -> Copies:
-        """What goes out instead of a message, and how much later [ns]; None for the message as it is."""
+        """Returns the messages to send instead of a message that is affected."""
 
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
-        simulation.latest(self.topic)
-        carried = next(topic.msg_type for topic in bus.topics() if topic.name == self.topic)
+    def pass_by(self, message: Message) -> Copies:
+        """Returns the messages to send instead of a message that is not affected; None to send it unchanged."""
+        return None
+
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
+        carried = find_topic(bus, self.topic).msg_type
         if not issubclass(carried, self.needs):
             raise TypeError(
                 f"{type(self).__name__} needs a topic of {self.needs.__name__}, {self.topic} carries {carried.__name__}"
@@ -57,22 +73,31 @@ class MessageFault(Fault):
             return self.pass_by(message)
         return self.change(message)
 
-    def pass_by(self, message: Message) -> Copies:
-        """What goes out instead of a message that chance spares."""
-        return None
+    def _arguments(self) -> list[str]:
+        return [repr(self.topic)] + ([f"probability={self.probability:g}"] if self.probability < 1.0 else [])
 
 
 class Drop(MessageFault):
-    """Messages that are lost."""
+    """Messages of a topic are lost."""
 
     def change(self, message: Message) -> Copies:
-        """Nothing goes out."""
+        """Sends nothing."""
         self._note(f"drop {self.topic}")
         return []
 
 
 class Delay(MessageFault):
-    """Messages that come late by `seconds`, and by up to `jitter` more, drawn evenly; they may overtake one another."""
+    """Messages of a topic arrive late. They may overtake each other.
+
+    Args:
+        topic: Name of the topic.
+        seconds: Shortest delay [s].
+        jitter: Range of the additional random delay, uniform in 0..jitter [s].
+        **options: As for `MessageFault`.
+
+    Raises:
+        ValueError: `seconds` or `jitter` is negative or not finite.
+    """
 
     def __init__(self, topic: str, seconds: float, *, jitter: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
@@ -80,14 +105,27 @@ class Delay(MessageFault):
         self.seconds, self.jitter = seconds, jitter
 
     def change(self, message: Message) -> Copies:
-        """The message goes out later."""
+        """Sends the message later."""
         delay_ns = round((self.seconds + self.jitter * self._random.random()) * NANOSECONDS)
         self._note(f"delay {self.topic} by {delay_ns / NANOSECONDS:g} s")
         return [(delay_ns, message)]
 
+    def _arguments(self) -> list[str]:
+        topic, *others = super()._arguments()
+        return [topic, f"{self.seconds:g} s", *([f"jitter={self.jitter:g} s"] if self.jitter else []), *others]
+
 
 class Duplicate(MessageFault):
-    """Messages that come twice, the second time `after` seconds later."""
+    """Messages of a topic arrive twice.
+
+    Args:
+        topic: Name of the topic.
+        after: Delay of the second copy [s].
+        **options: As for `MessageFault`.
+
+    Raises:
+        ValueError: `after` is negative or not finite.
+    """
 
     def __init__(self, topic: str, *, after: float = 0.0, **options: Any) -> None:
         super().__init__(topic, **options)
@@ -95,20 +133,23 @@ class Duplicate(MessageFault):
         self.after = after
 
     def change(self, message: Message) -> Copies:
-        """The message goes out twice."""
+        """Sends the message twice."""
         self._note(f"duplicate {self.topic}")
         return [(0, message), (round(self.after * NANOSECONDS), message)]
 
+    def _arguments(self) -> list[str]:
+        return super()._arguments() + ([f"after={self.after:g} s"] if self.after else [])
+
 
 class Reorder(MessageFault):
-    """Messages that come after the next one. One that no other follows is lost."""
+    """Messages of a topic arrive after the message that follows them. If none follows, the message is lost."""
 
     def __init__(self, topic: str, **options: Any) -> None:
         super().__init__(topic, **options)
         self._held: Message | None = None
 
     def change(self, message: Message) -> Copies:
-        """The message waits for the next."""
+        """Holds the message back until the next one."""
         if self._held is not None:
             return self.pass_by(message)
         self._note(f"reorder {self.topic}")
@@ -116,25 +157,36 @@ class Reorder(MessageFault):
         return []
 
     def pass_by(self, message: Message) -> Copies:
-        """The message goes out, and the one that waited after it."""
+        """Sends the message, then the one that was held back."""
         held, self._held = self._held, None
         return None if held is None else [(0, message), (0, held)]
 
 
 class Blackout(Drop):
-    """A sensor that says nothing for a while."""
+    """A sensor publishes nothing for a while.
+
+    Args:
+        topic: Name of the sensor's topic.
+        start: Time at which the fault begins [s].
+        end: Time at which the fault ends [s].
+    """
 
     def __init__(self, topic: str = "/scan", *, start: float = 0.0, end: float = math.inf) -> None:
         super().__init__(topic, start=start, end=end)
 
     def change(self, message: Message) -> Copies:
-        """Nothing goes out."""
+        """Sends nothing."""
         self._note(f"blackout of {self.topic}")
         return []
 
 
 class StuckRanges(MessageFault):
-    """A scanner whose ranges stay what they were when it began, under stamps that go on."""
+    """A scanner repeats the ranges of the first affected scan, with current stamps.
+
+    Args:
+        topic: Name of the scanner's topic.
+        **options: As for `MessageFault`.
+    """
 
     needs = LaserScan
 
@@ -143,7 +195,7 @@ class StuckRanges(MessageFault):
         self._first: LaserScan | None = None
 
     def change(self, message: Message) -> Copies:
-        """The scan goes out with the ranges of the first."""
+        """Sends the scan with the ranges of the first affected scan."""
         assert isinstance(message, LaserScan)
         self._first = self._first or message
         self._note(f"ranges of {self.topic} stuck")
@@ -151,9 +203,20 @@ class StuckRanges(MessageFault):
 
 
 class BlockedSector(MessageFault):
-    """Something on the scanner: beams from one angle to another [rad, in the scanner's frame] see it at `distance` [m].
+    """An object on the scanner blocks the beams in a sector.
 
-    Nearer than the scanner's least range they read -inf, as REP-117 has it.
+    A blocked beam reads the distance to the object, or its own range if that is shorter. If the object is nearer than the
+    scanner's minimum range, the beam reads -inf, as REP 117 specifies.
+
+    Args:
+        first_angle: Start of the sector in the scanner's frame [rad].
+        last_angle: End of the sector in the scanner's frame [rad], greater than `first_angle`.
+        distance: Distance from the scanner to the object [m].
+        topic: Name of the scanner's topic.
+        **options: As for `MessageFault`.
+
+    Raises:
+        ValueError: `last_angle` is not greater than `first_angle`, or `distance` is negative or not finite.
     """
 
     needs = LaserScan
@@ -168,7 +231,7 @@ class BlockedSector(MessageFault):
         self.first_angle, self.last_angle, self.distance = first_angle, last_angle, distance
 
     def change(self, message: Message) -> Copies:
-        """The scan goes out with other ranges in the sector."""
+        """Sends the scan with the readings of the blocked beams."""
         assert isinstance(message, LaserScan)
         angles = message.angle_min + np.arange(len(message.ranges)) * message.angle_increment
         blocked = (self.first_angle <= angles) & (angles <= self.last_angle)
@@ -176,3 +239,7 @@ class BlockedSector(MessageFault):
         self._note(f"{int(blocked.sum())} beams of {self.topic} blocked")
         ranges = np.where(blocked, np.minimum(message.ranges, np.float32(reading)), message.ranges).astype(np.float32)
         return [(0, replace(message, ranges=ranges))]
+
+    def _arguments(self) -> list[str]:
+        sector = [f"{self.first_angle:g} rad", f"{self.last_angle:g} rad", f"distance={self.distance:g} m"]
+        return sector + super()._arguments()

@@ -1,36 +1,31 @@
-"""Faults to order: small seeded objects that go wrong in a simulation, each time in the same way.
-
-Added with `Simulation.add_fault`. What each does, and when, goes over /faults (std_msgs/String), so that a recording shows
-it; messages are recorded as they went out after all faults. Faults of one topic act in the order in which they were added.
-Times are simulated seconds; a fault acts from `start` until before `end`.
-"""
+"""Faults of robots and their nodes: wheel slip, odometry drift, clock jumps and outages."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
 from ..parameters import motion_noise
-from ..simulation.fault import Fault
+from ..simulation.fault import F, Fault, FaultTarget
 from ..simulation.robots import SimulatedRobot
-from ..simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from ..simulation.robots import SimulatedRobot
-    from ..simulation.simulation import Simulation
-
-
-F = TypeVar("F", bound="Fault")
 
 
 class Slip(Fault):
-    """Wheels that slip: a robot moves by this share less than they turn, of which its odometry knows nothing.
+    """The wheels of a robot slip: it moves less than they turn, and its odometry does not notice.
 
-    What several let pass at one time is multiplied.
+    If several slips act at once, the shares of motion that remain are multiplied.
+
+    Args:
+        share: Share of the motion that is lost, in 0..1.
+        robot: Name of the robot; None for the first.
+        **options: As for `Fault`.
+
+    Raises:
+        ValueError: The share is not in 0..1.
     """
 
     def __init__(self, share: float, *, robot: str | None = None, **options: Any) -> None:
@@ -39,49 +34,75 @@ class Slip(Fault):
             raise ValueError(f"the share must be in 0..1, got {share}")
         self.share, self.robot = share, robot
 
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
         robot = simulation.named(self.robot)
         for time in (self.start, self.end):
             self._plan(bus, time, partial(self._slip, simulation, robot))
 
-    def _slip(self, simulation: Simulation, robot: SimulatedRobot) -> None:
+    def _slip(self, simulation: FaultTarget, robot: SimulatedRobot) -> None:
         shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot) is robot]
         share = shares[0] if len(shares) == 1 else 1.0 - math.prod(1.0 - share for share in shares)
         robot.robot.slip(share)
         self._note(f"{robot.name or 'the robot'} slips by {share:g}")
 
+    def _arguments(self) -> list[str]:
+        return [f"{self.share:g}", *_robot_argument(self.robot)]
+
 
 class OdometryDrift(Fault):
-    """Odometry that errs by the velocity motion model of Probabilistic Robotics, table 5.3, and says how far.
+    """The odometry of a robot drifts, and its covariance grows accordingly.
 
-    alphas: alpha1 to alpha6. Instead of the parameter odometry_alphas; from the end on odometry is exact again, as seen from
-    where the robot is by then. raises: ValueError when added, if another is to act on the robot at the same time.
+    The errors follow the velocity motion model of Thrun, Burgard and Fox, Probabilistic Robotics (2005), table 5.3. The
+    fault replaces the parameter `odometry_alphas` while it acts. When it ends, odometry is exact again, starting from the
+    robot's pose at that time.
+
+    Args:
+        alphas: The six noise parameters alpha1 to alpha6 of the model.
+        robot: Name of the robot; None for the first.
+        seed: Seed of the errors.
+        **options: As for `Fault`.
+
+    Raises:
+        ValueError: There are not six alphas. Also raised by `Simulation.add_fault` if another `OdometryDrift` acts on the
+            same robot at the same time.
     """
 
     def __init__(self, alphas: Sequence[float], *, robot: str | None = None, seed: int = 0, **options: Any) -> None:
         super().__init__(seed=seed, **options)
         if len(alphas) != 6:
             raise ValueError(f"alphas must be six numbers, got {len(alphas)}")
-        self.noise, self.robot, self._seed = motion_noise(alphas), robot, seed
+        self.alphas, self.noise, self.robot = tuple(alphas), motion_noise(alphas), robot
 
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
         robot = simulation.named(self.robot)
         for other in simulation.faults:
             same = isinstance(other, OdometryDrift) and simulation.named(other.robot) is robot
             if same and other.start < self.end and self.start < other.end:
                 raise ValueError(
-                    f"odometry can drift in one way at a time, and does from {other.start:g} s to {other.end:g} s already"
+                    f"two faults must not make the odometry of one robot drift at the same time: "
+                    f"another acts from {other.start:g} s to {other.end:g} s"
                 )
         self._plan(bus, self.start, partial(self._drift, robot, drifts=True))
         self._plan(bus, self.end, partial(self._drift, robot, drifts=False))
 
     def _drift(self, robot: SimulatedRobot, *, drifts: bool) -> None:
-        robot.robot.drift(self.noise if drifts else None, self._seed)
+        robot.robot.drift(self.noise if drifts else None, self.seed)
         self._note(f"odometry of {robot.name or 'the robot'} {'drifts' if drifts else 'is exact'}")
+
+    def _arguments(self) -> list[str]:
+        return [f"({', '.join(f'{alpha:g}' for alpha in self.alphas)})", *_robot_argument(self.robot)]
 
 
 class ClockJump(Fault):
-    """Clocks that jump by some seconds, either way: /clock, all stamps, and `get_clock()`. Robots move on evenly."""
+    """All clocks jump: `/clock`, all stamps and `get_clock()`. Robots continue to move evenly.
+
+    Args:
+        seconds: Size of the jump [s]; negative for a jump back.
+        at: Time of the jump [s].
+
+    Raises:
+        ValueError: The jump is 0 or not finite.
+    """
 
     def __init__(self, seconds: float, *, at: float = 0.0) -> None:
         super().__init__(start=at)
@@ -89,7 +110,10 @@ class ClockJump(Fault):
             raise ValueError(f"a jump must be finite and not 0 s, got {seconds}")
         self.seconds = seconds
 
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+    def __repr__(self) -> str:
+        return f"ClockJump({self.seconds:g} s, at={self.start:g} s)"
+
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
         self._plan(bus, self.start, partial(self._jump, bus))
 
     def _jump(self, bus: Bus) -> None:
@@ -98,19 +122,28 @@ class ClockJump(Fault):
 
 
 class Startable(Protocol):
-    """A node that can be stopped and started."""
+    """A node that can be stopped and started again."""
 
     def start(self) -> None:
-        """Go on."""
+        """Starts or resumes the node."""
 
     def stop(self) -> None:
-        """Do nothing more."""
+        """Stops the node."""
 
 
 class Outage(Fault):
-    """A node that stops and comes back: "robot", which stands still meanwhile, "laser" or "map_server".
+    """A node stops, and starts again when the fault ends. A stopped robot stands still.
 
-    Of several that overlap, the last to end brings it back.
+    If several outages of one node overlap, the node starts again when the last of them ends.
+
+    Args:
+        node: The node: "robot", "laser" or "map_server".
+        robot: Name of the robot; None for the first.
+        start: Time at which the node stops [s].
+        end: Time at which the node starts again [s].
+
+    Raises:
+        ValueError: The node is not one of the three.
     """
 
     def __init__(self, node: str, *, robot: str | None = None, start: float = 0.0, end: float = math.inf) -> None:
@@ -119,24 +152,31 @@ class Outage(Fault):
             raise ValueError(f"the node must be robot, laser or map_server, got {node!r}")
         self.node, self.robot = node, robot
 
-    def _prepare(self, simulation: Simulation, bus: Bus) -> None:
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
         robot = simulation.named(self.robot)
         nodes: dict[str, Startable] = {"robot": robot.robot, "laser": robot.laser, "map_server": simulation.map_server}
         self._node = nodes[self.node]
         self._plan(bus, self.start, self._stop)
-        self._plan(bus, self.end, partial(self._come_back, simulation))
+        self._plan(bus, self.end, partial(self._start_again, simulation))
 
     def _stop(self) -> None:
         self._node.stop()
         self._note(f"{self.node} stops")
 
-    def _come_back(self, simulation: Simulation) -> None:
+    def _start_again(self, simulation: FaultTarget) -> None:
         if any(fault._node is self._node for fault in _acting(simulation, Outage)):
             return
         self._node.start()
         self._note(f"{self.node} is back")
 
+    def _arguments(self) -> list[str]:
+        return [repr(self.node), *_robot_argument(self.robot)]
 
-def _acting(simulation: Simulation, kind: type[F]) -> list[F]:
-    """The faults of a kind that act now."""
+
+def _acting(simulation: FaultTarget, kind: type[F]) -> list[F]:
+    """Returns the faults of a kind that act now."""
     return [fault for fault in simulation.faults if isinstance(fault, kind) and fault.acts]
+
+
+def _robot_argument(robot: str | None) -> list[str]:
+    return [] if robot is None else [f"robot={robot!r}"]

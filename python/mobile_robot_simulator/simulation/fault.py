@@ -1,4 +1,4 @@
-"""Fault: something that goes wrong in a simulation for a while."""
+"""Fault: a seeded disturbance of a simulation, active for a limited time."""
 
 from __future__ import annotations
 
@@ -6,82 +6,183 @@ import copy
 import math
 import random
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from operator import index
-from typing import Any
+from typing import Protocol, TypeVar
 
 from ..bus.bus import Bus
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import String
+from ..nodes.map_server import MapServer
+from .robots import SimulatedRobot
+
+F = TypeVar("F", bound="Fault")
 
 TOPIC = "/faults"
+"""Topic on which faults report what they do (std_msgs/String)."""
 
 
-def check_at_least_0(**values: float) -> None:
-    """Refuse what is negative or not finite, by its name."""
-    for name, value in values.items():
-        if not 0.0 <= value < math.inf:
-            raise ValueError(f"{name} must be finite and at least 0, got {value}")
+class FaultTarget(Protocol):
+    """The parts of a simulation that faults use."""
+
+    @property
+    def faults(self) -> Sequence[Fault]:
+        """All faults of the simulation, in the order in which they were added."""
+
+    @property
+    def map_server(self) -> MapServer:
+        """The node that serves the map."""
+
+    def named(self, name: str | None) -> SimulatedRobot:
+        """Returns the robot of a name, or the first robot if the name is None."""
+
+
+@dataclass(frozen=True)
+class FaultSnapshot:
+    """A saved fault.
+
+    Attributes:
+        fault: The fault itself.
+        attributes: Its attributes by name; random generators are copies.
+    """
+
+    fault: Fault
+    attributes: dict[str, object]
 
 
 class Fault(Handle, ABC):
-    """Something that goes wrong for a while.
+    """A disturbance that acts on one simulation from `start` until just before `end`.
 
-    start, end: when [s]. seed: names what is drawn.
-    raises: ValueError for times that are none, or an end before the start; TypeError for a seed that is no whole number.
+    Args:
+        start: Time at which the fault begins [s].
+        end: Time at which the fault ends [s]; infinity if it never ends.
+        seed: Seed of the fault's random numbers. The same seed gives the same disturbance every time.
+
+    Attributes:
+        start: Time at which the fault begins [s].
+        end: Time at which the fault ends [s].
+        seed: Seed of the fault's random numbers.
+
+    Raises:
+        ValueError: `start` is negative or not finite, or `end` is not after `start`.
+        TypeError: The seed is not a whole number.
     """
 
     def __init__(self, *, start: float = 0.0, end: float = math.inf, seed: int = 0) -> None:
         if not (0.0 <= start < math.inf and start < end):
             raise ValueError(f"a fault must start at 0 s or later and end after that, got start {start} and end {end}")
-        self.start, self.end = start, end
-        self._random = random.Random(index(seed))  # documented to give the same numbers everywhere
+        self.start, self.end, self.seed = start, end, index(seed)
+        # random.Random gives the same numbers on every platform, as its documentation states.
+        self._random = random.Random(self.seed)
         self._bus: Bus | None = None
 
-    def add_to(self, simulation: Any, bus: Bus) -> None:
-        """Begin to act on a simulation. raises: ValueError if it acts on one already, or for what the simulation has not."""
+    def __repr__(self) -> str:
+        shown = self._arguments()
+        if self.start > 0.0:
+            shown.append(f"start={self.start:g} s")
+        if math.isfinite(self.end):
+            shown.append(f"end={self.end:g} s")
+        if self.seed:
+            shown.append(f"seed={self.seed}")
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def add_to(self, simulation: FaultTarget, bus: Bus) -> None:
+        """Starts acting on a simulation. Called by `Simulation.add_fault`.
+
+        Args:
+            simulation: The simulation to act on.
+            bus: The bus of that simulation.
+
+        Raises:
+            ValueError: The fault was added before, or names a topic or robot that does not exist.
+        """
         if self._bus is not None:
-            raise ValueError(f"{type(self).__name__} is added already: a fault acts on one simulation, once")
+            raise ValueError(f"{type(self).__name__} was added before: a fault acts on one simulation, and only once")
         self._prepare(simulation, bus)
         self._bus = bus
         self._topic = bus.topic(TOPIC, String)
 
-    def save(self) -> Any:
-        """All that `restore` needs."""
-        return {name: copy.copy(value) if isinstance(value, random.Random) else value for name, value in vars(self).items()}
+    def save(self) -> FaultSnapshot:
+        """Returns the state that `restore` takes."""
+        return FaultSnapshot(self, _with_own_generators(vars(self)))
 
-    def restore(self, state: Any) -> None:
-        """Be as when the state was saved."""
+    def restore(self, state: FaultSnapshot) -> None:
+        """Returns to a saved state, which stays usable."""
         vars(self).clear()
-        vars(self).update(
-            {name: copy.copy(value) if isinstance(value, random.Random) else value for name, value in state.items()}
-        )
+        vars(self).update(_with_own_generators(state.attributes))
 
     def forget(self) -> None:
-        """Be as if never added: what it planned is gone from the bus."""
+        """Detaches the fault from its simulation, so that it can be added again."""
         self._bus = None
 
     @property
     def acts(self) -> bool:
-        """Whether it acts now."""
+        """True if the fault was added and the current time is within `start` and `end`."""
         if self._bus is None or self._bus.time_ns < _nanoseconds(self.start):
             return False
         return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
 
     @abstractmethod
-    def _prepare(self, simulation: Any, bus: Bus) -> None:
-        """Find what there is to act on, and plan when."""
+    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
+        """Looks up what the fault acts on, and schedules its actions."""
+
+    def _arguments(self) -> list[str]:
+        """Returns the arguments of the class itself, as `repr` shows them before the times and the seed."""
+        return []
 
     def _note(self, text: str) -> None:
-        """Tell the recording."""
+        """Publishes a text on `/faults`, so that recordings show what the fault did."""
         assert self._bus is not None
         self._bus.publish(self._topic, String(text))
 
     def _plan(self, bus: Bus, time: float, act: Callable[[], None]) -> None:
-        """Have something happen at a time, at once if it has passed, never if it is infinite."""
+        """Schedules an action at a time [s]: immediately if the time has passed, never if it is infinite."""
         if time < math.inf:
             bus.schedule(max(bus.time_ns, _nanoseconds(time)), act)
+
+
+class FaultList:
+    """The faults of one simulation, in the order in which they were added."""
+
+    def __init__(self) -> None:
+        self._faults: list[Fault] = []
+
+    @property
+    def all(self) -> tuple[Fault, ...]:
+        """All faults."""
+        return tuple(self._faults)
+
+    def add(self, fault: F, simulation: FaultTarget, bus: Bus) -> F:
+        """Adds a fault, which starts acting on the simulation. Returns the fault.
+
+        Raises:
+            TypeError: It is not a fault.
+            ValueError: The fault was added before, or names a topic or robot that does not exist.
+        """
+        if not isinstance(fault, Fault):
+            raise TypeError(f"a fault must be an object of a class in faults, got {type(fault).__name__}")
+        fault.add_to(simulation, bus)
+        self._faults.append(fault)
+        return fault
+
+    def save(self) -> tuple[FaultSnapshot, ...]:
+        """Returns the state that `restore` takes."""
+        return tuple(fault.save() for fault in self._faults)
+
+    def restore(self, states: tuple[FaultSnapshot, ...]) -> None:
+        """Returns to a saved state. Faults added since then are detached and can be added again."""
+        for fault in self._faults:
+            fault.forget()
+        self._faults = [state.fault for state in states]
+        for state in states:
+            state.fault.restore(state)
+
+
+def _with_own_generators(attributes: dict[str, object]) -> dict[str, object]:
+    """Returns the attributes with a copy of each random generator, so that drawing from one leaves the other alone."""
+    return {name: copy.copy(value) if isinstance(value, random.Random) else value for name, value in attributes.items()}
 
 
 def _nanoseconds(time: float) -> int:

@@ -1,4 +1,4 @@
-"""GroundTruth: what really happened to a robot, whatever it believes."""
+"""GroundTruth: the true pose, velocity, path, contacts and clearance of a robot."""
 
 from __future__ import annotations
 
@@ -18,67 +18,114 @@ if TYPE_CHECKING:
     from ..physics.world import World
 
 PATH_STEP = 0.1
-"""Seconds from one point of a path to the next, at most."""
+"""Longest time between two points of a path [s]."""
 
 FARTHEST = 10.0
-"""Clearances beyond this [m] are not told apart."""
+"""Upper limit of clearances [m]; a larger distance is reported as this value."""
 
 POINT = Shape.disc(1e-6)
+"""Footprint used for the clearance of a robot that has none."""
 
 
 class GroundTruth(Handle):
-    """Where a robot really is and was, in the map frame."""
+    """The true state of a robot, now and in the past, in the map frame.
+
+    It is independent of odometry, noise and faults: the robot's own belief is in its messages.
+    """
 
     def __init__(self, world: World, robot: MobileRobotSimulator) -> None:
         self._world, self._robot = world, robot
 
+    def __repr__(self) -> str:
+        x, y, yaw = self.pose
+        name = f"robot {self._robot.body_name!r}" if self._robot.body_name else "the robot"
+        return f"GroundTruth({name} at ({x:.2f}, {y:.2f}, {yaw:.2f}), {self.distance:.2f} m driven in {self.time:g} s)"
+
     @property
     def time(self) -> float:
-        """Seconds since the simulation began."""
+        """Simulated time since the start of the simulation [s]."""
         return self._world.now_ns() / NANOSECONDS
 
     @property
     def pose(self) -> Pose:
-        """Where the robot is now."""
+        """Current pose in the map frame."""
         return self._robot.pose
 
     @property
     def velocity(self) -> Velocity:
-        """How it moves now: forward, leftward [m/s] and turning [rad/s]."""
+        """Current velocity in the robot's frame: forward [m/s], to the left [m/s], counterclockwise [rad/s]."""
         return self._robot.velocity
 
     @property
     def distance(self) -> float:
-        """Length of its way so far [m]."""
+        """Length of the path driven so far [m]."""
         return self._robot.distance
 
     @property
     def contacts(self) -> list[ContactEvent]:
-        """Contacts that began so far. raises: ValueError if the robot has no footprint."""
+        """All contacts that began so far, in order of time.
+
+        Raises:
+            ValueError: The robot has no footprint.
+        """
         if self._robot.footprint is None:
             raise ValueError("contacts need a footprint: give the parameter robot_radius or footprint")
         return list(self._robot.motion.contacts_until(self._world.now_ns()))
 
     @property
     def clearance(self) -> float:
-        """Distance [m] from the footprint to the nearest wall, obstacle or robot now, at most FARTHEST.
+        """Current distance from the footprint to the nearest wall, obstacle or robot [m], at most `FARTHEST`.
 
-        Without a footprint, from the robot's origin.
+        Without a footprint, the distance is measured from the robot's origin.
         """
         return self._clearance(self.pose, self._world.now_ns(), FARTHEST)
 
     def clearances(self, path: NDArray[np.float64], limit: float = FARTHEST) -> NDArray[np.float64]:
-        """Distances as of `clearance` at the points of a path, with all others where they were at those times.
+        """Returns the clearance at each point of a path, with obstacles and other robots where they were at that time.
 
-        path: (N, 4) float64 as of `path`. limit: what is farther counts as this [m]. returns: (N,) float64 [m].
+        Args:
+            path: (N, 4) float64, rows of time [s], x [m], y [m], yaw [rad], as returned by `path`.
+            limit: Upper limit of the clearances [m].
+
+        Returns:
+            (N,) float64, distance to the nearest wall, obstacle or robot [m], at most `limit`.
         """
         return np.array([self._clearance(Pose(*row[1:]), round(row[0] * NANOSECONDS), limit) for row in path])
 
     def pose_at(self, time: float) -> Pose:
-        """Where the robot was at a time [s]. raises: ValueError for a time before the first or to come."""
-        return self._robot.motion.map_pose_at(self._time_ns(time))
+        """Returns the pose in the map frame at a past time.
 
-    def _time_ns(self, time: float) -> int:
+        Args:
+            time: Simulated time [s], from the moment the robot was added until now.
+
+        Raises:
+            ValueError: The time is outside that range.
+        """
+        return self._robot.motion.map_pose_at(self._past_ns(time))
+
+    @property
+    def path(self) -> NDArray[np.float64]:
+        """The path driven so far, (N, 4) float64: time [s], x [m], y [m], yaw [rad] in the map frame.
+
+        There is a point at each change of velocity and at least every `PATH_STEP` seconds in between. Every point is
+        exact. Where the robot was moved to another pose, there are two points at the same time.
+        """
+        now = self._world.now_ns()
+        segments = self._robot.motion.trajectory(now)
+        rows: list[tuple[float, ...]] = []
+        for segment, end_ns in zip(segments, [*(after.start_ns for after in segments[1:]), now], strict=True):
+            start, length = segment.start_ns / NANOSECONDS, (end_ns - segment.start_ns) / NANOSECONDS
+            moving = (segment.until_ns - segment.start_ns) / NANOSECONDS
+            count = max(1, int(np.ceil(length / PATH_STEP)))
+            for step in range(count + (end_ns == now)):
+                elapsed = length * step / count
+                rows.append((start + elapsed, *segment.pose, *segment.velocity, min(elapsed, moving)))
+        table = np.array(rows)
+        poses = integrate_twist(table[:, 1:4], table[:, 4:7] * table[:, 7:], 1.0)
+        path: NDArray[np.float64] = np.column_stack([table[:, 0], poses])
+        return path
+
+    def _past_ns(self, time: float) -> int:
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()
         time_ns = round(time * NANOSECONDS) if math.isfinite(time) else -1
         if not first <= time_ns <= now:
@@ -89,31 +136,3 @@ class GroundTruth(Handle):
         others = self._world.around_at(self._robot, time_ns)
         grid, footprint = self._world.grid, self._robot.footprint or POINT
         return limit if grid is None else clearance(grid, footprint, pose, limit=limit, obstacles=others)
-
-    @property
-    def path(self) -> NDArray[np.float64]:
-        """Its way so far, (N, 4) float64: time [s], x, y [m], yaw [rad].
-
-        A point at each change of velocity, and at least one each tenth of a second in between; exact at each. Where the
-        robot was put elsewhere there are two points at one time.
-        """
-        now = self._world.now_ns()
-        pieces = self._robot.motion.trajectory(now)
-        rows: list[tuple[float, ...]] = []
-        for piece, end_ns in zip(pieces, [*(after.start_ns for after in pieces[1:]), now], strict=True):
-            start, length = piece.start_ns / NANOSECONDS, (end_ns - piece.start_ns) / NANOSECONDS
-            count = max(1, int(np.ceil(length / PATH_STEP)))
-            for step in range(count + (end_ns == now)):
-                after = length * step / count
-                rows.append(
-                    (
-                        start + after,
-                        *piece.pose,
-                        *piece.velocity,
-                        min(after, (piece.until_ns - piece.start_ns) / NANOSECONDS),
-                    )
-                )
-        table = np.array(rows)
-        poses = integrate_twist(table[:, 1:4], table[:, 4:7] * table[:, 7:], 1.0)
-        path: NDArray[np.float64] = np.column_stack([table[:, 0], poses])
-        return path

@@ -1,4 +1,4 @@
-"""Parameters of a robot in its namespace."""
+"""Parameters of a robot whose topics, frames and seeds are in its own namespace."""
 
 from __future__ import annotations
 
@@ -9,22 +9,30 @@ from typing import Any
 from ..parameters import NODES
 
 TOPICS = ("velocity_topic", "odometry_topic", "laser_topic")
-
-
-RADIUS = 0.2
-"""Radius [m] of robots that see one another, if they are given no footprint."""
-
-
-SEEDS = ("seed", "odometry_seed")
-
+"""Parameters that hold topic names; they get the prefix `/<robot>/`."""
 
 FRAMES = ("base_link_frame", "odom_frame_id", "laser_frame_id")
+"""Parameters that hold frame names; they get the prefix `<robot>/`."""
+
+SEEDS = ("seed", "odometry_seed")
+"""Parameters that hold seeds; each robot gets its own."""
+
+OUTLINES = ("robot_radius", "footprint")
+"""Parameters that hold the robot's outline."""
+
+RADIUS = 0.2
+"""Radius [m] of a named robot without an outline of its own, so that robots see each other."""
 
 
 def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters of the robot of a name: its topics and frames are its own, and so is its noise; it has a footprint.
+    """Returns the parameters of a robot, moved into the namespace of its name.
 
-    The seed is drawn from the simulation's and the name, so that a robot's noise does not depend on what others there are.
+    Topics and frames get the robot's name as a prefix. Seeds are derived from the given seed and the name, so that the
+    noise of a robot does not depend on which other robots exist. A robot without an outline gets the radius `RADIUS`.
+
+    Args:
+        name: Name of the robot. If empty, the values are returned unchanged.
+        values: Parameter values by name, with or without the prefix `<node>:`.
     """
     if not name:
         return dict(values)
@@ -32,12 +40,13 @@ def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     given = {**defaults, **values}
     own = dict(values)
     for key, value in given.items():
-        if key.rpartition(":")[2] in TOPICS:
+        parameter = key.rpartition(":")[2]
+        if parameter in TOPICS:
             own[key] = f"/{name}/{value.lstrip('/')}"
-        elif key.rpartition(":")[2] in FRAMES:
+        elif parameter in FRAMES:
             own[key] = f"{name}/{value.lstrip('/')}"
-        elif key.rpartition(":")[2] in SEEDS:
+        elif parameter in SEEDS:
             own[key] = random.Random(f"{value}/{name}").getrandbits(63)
-    if not any(key.rpartition(":")[2] in ("robot_radius", "footprint") for key in values):
+    if not any(key.rpartition(":")[2] in OUTLINES for key in values):
         own["robot_radius"] = RADIUS
     return own

@@ -1,26 +1,205 @@
-"""Robots of a simulation: each with its nodes, its truth, and its names in its namespace."""
+"""Robots: the robots of a simulation, each with its nodes, its ground truth and its namespace."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from .._core import Pose
+from .._core import OccupancyGrid, Pose, Shape, touches
+from ..bus.bus import Bus
+from ..bus.node import BusNode, NoCopyNode
 from ..handle import Handle
-from ..nodes.laser import LaserScannerSimulator
-from ..nodes.robot import MobileRobotSimulator
+from ..nodes.laser import LaserScannerSimulator, LaserSnapshot
+from ..nodes.robot import MobileRobotSimulator, RobotSnapshot
+from ..nodes.transforms import TransformBuffer, TransformListener
+from ..parameters import LaserParameters, RobotParameters, check_names, for_node
+from ..physics.obstacles import PoseLike
+from ..physics.world import World
+from .arguments import to_pose
 from .ground_truth import GroundTruth
+from .namespaces import of_namespace
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SimulatedRobot(Handle):
-    """A robot of a simulation."""
+    """A robot of a simulation.
+
+    Attributes:
+        name: Name of the robot, which is also its namespace; empty for the only robot of a simulation without names.
+        robot: The node that drives it.
+        laser: The node of its laser scanner.
+        truth: Its true pose, velocity, path and contacts.
+    """
 
     name: str
     robot: MobileRobotSimulator
     laser: LaserScannerSimulator
     truth: GroundTruth
 
+    def __repr__(self) -> str:
+        return f"SimulatedRobot({self.name!r} {self.place})"
+
     @property
     def pose(self) -> Pose:
-        """Where it is now, in the map frame."""
+        """Current true pose in the map frame."""
         return self.robot.pose
+
+    @property
+    def title(self) -> str:
+        """What messages call the robot: `robot <name>`, or `the robot` if it has no name."""
+        return f"robot {self.name}" if self.name else "the robot"
+
+    @property
+    def place(self) -> str:
+        """Current pose as a text: `at (x, y, yaw)`."""
+        x, y, yaw = self.pose
+        return f"at ({x:.2f}, {y:.2f}, {yaw:.2f})"
+
+    @property
+    def status(self) -> str:
+        """Current pose and velocity as a text."""
+        vx, vy, wz = self.truth.velocity
+        velocity = f"moving at ({vx:.2f} m/s, {vy:.2f} m/s, {wz:.2f} rad/s)" if any((vx, vy, wz)) else "at rest"
+        return f"{self.title} {self.place}, {velocity}"
+
+
+@dataclass(frozen=True)
+class SimulatedRobotSnapshot:
+    """A saved robot.
+
+    Attributes:
+        robot: The robot itself.
+        node: State of its node.
+        laser: State of its laser scanner.
+    """
+
+    robot: SimulatedRobot
+    node: RobotSnapshot
+    laser: LaserSnapshot
+
+
+class Robots(Handle):
+    """The robots of one simulation, by name and in the order in which they were added.
+
+    Args:
+        bus: The bus on which the robots' nodes run.
+        world: The world in which the robots move.
+        grid: The map.
+        values: Parameters that all robots share, by name.
+        node: The node that listens to transforms.
+    """
+
+    def __init__(self, bus: Bus, world: World, grid: OccupancyGrid, values: Mapping[str, Any], node: BusNode) -> None:
+        self._bus, self._world, self._grid, self._values = bus, world, grid, values
+        self._transforms = TransformBuffer()
+        self._listener = TransformListener(node, self._transforms)
+        self._robots: dict[str, SimulatedRobot] = {}
+
+    def __len__(self) -> int:
+        return len(self._robots)
+
+    def __iter__(self) -> Iterator[SimulatedRobot]:
+        return iter(self._robots.values())
+
+    @property
+    def by_name(self) -> dict[str, SimulatedRobot]:
+        """A copy of the robots by name."""
+        return dict(self._robots)
+
+    @property
+    def first(self) -> SimulatedRobot:
+        """The robot that was added first.
+
+        Raises:
+            ValueError: There is no robot.
+        """
+        if not self._robots:
+            raise ValueError("the simulation has no robot yet: add one with add_robot")
+        return next(iter(self))
+
+    def named(self, name: str | None) -> SimulatedRobot:
+        """Returns the robot of a name, or the first robot if the name is None.
+
+        Raises:
+            ValueError: There is no such robot.
+        """
+        if name is None:
+            return self.first
+        if name not in self._robots:
+            raise ValueError(f"unknown robot {name!r}; there are {', '.join(map(repr, self._robots))}")
+        return self._robots[name]
+
+    def add(self, name: str, start: PoseLike, parameters: Mapping[str, Any]) -> SimulatedRobot:
+        """Adds a robot and starts its nodes, as described for `Simulation.add_robot`."""
+        if name in self._robots or (self._robots and not name) or "" in self._robots:
+            raise ValueError(f"robots must have names of their own, got {name!r} beside {sorted(self._robots)}")
+        values = self._values_of(name, parameters)
+        robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
+        pose = to_pose(start, "start")
+        self._check_start(pose, robot_parameters.shape)
+        robot = MobileRobotSimulator(
+            NoCopyNode(self._bus, robot_parameters.node_name, namespace=f"/{name}"),
+            robot_parameters,
+            start_pose=pose,
+            world=self._world,
+            name=name,
+        )
+        laser = LaserScannerSimulator(
+            NoCopyNode(self._bus, laser_parameters.node_name, namespace=f"/{name}"),
+            laser_parameters,
+            grid=self._grid,
+            carrier=robot,
+            transforms=self._transforms,
+        )
+        if laser_parameters.laser_frame_id != laser_parameters.base_link_frame:
+            self._listener.start(laser_parameters.odometry_topic)
+        added = self._robots[name] = SimulatedRobot(name, robot, laser, GroundTruth(self._world, robot))
+        robot.start()
+        laser.start()
+        return added
+
+    def set_pose(self, pose: PoseLike, name: str | None) -> None:
+        """Moves a robot to another pose, as described for `Simulation.set_pose`."""
+        place = to_pose(pose, "the pose")
+        if not self._grid.is_free_disc(place.x, place.y, 0.0):
+            raise ValueError(f"the pose must not be inside a wall, got {_shown(place)}")
+        self.named(name).robot.set_pose(place)
+
+    def reset(self) -> None:
+        """Moves all robots back to their start poses, at rest."""
+        for robot in self:
+            robot.robot.reset()
+
+    def save(self) -> tuple[SimulatedRobotSnapshot, ...]:
+        """Returns the state that `restore` takes."""
+        return tuple(SimulatedRobotSnapshot(robot, robot.robot.save(), robot.laser.save()) for robot in self)
+
+    def restore(self, states: tuple[SimulatedRobotSnapshot, ...]) -> None:
+        """Returns to a saved state. Robots added since then are gone."""
+        self._robots = {state.robot.name: state.robot for state in states}
+        for state in states:
+            state.robot.robot.restore(state.node)
+            state.robot.laser.restore(state.laser)
+
+    def _values_of(self, name: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """Returns the parameters of a new robot, in its namespace. Only the first robot publishes the clock."""
+        values = {**self._values, **parameters}
+        check_names(values)
+        if self._robots:
+            values["publish_clock"] = False
+        return of_namespace(name, values)
+
+    def _check_start(self, pose: Pose, shape: Shape | None) -> None:
+        """Raises ValueError if a robot of this shape cannot start at this pose."""
+        if shape is not None and touches(self._grid, shape, pose):
+            raise ValueError(f"start must leave the robot room beside walls, got {_shown(pose)}")
+        if not self._grid.is_free_disc(pose.x, pose.y, 0.0):
+            raise ValueError(f"start must not be inside a wall, got {_shown(pose)}")
+        touched = None if shape is None else self._world.touched(shape, pose)
+        if touched is not None:
+            raise ValueError(f"start must leave the robot room beside {touched}, got {_shown(pose)}")
+
+
+def _shown(pose: Pose) -> str:
+    return f"({pose.x}, {pose.y}, {pose.yaw})"

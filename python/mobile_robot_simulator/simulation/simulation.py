@@ -1,55 +1,70 @@
-"""Simulation: a map, robots and the bus in one object, to be run, looked into, saved and put back."""
+"""Simulation: a map, robots, obstacles and faults on a virtual clock, in one object."""
 
 from __future__ import annotations
 
-import copy
-import difflib
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
-from .._core import OccupancyGrid, Pose, Shape, touches
+from .._core import OccupancyGrid, Pose, Shape
 from ..bus.bus import Bus, Tap
 from ..bus.node import BusNode, NoCopyNode, spawn_context
-from ..bus.topic import BusSubscription, absolute
+from ..bus.topic import BusSubscription
 from ..handle import Handle
 from ..instant import NANOSECONDS
-from ..messages import LaserScan, Message, TFMessage
+from ..messages import Message, TFMessage
 from ..nodes.interface import M, QoS
 from ..nodes.laser import LaserScannerSimulator
 from ..nodes.map_messages import with_unknown
 from ..nodes.map_server import MapServer
 from ..nodes.robot import MobileRobotSimulator
-from ..nodes.transforms import TransformBuffer, TransformListener
-from ..parameters import LaserParameters, RobotParameters, check_names, for_node
+from ..parameters import LaserParameters, check_names, for_node
 from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
-from .fault import Fault
+from .arguments import to_nanoseconds
+from .fault import F, Fault, FaultList
 from .ground_truth import GroundTruth
-from .namespaces import of_namespace
-from .robots import SimulatedRobot
-from .snapshot import Kept, Snapshot
+from .kept import Kept
+from .picture import picture_of
+from .robots import Robots, SimulatedRobot
+from .snapshot import Parts, Snapshot
+from .topics import Topics
 
 T = TypeVar("T")
-F = TypeVar("F", bound=Fault)
 
 
 class Simulation(Handle):
-    """A robot with a laser scanner in a map, or several, on a virtual clock that starts at 0.
+    """One or more robots with laser scanners in a map, on a virtual clock that starts at 0.
 
-    grid: the map. parameters: values of the nodes' parameters by name; unless they say otherwise, the map transform is
-    published and commands are plain Twist. seed: seed of the noise, before the parameter of that name. start: pose (x, y,
-    yaw) of the robot in the map frame at first, (0, 0, 0) if None. robots: several robots instead of the one, each by its
-    name with its pose at first: topics, services and nodes of robot1 are in the namespace /robot1, its frames begin with
-    robot1/.
+    The same arguments and the same calls give the same messages, byte for byte.
 
-    The same arguments and the same calls give the same messages, byte by byte.
+    With `robots`, the topics, services and nodes of a robot named `robot1` are in the namespace `/robot1`, and the names of
+    its frames start with `robot1/`. Properties such as `pose` and `truth` then refer to the first robot.
 
-    raises: ValueError for unknown parameters, values out of range, a start inside a wall or another robot.
+    Args:
+        grid: The map.
+        parameters: Values of the nodes' parameters by name. In a simulation, `publish_map_transform` is True and
+            `cmd_vel_stamped` is False by default.
+        seed: Seed of the noise. It takes precedence over the parameter `seed`.
+        start: Start pose (x [m], y [m], yaw [rad]) of the robot in the map frame; default (0, 0, 0).
+        robots: Start poses of several robots by their names, instead of `start`.
+
+    Attributes:
+        picture: File in which a failed assertion of `mobile_robot_simulator.testing` saves a picture; none if None.
+
+    Raises:
+        ValueError: A parameter is unknown or out of range, or a start pose is inside a wall or another robot.
+        TypeError: The map is not an `OccupancyGrid`, or `robots` is not a mapping.
+
+    Example:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> sim = mrs.Simulation(mrs.OccupancyGrid(np.zeros((100, 100), np.int8), resolution=0.1), start=(5.0, 5.0, 0.0))
+        >>> sim.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5)))
+        >>> sim.run_for(1.0)
+        >>> sim
+        Simulation(at 1 s, 1 robot at (5.25, 5.00, 0.00), map 100x100 cells)
     """
 
     def __init__(
@@ -63,40 +78,42 @@ class Simulation(Handle):
     ) -> None:
         if not isinstance(grid, OccupancyGrid):
             raise TypeError(f"the map must be an OccupancyGrid, got {type(grid).__name__}")
-        if robots is not None and not isinstance(robots, Mapping):
-            raise TypeError(f"robots must be poses by the robots' names, got {type(robots).__name__}")
-        if robots is not None and start is not None:
-            raise ValueError(f"one of start and robots must be left out, got {start!r} and {robots!r}")
-        self._values = {"publish_map_transform": True, "cmd_vel_stamped": False, **(parameters or {})}
+        starts = _starts(start, robots)
+        values = {"publish_map_transform": True, "cmd_vel_stamped": False, **(parameters or {})}
         if seed is not None:
-            self._values["seed"] = seed
-        check_names(self._values)
-        laser = for_node(LaserParameters, self._values)
-        self._values.setdefault("odometry_seed", laser.seed)
-        if any(key.rpartition(":")[2] == "unknown" for key in self._values) and laser.unknown != grid.unknown:
+            values["seed"] = seed
+        check_names(values)
+        laser = for_node(LaserParameters, values)
+        values.setdefault("odometry_seed", laser.seed)
+        if any(key.rpartition(":")[2] == "unknown" for key in values) and laser.unknown != grid.unknown:
             grid = with_unknown(grid, laser.unknown)
         self._grid = grid
-        self._bus = Bus()
-        self._node = BusNode(self._bus, "simulation")
-        self._world = World(lambda: self._bus.time_ns, grid)
-        self._transforms = TransformBuffer()
-        self._listener = TransformListener(self._node, self._transforms)
-        self._robots: dict[str, SimulatedRobot] = {}
-        self._kept = Kept()
-        self._faults: list[Fault] = []
-        self.picture: Path | None = None
-        """Where an assertion that fails leaves a picture of the drive, if anywhere."""
+        self._bus = bus = Bus()
+        self._node = BusNode(bus, "simulation")
+        self._topics = Topics(bus, self._node)
+        self._world = World(lambda: bus.time_ns, grid)
+        self._robots = Robots(bus, self._world, grid, values, self._node)
+        self._faults, self._kept = FaultList(), Kept()
         self._map_server = MapServer(
-            NoCopyNode(self._bus, "map_server"), grid, service=laser.map_service, frame_id=laser.map_frame_id
+            NoCopyNode(bus, "map_server"), grid, service=laser.map_service, frame_id=laser.map_frame_id
         )
+        self._parts = Parts(grid, bus, self._world, self._robots, self._faults, self._map_server, self._kept)
+        self.picture: Path | None = None
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-        if robots is None:
-            robots = {"": (0.0, 0.0, 0.0) if start is None else start}
-        for name, pose in robots.items():
+        for name, pose in starts.items():
             self.add_robot(name, start=pose)
 
-    # --- what there is ---
+    def __repr__(self) -> str:
+        robots = list(self._robots)
+        if len(robots) == 1:
+            shown = f"1 robot {robots[0].place}"
+        else:
+            shown = f"{len(robots)} robots{': ' if robots else ''}{', '.join(f'{one.name} {one.place}' for one in robots)}"
+        height, width = self._grid.shape
+        return f"Simulation(at {self.time:g} s, {shown}, map {width}x{height} cells)"
+
+    # --- parts and state ---
 
     @property
     def grid(self) -> OccupancyGrid:
@@ -105,103 +122,82 @@ class Simulation(Handle):
 
     @property
     def robots(self) -> Mapping[str, SimulatedRobot]:
-        """The robots by their names; the one robot of a simulation without names is called ''."""
-        return dict(self._robots)
+        """The robots by their names. The only robot of a simulation without names is called ''."""
+        return self._robots.by_name
 
     @property
     def faults(self) -> Sequence[Fault]:
-        """The faults added so far."""
-        return tuple(self._faults)
+        """All faults, in the order in which they were added."""
+        return self._faults.all
 
     @property
     def robot(self) -> MobileRobotSimulator:
-        """The robot's node, the first one's if there are several."""
-        return self._first.robot
+        """The node that drives the first robot."""
+        return self._robots.first.robot
 
     @property
     def laser(self) -> LaserScannerSimulator:
-        """The scanner's node, the first robot's if there are several."""
-        return self._first.laser
+        """The node of the first robot's laser scanner."""
+        return self._robots.first.laser
 
     @property
     def map_server(self) -> MapServer:
-        """The node that hands out the map."""
+        """The node that serves the map."""
         return self._map_server
 
     @property
     def truth(self) -> GroundTruth:
-        """What really happens to the robot, the first if there are several."""
-        return self._first.truth
+        """True pose, velocity, path and contacts of the first robot."""
+        return self._robots.first.truth
 
     @property
     def time(self) -> float:
-        """Simulated seconds since the start."""
+        """Simulated time since the start [s]."""
         return self._bus.time_ns / NANOSECONDS
 
     @property
     def pose(self) -> Pose:
-        """Where the robot is now, in the map frame; the first if there are several."""
-        return self.robot.pose
+        """Current true pose of the first robot in the map frame."""
+        return self._robots.first.pose
+
+    # --- robots, obstacles, faults ---
 
     def named(self, name: str | None) -> SimulatedRobot:
-        """The robot of a name, the first if None. raises: ValueError for a name that none has."""
-        if name is None:
-            return self._first
-        if name not in self._robots:
-            raise ValueError(f"unknown robot {name!r}; there are {', '.join(map(repr, self._robots))}")
-        return self._robots[name]
+        """Returns the robot of a name, or the first robot if the name is None.
+
+        Raises:
+            ValueError: There is no such robot.
+        """
+        return self._robots.named(name)
 
     def add_robot(
         self, name: str, *, start: PoseLike = (0.0, 0.0, 0.0), parameters: Mapping[str, Any] | None = None
     ) -> SimulatedRobot:
-        """Another robot, in the namespace of its name.
+        """Adds a robot, in the namespace of its name.
 
-        parameters: values that differ from those of the simulation.
-        raises: ValueError for a name that is taken or none, unknown parameters, a start inside a wall or another.
+        Args:
+            name: Name of the robot.
+            start: Start pose (x [m], y [m], yaw [rad]) in the map frame.
+            parameters: Parameters by name that differ from those of the simulation.
+
+        Raises:
+            ValueError: The name is empty or taken, a parameter is unknown or out of range, or the start pose is inside a
+                wall, an obstacle or another robot.
         """
-        if name in self._robots or (self._robots and not name) or "" in self._robots:
-            raise ValueError(f"robots must have names of their own, got {name!r} beside {sorted(self._robots)}")
-        values = {**self._values, **(parameters or {})}
-        check_names(values)
-        if self._robots:
-            values["publish_clock"] = False
-        values = of_namespace(name, values)
-        robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
-        pose, shape = _pose(start, "start"), robot_parameters.shape
-        if shape is not None and touches(self._grid, shape, pose):
-            raise ValueError(f"start must leave the robot room beside walls, got ({pose.x}, {pose.y}, {pose.yaw})")
-        if not self._grid.is_free_disc(pose.x, pose.y, 0.0):
-            raise ValueError(f"start must not be inside a wall, got ({pose.x}, {pose.y}, {pose.yaw})")
-        touched = None if shape is None else self._world.touched(shape, pose)
-        if touched is not None:
-            raise ValueError(f"start must leave the robot room beside {touched}, got ({pose.x}, {pose.y}, {pose.yaw})")
-        namespace = f"/{name}"
-        robot = MobileRobotSimulator(
-            NoCopyNode(self._bus, robot_parameters.node_name, namespace=namespace),
-            robot_parameters,
-            start_pose=pose,
-            world=self._world,
-            name=name,
-        )
-        laser = LaserScannerSimulator(
-            NoCopyNode(self._bus, laser_parameters.node_name, namespace=namespace),
-            laser_parameters,
-            grid=self._grid,
-            carrier=robot,
-            transforms=self._transforms,
-        )
-        if laser_parameters.laser_frame_id != laser_parameters.base_link_frame:
-            self._listener.start(laser_parameters.odometry_topic)
-        added = self._robots[name] = SimulatedRobot(name, robot, laser, GroundTruth(self._world, robot))
-        robot.start()
-        laser.start()
-        return added
+        return self._robots.add(name, start, parameters or {})
 
     def add_obstacle(self, shape: Shape, trajectory: Trajectory, name: str | None = None) -> Obstacle:
-        """Something that stands or moves in the map, that scanners see and robots with a footprint bump into.
+        """Adds a standing or moving obstacle. Scanners see it, and robots with a footprint collide with it.
 
-        trajectory: a pose, waypoints (time, x, y, yaw), or a function of the time that gives the pose, as for `Obstacle`.
-        name: what contacts call it; its number if not given.
+        Args:
+            shape: Outline of the obstacle.
+            trajectory: Where it is: a pose (x [m], y [m], yaw [rad]) in the map frame, waypoints (time [s], x, y, yaw), or a
+                function from the time [s] to the pose, as for `Obstacle`.
+            name: Name of the obstacle in contacts; default: its number.
+
+        Raises:
+            TypeError: The shape is not a `Shape`.
+            ValueError: The waypoints are empty, or their times do not increase.
         """
         if not isinstance(shape, Shape):
             raise TypeError(f"an obstacle's shape must be a Shape, got {type(shape).__name__}")
@@ -210,154 +206,173 @@ class Simulation(Handle):
         return obstacle
 
     def add_fault(self, fault: F) -> F:
-        """Have something go wrong; returns it. See `faults`.
+        """Adds a fault of `mobile_robot_simulator.faults`. Returns the fault.
 
-        raises: ValueError for a fault that was added before, or one of a topic or robot that does not exist.
+        Raises:
+            ValueError: The fault was added before, or names a topic or robot that does not exist.
+            TypeError: It is not a fault, or the topic carries messages of a type that the fault cannot change.
         """
-        if not isinstance(fault, Fault):
-            raise TypeError(f"a fault must be one of faults, got {type(fault).__name__}")
-        fault.add_to(self, self._bus)
-        self._faults.append(fault)
-        return fault
+        return self._faults.add(fault, self, self._bus)
+
+    def set_pose(self, pose: PoseLike, robot: str | None = None) -> None:
+        """Moves a robot to another pose at once.
+
+        Args:
+            pose: Pose (x [m], y [m], yaw [rad]) in the map frame.
+            robot: Name of the robot; None for the first.
+
+        Raises:
+            ValueError: The pose is inside a wall, or there is no such robot.
+        """
+        self._robots.set_pose(pose, robot)
+
+    def reset(self) -> None:
+        """Moves all robots back to their start poses, at rest. Time goes on; `restore` also sets back the time."""
+        self._robots.reset()
 
     # --- time ---
 
     def run_for(self, seconds: float) -> None:
-        """Let simulated time go on; no sleeping.
+        """Runs the simulation for a duration, as fast as possible.
 
-        What a callback raises comes out here with its traceback; the run can go on afterwards.
-        raises: ValueError for a duration that is negative or not finite.
+        An exception in a callback ends the run and is raised here with its traceback; the simulation can be run further.
+
+        Args:
+            seconds: Simulated duration [s].
+
+        Raises:
+            ValueError: The duration is negative or not finite.
         """
-        self._bus.run_until(self._bus.time_ns + _span(seconds, "the duration"))
+        self._bus.run_until(self._bus.time_ns + to_nanoseconds(seconds, "the duration"))
 
     def run_until(self, predicate: Callable[[Simulation], Any], timeout: float) -> float:
-        """Let simulated time go on until `predicate(simulation)` holds; asked now, and after each moment anything happens.
+        """Runs the simulation until a condition holds.
 
-        returns: the time then [s].
-        raises: TimeoutError that says what was last seen, if it does not hold within `timeout` simulated seconds; ValueError
-        for a timeout that is negative or not finite.
+        Args:
+            predicate: Function of the simulation that returns a true value when the condition holds. It is called now and
+                after each moment at which anything happens.
+            timeout: Longest simulated time to wait [s].
+
+        Returns:
+            The simulated time at which the condition held [s].
+
+        Raises:
+            TimeoutError: The condition did not hold in time. The message gives the last value of the predicate, the state
+                of each robot and the time of the last message on each topic.
+            ValueError: The timeout is negative or not finite.
         """
         if not callable(predicate):
             raise TypeError(f"the predicate must be a function of the simulation, got {predicate!r}")
-        began_ns = self._bus.time_ns
-        end_ns = began_ns + _span(timeout, "the timeout")
+        start_ns = self._bus.time_ns
+        end_ns = start_ns + to_nanoseconds(timeout, "the timeout")
         while not (answer := predicate(self)):
-            if self._bus.time_ns >= end_ns and self._bus.next_ns() != end_ns:
-                raise TimeoutError(
-                    f"{_called(predicate)} did not hold within {timeout:g} s, from {began_ns / NANOSECONDS:g} s on: "
-                    f"it last gave {answer!r}; {self._last_seen()}"
-                )
             next_ns = self._bus.next_ns()
+            if self._bus.time_ns >= end_ns and next_ns != end_ns:
+                raise TimeoutError(
+                    f"{_called(predicate)} did not hold within {timeout:g} s, from {start_ns / NANOSECONDS:g} s to "
+                    f"{self.time:g} s: it last returned {answer!r}; {'; '.join(robot.status for robot in self._robots)}; "
+                    f"last messages: {self._topics.last_times()}"
+                )
             self._bus.run_until(end_ns if next_ns is None else min(next_ns, end_ns))
         return self.time
 
     def step(self) -> float:
-        """Let everything happen that happens at the next moment at which anything does. returns: the time then [s]."""
+        """Runs the simulation to the next moment at which anything happens.
+
+        Returns:
+            The simulated time of that moment [s].
+        """
         next_ns = self._bus.next_ns()
         if next_ns is not None:
             self._bus.run_until(next_ns)
         return self.time
 
-    def set_pose(self, pose: PoseLike, robot: str | None = None) -> None:
-        """Put a robot somewhere in the map, the first if none is named.
-
-        raises: ValueError for a pose inside a wall, or an unknown robot.
-        """
-        place = _pose(pose, "the pose")
-        if not self._grid.is_free_disc(place.x, place.y, 0.0):
-            raise ValueError(f"the pose must not be inside a wall, got ({place.x}, {place.y}, {place.yaw})")
-        self.named(robot).robot.set_pose(place)
-
-    def reset(self) -> None:
-        """Put all robots back to where they were at first, at rest. Time goes on; `restore` takes it back too."""
-        for robot in self._robots.values():
-            robot.robot.reset()
-
     # --- saving ---
 
     def keep(self, thing: T) -> T:
-        """Save and restore something of one's own with the simulation; returns it.
+        """Adds an object that is saved and restored with the simulation. Returns the object.
 
-        By its methods `save()` and `restore(state)`, if it has both, else by deep copies of its attributes. Nodes made by
-        `spawn` are kept without asking; variables of functions are not, whoever calls them.
+        An object with the methods `save()` and `restore(state)` is saved by them; any other by deep copies of its
+        attributes. Nodes made by `spawn` are always saved. Variables that callbacks captured are not.
         """
         self._kept.add(thing)
         return thing
 
     def save(self) -> Snapshot:
-        """All that is needed to put the simulation back as it is now.
+        """Returns a snapshot of the simulation.
 
-        Saved are the map's cells, the time, what is under way on the bus, timers, subscriptions, latest messages, robots,
-        scanners with their place in the random streams, faults, obstacles, nodes, and what is in `keep`. Callbacks are not
-        saved but called again as they are, and recordings go on.
-        raises: RuntimeError if called from a callback; TypeError for something kept that cannot be copied.
+        It holds the cells of the map, the time, messages in transit, timers, subscriptions, latest messages, robots,
+        scanners with their position in the random streams, faults, obstacles, nodes, and objects passed to `keep`.
+        Callbacks are not copied: they are called again as they are. Recordings continue across a restore.
+
+        Raises:
+            RuntimeError: Called from a callback.
+            TypeError: An attribute of a node or of a kept object cannot be copied.
         """
-        robots = {name: (robot, robot.robot.save(), robot.laser.save()) for name, robot in self._robots.items()}
-        faults = [(fault, fault.save()) for fault in self._faults]
-        grid = copy.copy(self._grid)  # which costs nothing until one of the two changes
-        parts = (grid, self._bus.save(), self._world.save(), robots, faults, self._map_server.save(), self._kept.save())
-        return Snapshot(self, self.time, parts)
+        return Snapshot(self, self.time, self._parts.save())
 
     def restore(self, state: Snapshot) -> None:
-        """Be as when the state was saved; from there on everything repeats, byte by byte. A state can be used again.
+        """Returns to a snapshot. From there on everything repeats, byte for byte.
 
-        raises: ValueError for another simulation's state; RuntimeError if called from a callback.
+        Args:
+            state: Snapshot of this simulation. It can be restored again.
+
+        Raises:
+            ValueError: The snapshot is of another simulation.
+            TypeError: The state is not a snapshot.
+            RuntimeError: Called from a callback.
         """
         if not isinstance(state, Snapshot):
-            raise TypeError(f"the state must come from save(), got {type(state).__name__}")
+            raise TypeError(f"the state must be a Snapshot from save(), got {type(state).__name__}")
         if state.simulation is not self:
-            raise ValueError(f"the state must be of this simulation, got another's, saved at {state.time} s")
-        grid, bus, world, robots, faults, map_server, kept = state.parts
-        self._bus.restore(bus)
-        if not np.array_equal(grid.cells, self._grid.cells):
-            self._grid.set_cells(0, 0, grid.cells)
-        self._robots = {name: robot for name, (robot, _, _) in robots.items()}
-        for robot, robot_state, laser_state in robots.values():
-            robot.robot.restore(robot_state)
-            robot.laser.restore(laser_state)
-        self._world.restore(world)
-        self._map_server.restore(map_server)
-        for fault in self._faults:
-            fault.forget()
-        self._faults = [fault for fault, _ in faults]
-        for fault, fault_state in faults:
-            fault.restore(fault_state)
-        self._kept.restore(kept)
+            raise ValueError(f"the snapshot must be of this simulation, got one of another, saved at {state.time:g} s")
+        self._parts.restore(state.parts)
+        self._topics.forget_publishers()
 
     # --- topics and nodes ---
 
     def publish(self, topic: str, message: Message) -> None:
-        """Send a message; it arrives when time goes on.
+        """Publishes a message. It is copied, and delivered when the simulation runs.
 
-        raises: ValueError for a topic that does not exist; TypeError for a message of another type than the topic's.
+        Raises:
+            ValueError: The topic does not exist.
+            TypeError: The topic carries messages of another type.
         """
-        self._check_topic(topic)
-        self._node.create_publisher(type(message), topic).publish(message)
+        self._topics.publish(topic, message)
 
     def subscribe(self, topic: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
-        """Have every message of a topic handed to a callback, which may publish, set timers and call services.
+        """Calls a function with every message of a topic.
 
-        raises: ValueError for a topic that does not exist; TypeError for another type than the topic's.
+        Args:
+            topic: Name of the topic.
+            msg_type: Type of its messages.
+            callback: Function of the message. It may publish, create timers and call services.
+
+        Raises:
+            ValueError: The topic does not exist.
+            TypeError: The topic carries messages of another type, or the callback is not callable.
         """
-        self._check_topic(topic)
-        return self._node.create_subscription(msg_type, topic, callback)
+        return self._topics.subscribe(topic, msg_type, callback)
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
-        """Hand no more messages to a subscription's callback."""
-        self._node.destroy_subscription(subscription)
+        """Ends a subscription: its callback is no longer called."""
+        self._topics.unsubscribe(subscription)
 
     def latest(self, topic: str) -> Any:
-        """The message last published to a topic, None if there was none yet.
+        """Returns the last message published on a topic, or None if there was none.
 
-        raises: ValueError for a topic that does not exist.
+        Raises:
+            ValueError: The topic does not exist.
         """
-        self._check_topic(topic)
-        return self._bus.latest(topic)
+        return self._topics.latest(topic)
 
     def create_node(self, name: str, *, namespace: str = "/", parameters: Mapping[str, Any] | None = None) -> BusNode:
-        """A node of one's own, for topics, timers and services under rclpy's names.
+        """Returns a new node with the interface of an rclpy node: topics, timers, services and parameters.
 
-        parameters: values that take the place of the defaults when the node declares its parameters.
+        Args:
+            name: Name of the node.
+            namespace: Namespace of its relative topic and service names.
+            parameters: Values that replace the defaults of the parameters that the node declares.
         """
         return BusNode(self._bus, name, namespace=namespace, parameters=parameters)
 
@@ -369,51 +384,56 @@ class Simulation(Handle):
         parameters: Mapping[str, Any] | None = None,
         **kwargs: Any,
     ) -> T:
-        """A node of a class derived from `Node`, made with these arguments and put on the bus.
+        """Creates a node of a class derived from `Node` and runs it on the bus. Returns the node.
 
-        namespace: for instance /robot1; relative names of topics are in it. parameters: as in `create_node`.
+        Args:
+            node_type: The class.
+            *args: Positional arguments of the class.
+            namespace: Namespace of the node's relative topic and service names, such as `/robot1`.
+            parameters: Values that replace the defaults of the parameters that the node declares.
+            **kwargs: Keyword arguments of the class.
         """
         with spawn_context(self._bus, namespace, parameters or {}):
             return node_type(*args, **kwargs)
 
     def record(self, tap: Tap) -> None:
-        """Call `tap(topic, message, time_ns)` for every message published, and at once for the latched ones so far."""
-        for topic, message, time_ns in self._bus.latched():
-            tap(topic, message, time_ns)
-        self._bus.taps.append(tap)
+        """Calls `tap(topic, message, time_ns)` for every message published, and now for the latched ones.
+
+        The tap must not change the messages.
+        """
+        self._topics.record(tap)
 
     def stop_recording(self, tap: Tap) -> None:
-        """Call a tap no more. raises: ValueError if it was not called before."""
-        self._bus.taps.remove(tap)
+        """Stops calling a tap.
+
+        Raises:
+            ValueError: The tap was not recording.
+        """
+        self._topics.stop_recording(tap)
 
     # --- pictures, and the end ---
 
     def draw(self, file: str | os.PathLike[str]) -> None:
-        """Save a picture of the map, the ways that the robots really drove, what else is there, and the first's last scan.
+        """Saves a picture of the map, the true paths of all robots, the obstacles, and the first robot's last scan.
 
-        raises: ImportError without matplotlib.
+        Args:
+            file: File to write; its ending selects the format: .png, .pdf or .svg. Missing folders are created.
+
+        Raises:
+            ImportError: Matplotlib is not installed.
+            ValueError: The file has another ending, or there is no robot.
         """
         from ..plotting import plot_drive
 
-        first, *others = [self._first, *list(self._robots.values())[1:]]
-        scans = self._bus.topic(first.laser.parameters.laser_topic, LaserScan)
-        taken, scanner = first.robot.motion.map_pose_at(scans.latest_ns), first.laser.scanner
-        points = scanner.end_points(taken, scans.latest.ranges) if isinstance(scans.latest, LaserScan) else None
+        shown = picture_of(self._grid, self._bus, self._world, self._robots)
         path = Path(file)
         path.parent.mkdir(parents=True, exist_ok=True)
-        plot_drive(
-            path,
-            self._grid,
-            first.truth.path[:, 1:],
-            others={robot.name: robot.truth.path[:, 1:] for robot in others},
-            shapes=[placed for _, placed in self._world.everybody()],
-            scan_points=points,
-            laser_pose=taken * scanner.mount,
-        )
+        plot_drive(path, **vars(shown))
 
     def close(self) -> None:
-        """Let go of recordings, callbacks and nodes; time no longer goes on. The second time, nothing happens."""
+        """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice does no harm."""
         self._bus.close()
+        self._topics.forget_publishers()
 
     def __enter__(self) -> Simulation:
         return self
@@ -421,48 +441,16 @@ class Simulation(Handle):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def _first(self) -> SimulatedRobot:
-        if not self._robots:
-            raise ValueError("the simulation has no robot yet: add one with add_robot")
-        return next(iter(self._robots.values()))
 
-    def _check_topic(self, name: str) -> None:
-        names = self._bus.topic_names()
-        if absolute(name) not in names:
-            near = difflib.get_close_matches(absolute(name), names, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
-            raise ValueError(f"unknown topic {name!r}; {hint}")
-
-    def _last_seen(self) -> str:
-        """Where the robots are, and when each topic last had a message."""
-        robots = []
-        for name, robot in self._robots.items():
-            x, y, yaw = robot.pose
-            vx, vy, wz = robot.truth.velocity
-            moving = f"moving at {vx:.2f}, {vy:.2f} m/s, {wz:.2f} rad/s" if any((vx, vy, wz)) else "standing"
-            robots.append(f"{name or 'the robot'} at ({x:.2f}, {y:.2f}, {yaw:.2f}), {moving}")
-        topics = [
-            f"{topic.name} {f'{topic.latest_ns / NANOSECONDS:g} s' if topic.latest is not None else 'never'}"
-            for topic in self._bus.topics()
-        ]
-        return f"at {self.time:g} s {'; '.join(robots)}; last messages: {', '.join(topics)}"
-
-
-def _pose(pose: PoseLike, what: str) -> Pose:
-    if isinstance(pose, Pose):
-        return pose
-    try:
-        x, y, yaw = map(float, pose)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} must be three numbers (x, y, yaw), got {pose!r}") from None
-    return Pose(x, y, yaw)
-
-
-def _span(seconds: float, what: str) -> int:
-    if not 0.0 <= seconds < math.inf:
-        raise ValueError(f"{what} must be finite and at least 0 s, got {seconds}")
-    return round(seconds * NANOSECONDS)
+def _starts(start: PoseLike | None, robots: Mapping[str, PoseLike] | None) -> Mapping[str, PoseLike]:
+    """Returns the start poses of all robots by name; a single robot has no name."""
+    if robots is None:
+        return {"": (0.0, 0.0, 0.0) if start is None else start}
+    if not isinstance(robots, Mapping):
+        raise TypeError(f"robots must be a mapping from names to start poses, got {type(robots).__name__}")
+    if start is not None:
+        raise ValueError(f"start and robots must not both be given, got {start!r} and {robots!r}")
+    return robots
 
 
 def _called(predicate: Callable[..., Any]) -> str:

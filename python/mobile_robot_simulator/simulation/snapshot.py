@@ -1,51 +1,110 @@
-"""Saving: the state of a simulation, and things of the user's own that are saved along."""
+"""Snapshot: the saved state of a simulation."""
 
 from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
-from typing import Any
+
+import numpy as np
+
+from .._core import OccupancyGrid
+from ..bus.bus import Bus, BusSnapshot
+from ..handle import Handles
+from ..nodes.map_server import MapServer
+from ..physics.world import World, WorldSnapshot
+from .fault import FaultList, FaultSnapshot
+from .kept import Kept, KeptSnapshot
+from .robots import Robots, SimulatedRobotSnapshot
+
+
+@dataclass(frozen=True)
+class SavedParts:
+    """The saved state of each part of a simulation.
+
+    Attributes:
+        grid: Copy of the map.
+        bus: Time, messages in transit, timers, subscriptions, latest messages and nodes.
+        world: Obstacles, and the time up to which robots have moved.
+        robots: The robots, with their nodes and scanners.
+        faults: The faults, with their random generators.
+        map_server: Handles of the map server; None if it is stopped.
+        kept: Objects of the user.
+    """
+
+    grid: OccupancyGrid
+    bus: BusSnapshot
+    world: WorldSnapshot
+    robots: tuple[SimulatedRobotSnapshot, ...]
+    faults: tuple[FaultSnapshot, ...]
+    map_server: Handles | None
+    kept: tuple[KeptSnapshot, ...]
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What `Simulation.save` saved; only `Simulation.restore` of the same simulation can make use of it."""
+    """A state saved by `Simulation.save`. It can be restored any number of times, in the same simulation only.
+
+    Attributes:
+        simulation: The simulation that was saved.
+        time: Simulated time at which it was saved [s].
+        parts: The saved state of each part.
+    """
 
     simulation: object = field(repr=False)
     time: float
-    parts: Any = field(repr=False)
+    parts: SavedParts = field(repr=False)
 
 
-class Kept:
-    """Things saved by their methods `save()` and `restore(state)`, if they have both, else by deep copies of attributes."""
+@dataclass(frozen=True)
+class Parts:
+    """The parts of a simulation that are saved and restored together.
 
-    def __init__(self) -> None:
-        self._things: list[Any] = []
+    Attributes:
+        grid: The map.
+        bus: The bus.
+        world: The world that robots and obstacles move in.
+        robots: The robots.
+        faults: The faults.
+        map_server: The node that serves the map.
+        kept: Objects of the user.
+    """
 
-    def add(self, thing: Any) -> None:
-        """Save one more from now on."""
-        self._things.append(thing)
+    grid: OccupancyGrid
+    bus: Bus
+    world: World
+    robots: Robots
+    faults: FaultList
+    map_server: MapServer
+    kept: Kept
 
-    def save(self) -> Any:
-        """All that `restore` needs. raises: TypeError for what cannot be copied."""
-        return [(thing, _saved(thing)) for thing in self._things]
+    def save(self) -> SavedParts:
+        """Returns the state that `restore` takes.
 
-    def restore(self, state: Any) -> None:
-        """Have all things, and them alone, be as when the state was saved."""
-        self._things = [thing for thing, _ in state]
-        for thing, saved in state:
-            _restore(thing, saved)
+        Raises:
+            RuntimeError: Called from a callback.
+            TypeError: An attribute of a node or of a kept object cannot be copied.
+        """
+        return SavedParts(
+            grid=copy.copy(self.grid),  # shares the cells until one of the two grids changes
+            bus=self.bus.save(),
+            world=self.world.save(),
+            robots=self.robots.save(),
+            faults=self.faults.save(),
+            map_server=self.map_server.save(),
+            kept=self.kept.save(),
+        )
 
+    def restore(self, saved: SavedParts) -> None:
+        """Returns all parts to a saved state.
 
-def _saved(thing: Any) -> Any:
-    if hasattr(thing, "save") and hasattr(thing, "restore"):
-        return thing.save()
-    return copy.deepcopy(vars(thing), {id(thing): thing})
-
-
-def _restore(thing: Any, state: Any) -> None:
-    if hasattr(thing, "save") and hasattr(thing, "restore"):
-        thing.restore(state)
-    else:
-        vars(thing).clear()
-        vars(thing).update(copy.deepcopy(state, {id(thing): thing}))
+        Raises:
+            RuntimeError: Called from a callback.
+        """
+        self.bus.restore(saved.bus)
+        if not np.array_equal(saved.grid.cells, self.grid.cells):
+            self.grid.set_cells(0, 0, saved.grid.cells)
+        self.robots.restore(saved.robots)
+        self.world.restore(saved.world)  # after the robots, whose poses it reads
+        self.map_server.restore(saved.map_server)
+        self.faults.restore(saved.faults)
+        self.kept.restore(saved.kept)

@@ -1,6 +1,7 @@
-"""Tests of robot code: assertions on simulations, a stand-in for rclpy, and the pytest plugin.
+"""Tools for tests of robot code: assertions on simulations, a stand-in for rclpy, and the pytest plugin.
 
-Names are imported when they are first used: pytest loads this package in every environment where it is installed.
+Public names are imported when they are first used, because pytest loads this package in every environment in which it is
+installed.
 """
 
 from importlib import import_module

@@ -1,19 +1,36 @@
-"""Assertions on simulations that explain themselves: where, when, by how much, and where the picture is.
+"""Assertions on simulations, with messages that say what happened, where, when and by how much.
 
-They look at the truth, not at what the robot believes. Those that take a goal or a rate let the simulation run.
+They check the ground truth, not what the robot believes. `assert_reaches` and `assert_rate` run the simulation. If
+`Simulation.picture` names a file, a failed assertion saves a picture of the drive there and names the file.
+
+Example:
+    >>> import numpy as np
+    >>> import mobile_robot_simulator as mrs
+    >>> from mobile_robot_simulator.testing import assert_reaches
+    >>> grid = mrs.OccupancyGrid(np.zeros((100, 100), np.int8), resolution=0.1)
+    >>> sim = mrs.Simulation(grid, start=(1.0, 5.0, 0.0), parameters={"velocity_timeout": 0.0})
+    >>> sim.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5)))
+    >>> assert_reaches(sim, (2.0, 5.0), within=5.0, tolerance=0.12)
+    1.8
+    >>> assert_reaches(sim, (1.0, 5.0), within=1.0)
+    Traceback (most recent call last):
+    AssertionError: the robot did not come within 0.3 m of (1, 5) in 1 s: it was never nearer than 0.900 m
+      nearest: 0.900 m away, at (1.900, 5.000) at 1.800 s
+      end: 1.400 m away, at (2.400, 5.000) at 2.800 s
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
-from ..simulation.fault import check_at_least_0
+from ..simulation.arguments import check_at_least_0
 
 if TYPE_CHECKING:
     from ..physics.motion import ContactEvent
@@ -32,180 +49,252 @@ def assert_reaches(
     yaw_tolerance: float = 0.2,
     robot: str | None = None,
 ) -> float:
-    """Run until a robot is at a goal.
+    """Runs the simulation until a robot reaches a goal.
 
-    goal: x, y [m], and yaw [rad] if it matters. within: seconds from now on. tolerance: how near is near enough [m];
-    yaw_tolerance likewise [rad]. robot: its name, the first if None.
-    returns: the time at which it was there [s].
-    raises: AssertionError if it is not there in time; ValueError for a goal that is not two or three finite numbers.
+    Args:
+        sim: The simulation.
+        goal: Position x [m], y [m] in the map frame, and optionally the yaw [rad].
+        within: Longest simulated time to run [s].
+        tolerance: Largest distance from the position that counts as reached [m].
+        yaw_tolerance: Largest difference from the yaw that counts as reached [rad].
+        robot: Name of the robot; None for the first.
+
+    Returns:
+        The simulated time at which the robot reached the goal [s].
+
+    Raises:
+        AssertionError: The robot did not reach the goal in time. The message gives the nearest point and the end of its
+            path, and its first contact on the way.
+        ValueError: The goal is not two or three finite numbers, or a tolerance is negative or not finite.
     """
     __tracebackhide__ = True
     if len(goal) not in (2, 3) or not all(map(math.isfinite, goal)):
         raise ValueError(f"goal must be two or three finite numbers, got {goal}")
     check_at_least_0(tolerance=tolerance, yaw_tolerance=yaw_tolerance)
-    one, began = sim.named(robot), sim.time
+    driver, start = sim.named(robot), sim.time
 
-    def there(sim: Simulation) -> bool:
-        x, y, yaw = one.pose
+    def reached(sim: Simulation) -> bool:
+        x, y, yaw = driver.pose
         near = math.hypot(x - goal[0], y - goal[1]) <= tolerance
         return near and (len(goal) == 2 or abs(math.remainder(yaw - goal[2], math.tau)) <= yaw_tolerance)
 
     try:
-        return sim.run_until(there, within)
+        return sim.run_until(reached, within)
     except TimeoutError:
-        pass
-    path = one.truth.path
-    path = path[path[:, 0] >= began - 1e-9]
-    distances = np.hypot(path[:, 1] - goal[0], path[:, 2] - goal[1])
-    nearest = int(np.argmin(distances))
-    text = (
-        f"{_named(one)} did not come within {tolerance:g} m of ({goal[0]:g}, {goal[1]:g}) in {within:g} s: "
-        f"it came within {distances[nearest]:.3f} m, {_at(path[nearest])}; "
-        f"at the end it is {distances[-1]:.3f} m away, {_at(path[-1])}"
-    )
-    if distances[nearest] <= tolerance:
-        text += f"; yaw {goal[2]:g} was wanted to {yaw_tolerance:g} rad"
-    contacts = [
-        contact for contact in one.robot.motion.contacts_until(round(sim.time * NANOSECONDS)) if contact.time >= began
-    ]
-    if contacts:
-        text += f"; on its way it {_touched(contacts[0])}"
-    _fail(sim, text)
+        pass  # the failure below has a message of its own
+    _fail(sim, _missed(sim, driver, goal, start, tolerance, yaw_tolerance))
 
 
 def assert_no_contact(sim: Simulation, *, robot: str | None = None) -> None:
-    """No robot touched anything so far, or the one named did not.
+    """Checks that no robot has touched a wall, an obstacle or another robot so far.
 
-    raises: AssertionError with the first contact; ValueError if a robot has no footprint.
+    Args:
+        sim: The simulation.
+        robot: Name of the only robot to check; None for all robots.
+
+    Raises:
+        AssertionError: A robot touched something. The message gives its first contact.
+        ValueError: A robot has no footprint.
     """
     __tracebackhide__ = True
-    for one in _chosen(sim, robot):
-        contacts = one.truth.contacts
+    for driver in _chosen(sim, robot):
+        contacts = driver.truth.contacts
         if contacts:
-            more = f", the first of {len(contacts)} contacts" if len(contacts) > 1 else ""
-            _fail(sim, f"{_named(one)} {_touched(contacts[0])}{more}")
+            count = f" (the first of {len(contacts)} contacts)" if len(contacts) > 1 else ""
+            _fail(sim, f"{driver.title} touched {_contact(contacts[0])}{count}")
 
 
 def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = None) -> None:
-    """No robot came nearer to anything than this [m] so far, or the one named did not: footprint against map.
+    """Checks that no robot has come too near to a wall, an obstacle or another robot so far.
 
-    Looked at each tenth of a second of the way, and at each change of velocity; between these the robot may have been nearer
-    by what it drives in half that time.
-    raises: AssertionError with the nearest place.
+    The clearance is checked at the points of `GroundTruth.path`: at each change of velocity and at least every 0.1 s.
+    Between two points, the robot may have been nearer by up to the distance that it drives in half that time.
+
+    Args:
+        sim: The simulation.
+        at_least: Smallest allowed distance from the footprint to anything else [m].
+        robot: Name of the only robot to check; None for all robots.
+
+    Raises:
+        AssertionError: A robot came too near. The message gives the place and time of the smallest distance.
+        ValueError: The clearance is not positive and finite.
     """
     __tracebackhide__ = True
     if not 0.0 < at_least < math.inf:
         raise ValueError(f"the clearance must be positive and finite, got {at_least}")
-    for one in _chosen(sim, robot):
-        path = one.truth.path
-        clearances = one.truth.clearances(path, at_least)
+    for driver in _chosen(sim, robot):
+        path = driver.truth.path
+        clearances = driver.truth.clearances(path, at_least)
         nearest = int(np.argmin(clearances))
         if clearances[nearest] < at_least:
-            below = int(np.sum(clearances < at_least))
+            too_near = int(np.sum(clearances < at_least))
             _fail(
                 sim,
-                f"{_named(one)} came within {clearances[nearest]:.3f} m of something, {_at(path[nearest])}: "
-                f"{at_least - clearances[nearest]:.3f} m less than the {at_least:g} m wanted, "
-                f"and it was too near at {below} of {len(path)} points of its way",
+                f"{driver.title} came within {clearances[nearest]:.3f} m of a wall, obstacle or robot, "
+                f"{at_least - clearances[nearest]:.3f} m less than the required {at_least:g} m\n"
+                f"  nearest: {_point(path[nearest])}\n"
+                f"  too near at {too_near} of {len(path)} points of its path",
             )
 
 
 def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, tolerance: float = 0.05) -> None:
-    """Run for a while, and see that messages come at a rate.
+    """Runs the simulation for a while and checks the rate at which a topic is published.
 
-    hz: the rate wanted. over: for how long to run [s]. tolerance: by what share the rate may differ; no gap may be longer
-    than twice the period wanted.
-    raises: AssertionError with the rate found and the longest gap; ValueError for an unknown topic or a rate that is none.
+    The number of messages may differ from the expected one by `tolerance`, plus one message for the position of the
+    interval. The time between two messages must not exceed twice the expected period.
+
+    Args:
+        sim: The simulation.
+        topic: Name of the topic.
+        hz: Expected rate [Hz].
+        over: Simulated time to run [s], at least two expected periods.
+        tolerance: Allowed difference of the rate, as a share of `hz`.
+
+    Raises:
+        AssertionError: The rate differs, or a gap is too long. The message gives both.
+        ValueError: The topic does not exist, the rate is not positive and finite, or `over` is too short.
     """
     __tracebackhide__ = True
     if not 0.0 < hz < math.inf:
         raise ValueError(f"the rate must be positive and finite, got {hz} Hz")
     check_at_least_0(tolerance=tolerance)
     if not 2.0 <= hz * over < math.inf:
-        raise ValueError(f"a rate of {hz:g} Hz needs more than {over:g} s to be seen: give over")
-    sim.latest(topic)
-    began, times = sim.time, []
-    name = topic if topic.startswith("/") else f"/{topic}"
-
-    def tap(topic: str, message: Message, time_ns: int) -> None:
-        if topic == name and time_ns > round(began * 1e9):
-            times.append(time_ns / 1e9)
-
-    sim.record(tap)
-    try:
-        sim.run_for(over)
-    finally:
-        sim.stop_recording(tap)
-    ends = [began, *times, sim.time]
+        raise ValueError(f"a rate of {hz:g} Hz needs more than {over:g} s to be measured: give a larger over")
+    start, times = sim.time, _times(sim, topic, over)
+    ends = [start, *times, sim.time]
     gaps = np.diff(ends)
     longest = int(np.argmax(gaps))
-    found = len(times) / over
-    # One message more or less falls into a stretch of time by chance.
-    if abs(found - hz) > tolerance * hz + 1.0 / over or gaps[longest] > 2.0 / hz + 1e-9:
+    rate = len(times) / over
+    # Depending on where the interval starts, it holds one message more or less.
+    if abs(rate - hz) > tolerance * hz + 1.0 / over or gaps[longest] > 2.0 / hz + 1e-9:
         _fail(
             sim,
-            f"{topic} had {len(times)} messages in {over:g} s from {began:g} s on, {found:.3g} Hz where {hz:g} Hz "
-            f"was wanted; the longest gap was {gaps[longest]:.3f} s, from {ends[longest]:.3f} s on",
+            f"{topic} was published at {rate:.3g} Hz instead of {hz:g} Hz: "
+            f"{len(times)} messages in {over:g} s, from {start:g} s to {sim.time:g} s\n"
+            f"  allowed: {hz:g} Hz ± {100 * tolerance:g} %, gaps of at most {2.0 / hz:g} s\n"
+            f"  longest gap: {gaps[longest]:.3f} s, from {ends[longest]:.3f} s to {ends[longest + 1]:.3f} s",
         )
 
 
 def assert_scan_close(
     a: LaserScan | NDArray[np.float32], b: LaserScan | NDArray[np.float32], *, tolerance: float = 0.01, share: float = 1.0
 ) -> None:
-    """Two scans see the same, beam by beam.
+    """Checks that two scans agree, beam by beam.
 
-    tolerance: by how much ranges may differ [m]; a missing return is close to a missing return only. share: of the beams
-    that must be close.
-    raises: AssertionError with the number of beams that are not, and the worst; ValueError for scans of different lengths.
+    Args:
+        a: First scan, or its ranges [m], (N,).
+        b: Second scan, or its ranges [m], (N,).
+        tolerance: Largest difference of two ranges that counts as equal [m]. A missing return (inf or NaN) equals only the
+            same kind of missing return.
+        share: Share of the beams that must be equal, above 0 and at most 1.
+
+    Raises:
+        AssertionError: Too many beams differ. The message gives their number and the beam that differs most.
+        ValueError: The scans have no beams or different numbers of beams, or an option is out of range.
     """
     __tracebackhide__ = True
     check_at_least_0(tolerance=tolerance)
     if not 0.0 < share <= 1.0:
         raise ValueError(f"the share must be above 0 and at most 1, got {share}")
-    left, right = (np.asarray(scan.ranges if isinstance(scan, LaserScan) else scan, np.float64) for scan in (a, b))
-    if left.ndim != 1 or left.shape != right.shape or not left.size:
-        raise ValueError(f"scans must have beams, and as many as each other, got shapes {left.shape} and {right.shape}")
-    same = (left == right) | (np.isnan(left) & np.isnan(right))
+    first, second = (np.asarray(scan.ranges if isinstance(scan, LaserScan) else scan, np.float64) for scan in (a, b))
+    if first.ndim != 1 or first.shape != second.shape or not first.size:
+        raise ValueError(f"scans must have the same number of beams, at least one, got shapes {first.shape}, {second.shape}")
+    same = (first == second) | (np.isnan(first) & np.isnan(second))
     with np.errstate(invalid="ignore"):
-        off = np.where(same, 0.0, np.abs(left - right))
-    off[np.isnan(off)] = math.inf
-    far = off > tolerance
-    if far.sum() > (1.0 - share) * len(off):
-        worst = int(np.argmax(off))
-        where = f"beam {worst}"
-        scan = a if isinstance(a, LaserScan) else b
-        if isinstance(scan, LaserScan):
-            where += (
-                f" at {scan.angle_min + worst * scan.angle_increment:.3f} rad, {scan.header.stamp.nanoseconds / 1e9:.3f} s"
-            )
+        difference = np.where(same, 0.0, np.abs(first - second))
+    difference[np.isnan(difference)] = math.inf
+    different = int((difference > tolerance).sum())
+    if different > (1.0 - share) * len(difference):
+        worst = int(np.argmax(difference))
+        allowed = f" ({100 * share:g} % of the beams must agree)" if share < 1.0 else ""
         raise AssertionError(
-            f"{far.sum()} of {len(off)} beams differ by more than {tolerance:g} m; the worst is {where}: "
-            f"{left[worst]:.4f} m and {right[worst]:.4f} m, {off[worst]:.4f} m apart"
+            f"{different} of {len(difference)} beams differ by more than {tolerance:g} m{allowed}\n"
+            f"  largest difference: {difference[worst]:.4f} m, at {_beam(a, b, worst)}: "
+            f"{first[worst]:.4f} m in the first scan, {second[worst]:.4f} m in the second"
         )
+
+
+def _missed(
+    sim: Simulation,
+    driver: SimulatedRobot,
+    goal: tuple[float, ...],
+    start: float,
+    tolerance: float,
+    yaw_tolerance: float,
+) -> str:
+    """Returns the message for a robot that did not reach its goal: nearest point, end of the path, first contact."""
+    path = driver.truth.path
+    path = path[path[:, 0] >= start - 1e-9]
+    distances = np.hypot(path[:, 1] - goal[0], path[:, 2] - goal[1])
+    nearest, near = int(np.argmin(distances)), distances <= tolerance
+    wanted = f"{driver.title} did not come within {tolerance:g} m of ({goal[0]:g}, {goal[1]:g})"
+    yaw_error = 0.0
+    if len(goal) == 3:
+        yaw_error = min((abs(math.remainder(yaw - goal[2], math.tau)) for yaw in path[near, 3]), default=0.0)
+        wanted += f" with a yaw within {yaw_tolerance:g} rad of {goal[2]:g} rad"
+    text = f"{wanted} in {sim.time - start:g} s: "
+    if not near.any():
+        text += f"it was never nearer than {distances[nearest]:.3f} m"
+    elif yaw_error > yaw_tolerance:
+        text += f"it was near enough, but its yaw was then always off by {yaw_error:.3f} rad or more"
+    else:
+        text += "it was there only between two events, and the goal is checked at events"
+    text += f"\n  nearest: {distances[nearest]:.3f} m away, {_point(path[nearest])}"
+    text += f"\n  end: {distances[-1]:.3f} m away, {_point(path[-1])}"
+    contacts = [
+        contact for contact in driver.robot.motion.contacts_until(round(sim.time * NANOSECONDS)) if contact.time >= start
+    ]
+    if contacts:
+        text += f"\n  first contact: {_contact(contacts[0])}"
+    return text
+
+
+def _times(sim: Simulation, topic: str, seconds: float) -> list[float]:
+    """Runs the simulation for a while. Returns the times [s] of the messages that a topic got meanwhile."""
+    sim.latest(topic)  # raises ValueError if the topic does not exist
+    start_ns, name = round(sim.time * NANOSECONDS), absolute(topic)
+    times: list[float] = []
+
+    def tap(topic: str, message: Message, time_ns: int) -> None:
+        if topic == name and time_ns > start_ns:
+            times.append(time_ns / NANOSECONDS)
+
+    sim.record(tap)
+    try:
+        sim.run_for(seconds)
+    finally:
+        sim.stop_recording(tap)
+    return times
 
 
 def _chosen(sim: Simulation, robot: str | None) -> list[SimulatedRobot]:
     return list(sim.robots.values()) if robot is None else [sim.named(robot)]
 
 
-def _named(robot: SimulatedRobot) -> str:
-    return robot.name or "the robot"
-
-
-def _at(row: Any) -> str:
+def _point(row: NDArray[np.float64]) -> str:
+    """Returns a text for a point of a path: time [s], x [m], y [m], yaw [rad]."""
     return f"at ({row[1]:.3f}, {row[2]:.3f}) at {row[0]:.3f} s"
 
 
-def _touched(contact: ContactEvent) -> str:
+def _contact(contact: ContactEvent) -> str:
     x, y = contact.point
     return (
-        f"touched {contact.what} at ({x:.3f}, {y:.3f}) at {contact.time:.3f} s, going {contact.speed:.3f} m/s, "
-        f"with its centre at ({contact.pose.x:.3f}, {contact.pose.y:.3f})"
+        f"{contact.what} at ({x:.3f}, {y:.3f}) at {contact.time:.3f} s: "
+        f"robot at ({contact.pose.x:.3f}, {contact.pose.y:.3f}), speed {contact.speed:.3f} m/s"
     )
 
 
+def _beam(a: LaserScan | NDArray[np.float32], b: LaserScan | NDArray[np.float32], beam: int) -> str:
+    """Returns a text for a beam, with its angle and the time of the scan if one of the two is a LaserScan."""
+    scan = a if isinstance(a, LaserScan) else b
+    if not isinstance(scan, LaserScan):
+        return f"beam {beam}"
+    angle = scan.angle_min + beam * scan.angle_increment
+    return f"beam {beam} (angle {angle:.3f} rad, scan of {scan.header.stamp.nanoseconds / NANOSECONDS:.3f} s)"
+
+
 def _fail(sim: Simulation, text: str) -> NoReturn:
-    """Raise, and say where the picture is if the simulation has a place for one."""
+    """Raises AssertionError, after saving a picture if the simulation names a file for one."""
     __tracebackhide__ = True
     if sim.picture is not None:
         try:

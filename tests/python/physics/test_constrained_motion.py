@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from hall import SEED, drive, simulation
 from mobile_robot_simulator import faults
+from simulations import SEED, drive, simulation
 
 
 def test_a_robot_stops_at_a_wall_and_reports_the_contact():

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from hall import drive, hall, simulation
 from mobile_robot_simulator.physics import Obstacle
+from simulations import drive, hall, simulation
 
 
 def test_waypoints_are_interpolated():

@@ -1,26 +1,25 @@
-"""simulation: map, nodes and bus in one object; the same calls give the same messages."""
+"""Simulation: what it publishes, its arguments, and its errors."""
 
 from __future__ import annotations
 
+import doctest
 import math
-import traceback
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator import messages, plotting
+from mobile_robot_simulator import messages
+from mobile_robot_simulator.simulation import simulation
+from simulations import twist
 
 SECOND = 1_000_000_000
+GRID = mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=0.1)
+DISC = mrs.Shape.disc(0.2)
 
 
-def twist(vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> mrs.messages.Twist:
-    return mrs.messages.Twist(linear=mrs.messages.Vector3(x=vx, y=vy), angular=mrs.messages.Vector3(z=wz))
-
-
-def test_the_example_of_the_front_page(room: mrs.OccupancyGrid) -> None:
+def test_the_example_of_the_readme(room: mrs.OccupancyGrid) -> None:
     seen: list[mrs.messages.LaserScan] = []
     sim = mrs.Simulation(room, parameters={"laser_beam_count": 181, "velocity_timeout": 0.0}, seed=7)
     sim.subscribe("/scan", mrs.messages.LaserScan, seen.append)
@@ -34,14 +33,14 @@ def test_the_example_of_the_front_page(room: mrs.OccupancyGrid) -> None:
     assert sim.latest("/odom").pose.pose.to_planar().x == pytest.approx(sim.pose.x, abs=1e-12)
 
 
-def test_a_command_is_held_for_half_a_second(room: mrs.OccupancyGrid) -> None:
+def test_a_command_holds_for_half_a_second(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room)
     sim.publish("/cmd_vel", twist(0.5))
     sim.run_for(10.0)
     assert tuple(sim.pose) == (0.25, 0.0, 0.0)
 
 
-def test_at_first_there_is_nothing_but_the_map(room: mrs.OccupancyGrid) -> None:
+def test_before_the_first_run_only_the_map_is_published(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room, start=(1.0, 2.0, 0.5))
     assert sim.time == 0.0
     assert tuple(sim.pose) == pytest.approx((1.0, 2.0, 0.5), abs=1e-15)
@@ -50,7 +49,7 @@ def test_at_first_there_is_nothing_but_the_map(room: mrs.OccupancyGrid) -> None:
     assert sim.grid is room
 
 
-def test_the_start_pose_is_where_scans_are_from(room: mrs.OccupancyGrid) -> None:
+def test_the_first_scan_is_taken_from_the_start_pose(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room, start=(1.0, 2.0, 0.5), parameters={"apply_noise": False})
     sim.run_for(0.1)
     expected = mrs.LaserScanner().mark_invalid(mrs.LaserScanner().scan(room, (1.0, 2.0, 0.5)))
@@ -80,7 +79,7 @@ def test_scans_equal_a_batch_at_the_published_poses(room: mrs.OccupancyGrid, map
 
 
 @pytest.mark.parametrize("rate", [40.0, 25.0, 3.0])
-def test_scans_between_odometry_are_from_where_the_robot_is(room: mrs.OccupancyGrid, rate: float) -> None:
+def test_scans_between_odometry_messages_are_taken_from_the_true_pose(room: mrs.OccupancyGrid, rate: float) -> None:
     """From the first one on: a scan may be missing, but none is from another place."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": rate, "apply_noise": False, "velocity_timeout": 0.0})
     sim.publish("/cmd_vel", twist(2.0, 0.0, 0.9))
@@ -101,7 +100,7 @@ def initial_pose(x: float, y: float, yaw: float) -> mrs.messages.PoseWithCovaria
     return message
 
 
-def test_an_initial_pose_is_no_motion(room: mrs.OccupancyGrid) -> None:
+def test_an_initial_pose_is_not_a_motion(room: mrs.OccupancyGrid) -> None:
     """A robot that is put elsewhere was not on the way there, and does not go on from there."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": 40.0, "apply_noise": False})
     scans: list[mrs.messages.LaserScan] = []
@@ -118,7 +117,7 @@ def test_an_initial_pose_is_no_motion(room: mrs.OccupancyGrid) -> None:
     assert np.isclose(scans[-1].ranges, new, rtol=0.0, atol=1e-4).mean() > 0.95
 
 
-def test_a_stopped_robot_is_not_seen_to_move(room: mrs.OccupancyGrid) -> None:
+def test_scans_of_a_stopped_robot_are_taken_from_where_it_stopped(room: mrs.OccupancyGrid) -> None:
     """Its timeout came between two transforms: scans after it are from where it stands."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": 40.0, "apply_noise": False})
     sim.publish("/cmd_vel", twist(2.0))
@@ -157,16 +156,6 @@ def test_the_same_run_twice_gives_the_same_messages(room: mrs.OccupancyGrid) -> 
     assert times == sorted(times)
 
 
-def test_late_subscribers_get_the_map(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    sim.run_for(3.0)
-    seen: list[Any] = []
-    sim.subscribe("/map", messages.OccupancyGrid, seen.append)
-    sim.run_for(0.0)
-    assert seen == [sim.latest("/map")]
-    assert seen[0].data.tolist() == room.cells.reshape(-1).tolist()
-
-
 def test_the_map_is_served(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room)
     future = (
@@ -182,7 +171,7 @@ def test_the_clock_is_published(room: mrs.OccupancyGrid) -> None:
     assert sim.latest("/clock") == mrs.messages.Clock(mrs.messages.Time(1, 0))
 
 
-def test_a_callback_may_drive(room: mrs.OccupancyGrid) -> None:
+def test_a_callback_can_drive_the_robot(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room)
     sim.subscribe(
         "/scan", mrs.messages.LaserScan, lambda scan: sim.publish("/cmd_vel", twist(1.0 if min(scan.ranges) > 0.5 else 0.0))
@@ -192,57 +181,24 @@ def test_a_callback_may_drive(room: mrs.OccupancyGrid) -> None:
     assert 9.2 < sim.pose.x < 9.45
 
 
-def test_a_callback_that_raises_stops_the_run_and_the_run_can_go_on(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    seen: list[Any] = []
-
-    def complain(scan: mrs.messages.LaserScan) -> None:
-        seen.append(scan)
-        if len(seen) == 3:
-            raise RuntimeError("too dark")
-
-    sim.subscribe("/scan", mrs.messages.LaserScan, complain)
-    with pytest.raises(RuntimeError, match="too dark") as caught:
-        sim.run_for(1.0)
-    assert "complain" in [frame.name for frame in traceback.extract_tb(caught.value.__traceback__)]
-    assert sim.time == pytest.approx(0.3)
-    sim.run_for(0.7)
-    assert (len(seen), sim.time) == (10, 1.0)
-
-
-def test_a_callback_that_answers_itself_for_ever_is_an_error(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    sim.subscribe("/cmd_vel", mrs.messages.Twist, lambda message: sim.publish("/cmd_vel", message))
-    sim.publish("/cmd_vel", twist(1.0))
-    with pytest.raises(RuntimeError, match="time stands still"):
-        sim.run_for(1.0)
-
-
-def test_a_callback_must_not_run_the_simulation(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    sim.subscribe("/scan", mrs.messages.LaserScan, lambda scan: sim.run_for(1.0))
-    with pytest.raises(RuntimeError, match="must not run"):
-        sim.run_for(1.0)
-
-
-def test_who_unsubscribes_gets_no_more(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    seen: list[Any] = []
-    subscription = sim.subscribe("/scan", mrs.messages.LaserScan, seen.append)
-    sim.run_for(0.3)
-    sim.unsubscribe(subscription)
-    sim.unsubscribe(subscription)
-    sim.run_for(0.3)
-    assert len(seen) == 3
-
-
-def test_a_node_of_ones_own(room: mrs.OccupancyGrid) -> None:
+def test_a_node_of_the_user_can_drive_the_robot(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room)
     node = sim.create_node("mine")
     publisher = node.create_publisher(mrs.messages.Twist, "/cmd_vel")
     node.create_timer(0.1, lambda: publisher.publish(twist(1.0)))
     sim.run_for(2.0)
     assert sim.pose.x == pytest.approx(1.9, abs=1e-12)
+
+
+def test_a_request_can_be_changed_after_the_call(room: mrs.OccupancyGrid) -> None:
+    sim = mrs.Simulation(room)
+    request = mrs.messages.SetPose.Request()
+    position = request.pose.pose.pose.position
+    position.x, position.y = 3.0, 2.0
+    sim.create_node("clerk").create_client(mrs.messages.SetPose, "/set_pose").call_async(request)
+    position.x = 4.0
+    sim.run_for(0.1)
+    assert tuple(sim.pose) == (3.0, 2.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -285,12 +241,6 @@ def test_bad_calls_are_refused_and_change_nothing(
     assert (sim.time, len(sim.latest("/scan").ranges)) == (1.0, 541)
 
 
-def test_a_callback_that_is_none_is_refused_at_once(room: mrs.OccupancyGrid) -> None:
-    sim = mrs.Simulation(room)
-    with pytest.raises(TypeError, match="callback"):
-        sim.subscribe("/scan", mrs.messages.LaserScan, None)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
@@ -314,7 +264,7 @@ def test_bad_simulations_are_refused(room: mrs.OccupancyGrid, options: dict[str,
     assert words in str(caught.value)
 
 
-def test_the_seed_comes_before_the_parameter(room: mrs.OccupancyGrid) -> None:
+def test_the_argument_seed_takes_precedence_over_the_parameter(room: mrs.OccupancyGrid) -> None:
     for seed in (0, 5):
         assert mrs.Simulation(room, seed=seed, parameters={"seed": 6}).laser.parameters.seed == seed
     assert mrs.Simulation(room, parameters={"seed": 6}).laser.parameters.seed == 6
@@ -322,7 +272,7 @@ def test_the_seed_comes_before_the_parameter(room: mrs.OccupancyGrid) -> None:
 
 @pytest.mark.parametrize(("options", "blocks"), [({}, False), ({"unknown": "occupied"}, True), ({"unknown": "free"}, False)])
 @pytest.mark.parametrize("grid_says", ["free", "occupied"])
-def test_the_parameter_unknown_comes_before_the_grids(options: dict[str, str], blocks: bool, grid_says: str) -> None:
+def test_the_parameter_unknown_takes_precedence_over_the_grid(options: dict[str, str], blocks: bool, grid_says: str) -> None:
     cells = np.full((10, 40), -1, np.int8)
     cells[:, :20] = 0
     grid = mrs.OccupancyGrid(cells, resolution=0.1, unknown=grid_says)
@@ -332,7 +282,7 @@ def test_the_parameter_unknown_comes_before_the_grids(options: dict[str, str], b
     assert sim.latest("/scan").ranges[0] == (1.5 if blocks else math.inf)
 
 
-def test_the_grids_threshold_holds() -> None:
+def test_the_occupied_threshold_of_the_grid_is_used() -> None:
     cells = np.zeros((10, 40), np.int8)
     cells[:, 20] = 30
     for threshold, expected in ((30, 1.5), (31, math.inf)):
@@ -342,40 +292,55 @@ def test_the_grids_threshold_holds() -> None:
         assert sim.latest("/scan").ranges[0] == expected
 
 
-def test_stamped_commands_if_asked_for(room: mrs.OccupancyGrid) -> None:
+def test_stamped_commands_are_an_option(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room, parameters={"cmd_vel_stamped": True})
     sim.publish("/cmd_vel", mrs.messages.TwistStamped(twist=twist(1.0)))
     sim.run_for(1.0)
     assert sim.pose.x == 0.5
 
 
-def test_ten_minutes_take_no_time(room: mrs.OccupancyGrid) -> None:
-    """6000 scans and as many transforms: nothing waits."""
-    sim = mrs.Simulation(room, parameters={"laser_beam_count": 31})
-    sim.run_for(600.0)
-    assert sim.latest("/scan").header.stamp == mrs.messages.Time(600, 0)
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"grid": np.zeros((5, 5), np.int8)}, TypeError, "the map must be an OccupancyGrid, got ndarray"),
+        ({"robots": ["one"]}, TypeError, "robots must be a mapping from names to start poses, got list"),
+        ({"start": (1, 1, 0), "robots": {"one": (2, 2, 0)}}, ValueError, "start and robots must not both be given"),
+        ({"robots": {"one": (2, 2, 0), "two": (2.3, 2, 0)}}, ValueError, "start must leave the robot room beside robot one"),
+    ],
+)
+def test_bad_maps_and_robots_are_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        mrs.Simulation(**{"grid": GRID, **arguments})
 
 
-def test_the_picture_is_of_all_robots_and_of_the_scan_where_it_was_taken(
-    room: mrs.OccupancyGrid, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn: dict[str, Any] = {}
-    monkeypatch.setattr(plotting, "plot_drive", lambda file, grid, path, **how: drawn.update(how, path=path))
-    robots = {"one": (0.0, 0.0, 0.0), "two": (0.0, 3.0, 0.0), "three": (0.0, -3.0, 0.0)}
-    parameters = {"velocity_timeout": 0, "laser_frame_id": "laser", "laser_mount": (0.2, 0.0, 0.0), "apply_noise": False}
-    sim = mrs.Simulation(room, robots=robots, parameters=parameters)
-    box = sim.add_obstacle(mrs.Shape.rectangle(1.0, 1.0), (-5.0, 0.0, 0.0))
-    for name, speed in (("one", 1.0), ("two", 0.5)):
-        sim.publish(f"/{name}/cmd_vel", twist(speed))
-    sim.run_for(2.05)
-    sim.draw(tmp_path / "drive.png")
-    assert drawn["path"][-1] == pytest.approx([2.05, 0.0, 0.0]) and list(drawn["others"]) == ["two", "three"]
-    assert drawn["others"]["two"][-1] == pytest.approx([1.025, 3.0, 0.0])
-    assert drawn["shapes"][0] == (box.shape, mrs.Pose(-5.0, 0.0, 0.0)) and len(drawn["shapes"]) == 4
-    assert tuple(drawn["laser_pose"]) == pytest.approx((2.2, 0.0, 0.0))
-    assert drawn["scan_points"][:, 0].max() == pytest.approx(9.9)  # the wall
+@pytest.mark.parametrize(
+    ("shape", "way", "error", "message"),
+    [
+        (0.2, (1, 1, 0), TypeError, "an obstacle's shape must be a Shape, got float"),
+        (DISC, [], ValueError, "there must be at least one waypoint, got none"),
+        (DISC, lambda time: None, TypeError, "trajectory of obstacle cat must return poses .* None"),
+    ],
+)
+def test_bad_obstacles_are_refused(room, shape, way, error, message):
+    sim = mrs.Simulation(room)
+    with pytest.raises(error, match=message):
+        sim.add_obstacle(shape, way, "cat")
+        sim.run_for(1.0)
 
 
-def test_a_simulation_that_has_seen_nothing_can_be_drawn(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
-    mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
-    assert (tmp_path / "new" / "drive.png").exists()
+def test_the_repr_shows_time_robots_and_map(room: mrs.OccupancyGrid) -> None:
+    sim = mrs.Simulation(room, start=(1.0, 2.0, 0.5))
+    sim.run_for(10.0)
+    assert repr(sim) == "Simulation(at 10 s, 1 robot at (1.00, 2.00, 0.50), map 200x160 cells)"
+    sim = mrs.Simulation(room, robots={})
+    assert repr(sim) == "Simulation(at 0 s, 0 robots, map 200x160 cells)"
+    sim.add_robot("one")
+    sim.add_robot("two", start=(-2.0, 3.0, 0.0))
+    assert repr(sim) == (
+        "Simulation(at 0 s, 2 robots: one at (0.00, 0.00, 0.00), two at (-2.00, 3.00, 0.00), map 200x160 cells)"
+    )
+
+
+def test_the_example_of_the_documentation_runs():
+    results = doctest.testmod(simulation)
+    assert results.attempted and not results.failed

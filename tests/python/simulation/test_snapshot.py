@@ -1,4 +1,4 @@
-"""Saving and restoring: from a saved state on, everything repeats to the byte."""
+"""Snapshots: from a restored snapshot on, everything repeats to the byte."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def simulation() -> mrs.Simulation:
     return simulation
 
 
-def test_what_was_saved_repeats_as_often_as_it_is_restored():
+def test_a_snapshot_can_be_restored_any_number_of_times():
     sim = simulation()
     sim.run_for(3.21)
     state = sim.save()
@@ -73,7 +73,7 @@ def test_what_was_saved_repeats_as_often_as_it_is_restored():
         assert run(sim, 5.0) == first
 
 
-def test_a_restored_run_equals_one_that_was_never_saved():
+def test_a_restored_run_equals_a_run_that_was_never_saved():
     whole = simulation()
     whole.run_for(2.0)
     expected = run(whole, 4.0)
@@ -88,7 +88,7 @@ def test_a_restored_run_equals_one_that_was_never_saved():
     assert run(sim, 4.0) == expected
 
 
-def test_messages_under_way_timers_and_calls_come_back():
+def test_messages_in_transit_timers_and_calls_are_restored():
     sim = simulation()
     seen: list[str] = []
     node = sim.create_node("clerk")
@@ -113,34 +113,18 @@ def test_messages_under_way_timers_and_calls_come_back():
         assert not future.done() and not timer.is_canceled()
 
 
-def test_things_of_ones_own_are_kept_when_asked():
-    class Counter:
-        def __init__(self) -> None:
-            self.counts = [0]
-
-    sim = simulation()
-    counter, other = sim.keep(Counter()), Counter()
-    sim.subscribe("/scan", mrs.messages.LaserScan, lambda scan: counter.counts.append(1))
-    sim.subscribe("/scan", mrs.messages.LaserScan, lambda scan: other.counts.append(1))
-    state = sim.save()
-    sim.run_for(1.0)
-    assert len(counter.counts) == len(other.counts) == 11
-    sim.restore(state)
-    assert counter.counts == [0] and len(other.counts) == 11
-
-
-def test_what_cannot_be_restored_is_refused():
+def test_wrong_snapshots_and_saving_in_a_callback_are_refused():
     sim, other = simulation(), simulation()
-    with pytest.raises(ValueError, match="of this simulation"):
+    with pytest.raises(ValueError, match="must be of this simulation, got one of another"):
         sim.restore(other.save())
-    with pytest.raises(TypeError, match="must come from save"):
+    with pytest.raises(TypeError, match="must be a Snapshot from save"):
         sim.restore(3)  # type: ignore[arg-type]
     sim.subscribe("/scan", mrs.messages.LaserScan, lambda scan: sim.save())
     with pytest.raises(RuntimeError, match="a callback must not save"):
         sim.run_for(1.0)
 
 
-def test_an_attribute_that_cannot_be_copied_is_named():
+def test_the_error_names_an_attribute_that_cannot_be_copied():
     import threading
 
     sim = simulation()
@@ -149,32 +133,7 @@ def test_an_attribute_that_cannot_be_copied_is_named():
         sim.save()
 
 
-def test_what_is_kept_still_holds_the_simulation_itself_after_a_restore():
-    sim = simulation()
-    box = sim.add_obstacle(mrs.Shape.disc(0.2), (8.0, 8.0, 0.0))
-    drop = sim.add_fault(faults.Drop("/odom", probability=0.5))
-
-    class Probe:
-        def __init__(self) -> None:
-            self.parts = [sim, sim.robot, sim.laser, sim.map_server, sim.truth, sim.named(None), box, drop]
-            self.act, self.count = self.look, 0
-
-        def look(self) -> None:
-            self.count += 1
-
-    probe = sim.keep(Probe())
-    parts = list(probe.parts)
-    probe.act()
-    state = sim.save()
-    probe.act()
-    for _ in range(2):
-        sim.restore(state)
-        assert all(now is before for now, before in zip(probe.parts, parts, strict=True))
-        probe.act()
-        assert probe.count == 2
-
-
-def test_notes_that_come_but_once_in_a_while_repeat_too():
+def test_throttled_log_messages_repeat():
     class Talker(Node):
         def __init__(self) -> None:
             super().__init__("talker")
@@ -198,7 +157,7 @@ def test_notes_that_come_but_once_in_a_while_repeat_too():
     assert talker.said == said
 
 
-def test_cells_that_changed_are_back():
+def test_changed_cells_of_the_map_are_restored():
     sim = simulation()
     state = sim.save()
     first = run(sim, 1.0)
@@ -211,7 +170,7 @@ def test_cells_that_changed_are_back():
         assert run(sim, 1.0) == second
 
 
-def test_what_was_added_since_is_gone_and_can_be_added_again():
+def test_obstacles_faults_and_kept_objects_added_later_are_removed_and_can_be_added_again():
     sim = simulation()
     sim.run_for(1.05)
     state = sim.save()
@@ -231,7 +190,7 @@ def test_what_was_added_since_is_gone_and_can_be_added_again():
         assert probe.count == 2
 
 
-def test_robots_and_outages_that_came_since_are_gone():
+def test_robots_and_outages_added_later_are_removed():
     sim = mrs.Simulation(room(), robots={"one": (2, 2, 0)}, parameters={"laser_beam_count": 11})
     sim.run_for(1.0)
     state = sim.save()

@@ -1,4 +1,4 @@
-"""The pytest plugin, used as its users do: a pytest of its own, with nothing in a conftest."""
+"""The pytest plugin, used as users use it: in a pytest process of its own, without a conftest."""
 
 from __future__ import annotations
 
@@ -47,14 +47,15 @@ def run(pytester: pytest.Pytester):
 
 
 def left(result: pytest.RunResult, what: str) -> list[Path]:
+    """Returns the files of a kind, "recording" or "picture", that a report names."""
     return [Path(line.partition(": ")[2]) for line in result.outlines if line.startswith(f"{what}: ")]
 
 
-def test_a_failure_prints_the_seed_the_command_and_what_was_left(run):
+def test_a_failure_reports_seed_command_recording_and_picture(run):
     result = run(FAILING, "--simulator-seed", "5")
     assert result.ret == 1
     out = result.stdout.str()
-    assert "did not come within 0.3 m of (1, 5) in 3 s: it came within 4.000 m, at (1.000, 1.000) at 0.000 s" in out
+    assert "did not come within 0.3 m of (1, 5) in 3 s: it was never nearer than 4.000 m" in out
     assert "seed: 5" in result.outlines
     node = r"test_a_failure\S*py::test_fails"
     assert re.search(rf"^repeat with: pytest {node} --simulator-seed 5$", out, re.MULTILINE)
@@ -64,20 +65,20 @@ def test_a_failure_prints_the_seed_the_command_and_what_was_left(run):
     assert recording.parent.parent.name == "test_fails0"
 
 
-def test_what_passes_leaves_nothing_unless_asked(run, pytester):
+def test_a_passed_test_saves_nothing_unless_asked(run, pytester):
     assert run(PASSING).ret == 0
     assert not list(pytester.path.glob("kept/**/recording*"))
     assert run(PASSING, "--simulator-record", "always").ret == 0
     assert list(pytester.path.glob("kept/**/recording.mcap")) and list(pytester.path.glob("kept/**/drive.png"))
 
 
-def test_never_leaves_nothing_and_still_says_the_seed(run, pytester):
+def test_never_saves_nothing_and_still_reports_the_seed(run, pytester):
     result = run(FAILING, "--simulator-record", "never")
     assert result.ret == 1 and "seed: 0" in result.outlines
     assert not list(pytester.path.glob("kept/**/recording*")) and not left(result, "picture")
 
 
-def test_the_marker_sets_what_is_left_out_and_the_command_line_goes_before_it(run):
+def test_markers_replace_missing_arguments_and_the_command_line_takes_precedence(run):
     code = """
 @pytest.mark.simulator(map=room(), seed=3, start=(2.0, 3.0, 0.5), parameters={"laser_beam_count": 7})
 class TestMarked:
@@ -99,7 +100,7 @@ class TestMarked:
     run(code.replace("EXPECTED", "8"), "--simulator-seed", "8").assert_outcomes(passed=3)
 
 
-def test_floor_plans_need_no_files(run):
+def test_floor_plans_are_generated(run):
     code = """
 def test_plans(floor_plan, robot_world, simulation):
     plan = floor_plan("maze", seed=2)
@@ -139,12 +140,12 @@ def test_bad_options_are_refused(run):
     assert "invalid choice" in run(PASSING, "--simulator-record", "sometimes").stderr.str()
 
 
-def test_an_expected_failure_leaves_nothing(run, pytester):
+def test_an_expected_failure_saves_nothing(run, pytester):
     run("@pytest.mark.xfail\n" + FAILING.lstrip()).assert_outcomes(xfailed=1)
     assert not list(pytester.path.glob("kept/**/recording*"))
 
 
-def test_workers_of_xdist_report_the_same(run):
+def test_workers_of_xdist_save_the_same_recording(run):
     pytest.importorskip("xdist")
     (recording,) = left(run(FAILING + PASSING), "recording")
     alone = (recording / "recording.mcap").read_bytes()
@@ -154,7 +155,7 @@ def test_workers_of_xdist_report_the_same(run):
     assert "popen-gw" in str(recording) and (recording / "recording.mcap").read_bytes() == alone
 
 
-def test_without_the_extras_a_failure_says_what_is_missing(run):
+def test_a_failure_without_the_extras_says_what_is_missing(run):
     code = (
         """
 import sys
@@ -169,7 +170,7 @@ for name in ("rosbags", "matplotlib"):
     assert any(line.startswith("no picture: ") for line in result.outlines)
 
 
-def test_the_plugin_imports_nothing_for_those_who_do_not_use_it(run):
+def test_the_plugin_imports_no_dependencies_before_they_are_needed(run):
     code = """
 import subprocess, sys
 
@@ -201,22 +202,22 @@ def test_the_command_repeats_the_failure_from_where_pytest_was_called(pytester):
         assert command in again.outlines
 
 
-def test_a_failure_with_a_floor_plan_only_names_its_seed(run):
+def test_a_failure_with_a_floor_plan_only_reports_its_seed(run):
     result = run("def test_plan(floor_plan):\n    assert floor_plan('maze') is None\n", "--simulator-seed", "5")
     assert "seed: 5" in result.outlines and any(line.endswith("::test_plan --simulator-seed 5") for line in result.outlines)
 
 
-def test_seeds_that_a_test_names_itself_are_told_too(run):
+def test_seeds_that_a_test_passes_itself_are_reported(run):
     code = """
 def test_fails(simulation):
     for seed in (0, 7, 8):
         simulation(room(), seed=seed)
     assert False
 """
-    assert "seed: 0; the test itself gives 7, 8" in run(code, "--simulator-record", "never").outlines
+    assert "seed: 0; the test also uses seeds of its own: 7, 8" in run(code, "--simulator-record", "never").outlines
 
 
-def test_floor_plans_are_of_the_kind_that_the_marker_says(run):
+def test_floor_plans_have_the_kind_of_the_marker(run):
     code = """
 @pytest.mark.simulator(map="maze", size=(10.0, 9.0), seed=4)
 def test_maze(floor_plan):
@@ -227,8 +228,8 @@ def test_maze(floor_plan):
     run(code).assert_outcomes(passed=1)
 
 
-def test_robots_are_drawn_where_their_footprints_have_room(run):
-    # Of these draws, drawn for a radius of 0.3 m and each by itself, several begin in walls and in one another.
+def test_start_poses_have_room_for_footprints(run):
+    # If poses were drawn for a radius of 0.3 m and separately, several of these would be inside walls or other robots.
     code = """
 @pytest.mark.parametrize("seed", range(20))
 def test_big(simulation, seed):
@@ -241,13 +242,13 @@ def test_many(simulation, seed):
     assert all(robot.truth.clearance > 0.0 for robot in sim.robots.values())
 
 def test_too_many(simulation):
-    with pytest.raises(ValueError, match="no room was found for robot .* beside r0, r1, r2"):
+    with pytest.raises(ValueError, match="no start pose was found for robot .* beside r0, r1, r2"):
         simulation("maze", size=(8.0, 8.0), robots=[f"r{number}" for number in range(200)])
 """
     run(code).assert_outcomes(passed=61)
 
 
-def test_what_makes_no_simulation_is_refused(run):
+def test_bad_arguments_of_the_factory_are_refused(run):
     code = """
 import os
 import re
@@ -255,24 +256,24 @@ import shlex
 
 @pytest.mark.parametrize(("map", "options", "error", "message"), [
     (None, {"sise": 3}, TypeError, "simulation takes map, parameters, seed, start, robots, size, resolution, got sise"),
-    (room(), {"size": (9, 9)}, ValueError, "size can be given for a floor plan only"),
-    ("ofice", {}, FileNotFoundError, "nor a floor plan of this kind (office, corridor, maze"),
+    (room(), {"size": (9, 9)}, ValueError, "size can be given for a generated floor plan only"),
+    ("ofice", {}, FileNotFoundError, "no such kind of floor plan (office, corridor, maze"),
     ("ofice", {}, FileNotFoundError, "did you mean 'office'?"),
-    ("lost.yaml", {}, FileNotFoundError, "no such map file"),
-    (None, {"robots": ["one", "one"]}, ValueError, "robots must have names of their own"),
-    (None, {"robots": "one"}, ValueError, "robots must have names of their own, got 'one'"),
-    (room(), {"robots": {"one": (1, 1, 0)}, "start": (1, 1, 0)}, ValueError, "one of start and robots must be left out"),
+    ("lost.yaml", {}, FileNotFoundError, "there is no such map file"),
+    (None, {"robots": ["one", "one"]}, ValueError, "robots must be a list of different names"),
+    (None, {"robots": "one"}, ValueError, "robots must be a list of different names, got 'one'"),
+    (room(), {"robots": {"one": (1, 1, 0)}, "start": (1, 1, 0)}, ValueError, "start and robots must not both be given"),
 ])
 def test_refused(simulation, map, options, error, message):
     with pytest.raises(error, match=re.escape(message)):
         simulation(map, **options)
 
 @pytest.mark.simulator(map=room(), start=(1, 1, 0))
-def test_the_nearer_of_start_and_robots_counts(simulation):
+def test_robots_take_precedence_over_a_marked_start(simulation):
     assert list(simulation(robots={"one": (2, 2, 0)}).robots) == ["one"]
 
 @pytest.mark.simulator(map=room(), robots=["one"])
-def test_the_nearer_of_robots_and_start_counts(simulation):
+def test_a_start_takes_precedence_over_marked_robots(simulation):
     assert list(simulation(start=(2, 2, 0)).robots) == [""]
 """
     run(code).assert_outcomes(passed=10)

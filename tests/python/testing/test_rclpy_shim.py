@@ -1,4 +1,4 @@
-"""Files written for rclpy run on the bus as they are, and nothing of the stand-in is left behind."""
+"""The stand-in for rclpy: files written for rclpy run unchanged on the bus, and no trace of it remains afterwards."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def hall(**parameters) -> mrs.Simulation:
     return mrs.Simulation(grid, parameters={"publish_map_transform": False, **parameters}, start=(2, 2, 0))
 
 
-def test_a_pure_pursuit_for_rclpy_drives_on_the_bus(followers):
+def test_a_pure_pursuit_node_for_rclpy_runs_on_the_bus(followers):
     sim = hall()
     node = sim.spawn(followers[0], parameters={"path": [2.0, 2.0, 8.0, 2.0, 8.0, 8.0]})
     assert node.get_name() == "pure_pursuit"
@@ -46,7 +46,7 @@ def test_a_pure_pursuit_for_rclpy_drives_on_the_bus(followers):
     assert sim.truth.velocity == (0.0, 0.0, 0.0)
 
 
-def test_a_wall_follower_for_rclpy_goes_round_the_hall(followers):
+def test_a_wall_follower_node_for_rclpy_drives_around_the_hall(followers):
     sim = hall()
     sim.set_pose((6.0, 1.5, 0.0))
     sim.spawn(followers[1])
@@ -56,14 +56,14 @@ def test_a_wall_follower_for_rclpy_goes_round_the_hall(followers):
     assert sim.truth.distance > 35.0 and 0.5 < to_wall.min() and to_wall.max() < 1.3
 
 
-def test_a_namespace_moves_relative_names(followers):
+def test_a_namespace_applies_to_relative_names(followers):
     sim = hall()
     sim.spawn(followers[1], namespace="/second")
     sim.run_for(0.1)
     assert sim.latest("/second/cmd_vel") is None and sim.latest("/cmd_vel") is None
 
 
-def test_nothing_is_left_of_the_stand_in():
+def test_the_stand_in_is_gone_after_its_block():
     before = {name: module for name, module in sys.modules.items() if "rclpy" in name or "_msgs" in name}
     with stand_in():
         import rclpy
@@ -76,7 +76,7 @@ def test_nothing_is_left_of_the_stand_in():
     assert {name for name in after if name in ("rclpy", "sensor_msgs", "rclpy.node")} <= set(before)
 
 
-def test_time():
+def test_the_clock_of_a_node_shows_simulated_time():
     sim = hall()
     node = sim.create_node("clerk")
     began = node.get_clock().now()
@@ -86,7 +86,7 @@ def test_time():
     assert now.seconds_nanoseconds() == (1, 500_000_000) and Instant.from_msg(now.to_msg()) == now
 
 
-def test_times_parameters_and_classes_are_made_as_rclpys_are():
+def test_times_parameters_and_classes_have_the_interface_of_rclpy():
     with stand_in():
         from rclpy.parameter import Parameter
         from rclpy.publisher import Publisher
@@ -102,7 +102,7 @@ def test_times_parameters_and_classes_are_made_as_rclpys_are():
     assert isinstance(node.create_timer(1.0, print), Timer)
 
 
-def test_an_rclpy_that_is_there_is_back_afterwards(monkeypatch):
+def test_an_installed_rclpy_is_available_again_after_the_block(monkeypatch):
     real = ModuleType("rclpy")
     monkeypatch.setitem(sys.modules, "rclpy", real)
     with stand_in():

@@ -1,0 +1,57 @@
+"""Checks and conversions of arguments that users pass: numbers, durations and poses."""
+
+from __future__ import annotations
+
+import math
+
+from .._core import Pose
+from ..instant import NANOSECONDS
+from ..physics.obstacles import PoseLike
+
+
+def check_at_least_0(**values: float) -> None:
+    """Checks that numbers are finite and not negative.
+
+    Args:
+        **values: Numbers by the name that an error message gives them.
+
+    Raises:
+        ValueError: A number is negative, infinite or NaN.
+    """
+    for name, value in values.items():
+        if not 0.0 <= value < math.inf:
+            raise ValueError(f"{name} must be finite and at least 0, got {value}")
+
+
+def to_nanoseconds(seconds: float, what: str) -> int:
+    """Returns a duration in nanoseconds, rounded to the nearest.
+
+    Args:
+        seconds: Duration [s].
+        what: Name of the duration in the error message.
+
+    Raises:
+        ValueError: The duration is negative, infinite or NaN.
+    """
+    if not 0.0 <= seconds < math.inf:
+        raise ValueError(f"{what} must be finite and at least 0 s, got {seconds}")
+    return round(seconds * NANOSECONDS)
+
+
+def to_pose(pose: PoseLike, what: str) -> Pose:
+    """Returns a pose as a `Pose`.
+
+    Args:
+        pose: A `Pose`, or x [m], y [m] and yaw [rad].
+        what: Name of the pose in the error message.
+
+    Raises:
+        ValueError: It is not three finite numbers.
+    """
+    if isinstance(pose, Pose):
+        return pose
+    try:
+        x, y, yaw = map(float, pose)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be three numbers (x, y, yaw), got {pose!r}") from None
+    return Pose(x, y, yaw)

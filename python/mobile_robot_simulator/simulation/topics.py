@@ -1,0 +1,89 @@
+"""Topics: publishing, subscribing and recording on the existing topics of a simulation."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from typing import Any
+
+from ..bus.bus import Bus, Tap
+from ..bus.node import BusNode
+from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
+from ..instant import NANOSECONDS
+from ..messages import Message
+from ..nodes.interface import M
+
+
+def find_topic(bus: Bus, name: str) -> BusTopic:
+    """Returns an existing topic of a bus.
+
+    Args:
+        bus: The bus.
+        name: Name of the topic; a leading slash may be left out.
+
+    Raises:
+        ValueError: There is no such topic. The message suggests the most similar name.
+    """
+    found = bus.find_topic(name)
+    if found is None:
+        names = bus.topic_names()
+        near = difflib.get_close_matches(absolute(name), names, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+        raise ValueError(f"unknown topic {name!r}; {hint}")
+    return found
+
+
+class Topics:
+    """The topics of one simulation. A misspelled name is an error instead of a new topic.
+
+    Args:
+        bus: The bus of the simulation.
+        node: The node through which messages are sent and received.
+    """
+
+    def __init__(self, bus: Bus, node: BusNode) -> None:
+        self._bus, self._node = bus, node
+        self._publishers: dict[tuple[str, type[Message]], BusPublisher[Any]] = {}
+
+    def publish(self, name: str, message: Message) -> None:
+        """Publishes a message, as described for `Simulation.publish`."""
+        key = name, type(message)
+        publisher = self._publishers.get(key)
+        if publisher is None:
+            find_topic(self._bus, name)
+            publisher = self._publishers[key] = self._node.create_publisher(type(message), name)
+        publisher.publish(message)
+
+    def subscribe(self, name: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
+        """Subscribes a callback, as described for `Simulation.subscribe`."""
+        find_topic(self._bus, name)
+        return self._node.create_subscription(msg_type, name, callback)
+
+    def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
+        """Ends a subscription."""
+        self._node.destroy_subscription(subscription)
+
+    def latest(self, name: str) -> Message | None:
+        """Returns the last message of a topic, as described for `Simulation.latest`."""
+        return find_topic(self._bus, name).latest
+
+    def record(self, tap: Tap) -> None:
+        """Passes all messages to a tap, as described for `Simulation.record`."""
+        for topic, message, time_ns in self._bus.latched():
+            tap(topic, message, time_ns)
+        self._bus.taps.append(tap)
+
+    def stop_recording(self, tap: Tap) -> None:
+        """Removes a tap."""
+        self._bus.taps.remove(tap)
+
+    def forget_publishers(self) -> None:
+        """Drops all publishers. Required when topics may have been removed from the bus."""
+        self._publishers.clear()
+
+    def last_times(self) -> str:
+        """Returns a text with the time of the last message of each topic."""
+        return ", ".join(
+            f"{topic.name} {'never' if topic.latest is None else f'at {topic.latest_ns / NANOSECONDS:g} s'}"
+            for topic in self._bus.topics()
+        )

@@ -1,0 +1,53 @@
+"""Random start poses for robots, in free space and apart from each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+# Imported when a test needs it: pytest loads this package in every environment in which it is installed.
+if TYPE_CHECKING:
+    from .._core import OccupancyGrid, Pose
+    from ..physics.obstacles import PoseLike
+
+RADIUS = 0.3
+"""Smallest radius [m] of free space around a start pose. A larger robot gets as much as its outline needs."""
+
+ATTEMPTS = 100
+"""Number of poses that are tried for each robot."""
+
+
+def draw_start_poses(
+    grid: OccupancyGrid, names: Sequence[str], parameters: Mapping[str, Any], seed: int
+) -> dict[str, PoseLike]:
+    """Returns a random start pose for each robot, with room for its outline and apart from the other robots.
+
+    Args:
+        grid: The map.
+        names: Names of the robots.
+        parameters: Parameters of the robots by name, which define their outlines.
+        seed: Seed of the poses.
+
+    Raises:
+        ValueError: Two robots have the same name, or no pose was found for a robot.
+    """
+    from ..parameters import RobotParameters, for_node
+    from ..simulation.namespaces import of_namespace
+
+    if isinstance(names, str) or len(set(names)) < len(names):
+        raise ValueError(f"robots must be a list of different names, got {names!r}")
+    placed: dict[str, tuple[Pose, float]] = {}
+    for index, name in enumerate(names):
+        shape = for_node(RobotParameters, of_namespace(name, parameters)).shape
+        reach = RADIUS if shape is None else max(RADIUS, shape.reach)
+        for attempt in range(ATTEMPTS):
+            pose = grid.draw_free_pose(radius=reach, seed=(seed + index + attempt * len(names)) % 2**64)
+            if all(math.hypot(pose.x - other.x, pose.y - other.y) > reach + far for other, far in placed.values()):
+                break
+        else:
+            raise ValueError(
+                f"no start pose was found for robot {name} beside {', '.join(placed)}: use a larger map or give robots poses"
+            )
+        placed[name] = pose, reach
+    return {name: pose for name, (pose, _) in placed.items()}

@@ -1,0 +1,37 @@
+"""Pictures of a simulation: all paths, shapes, and the last scan from where it was taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator import plotting
+from simulations import twist
+
+
+def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
+    room: mrs.OccupancyGrid, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: dict[str, Any] = {}
+    monkeypatch.setattr(plotting, "plot_drive", lambda file, grid, path, **how: drawn.update(how, path=path))
+    robots = {"one": (0.0, 0.0, 0.0), "two": (0.0, 3.0, 0.0), "three": (0.0, -3.0, 0.0)}
+    parameters = {"velocity_timeout": 0, "laser_frame_id": "laser", "laser_mount": (0.2, 0.0, 0.0), "apply_noise": False}
+    sim = mrs.Simulation(room, robots=robots, parameters=parameters)
+    box = sim.add_obstacle(mrs.Shape.rectangle(1.0, 1.0), (-5.0, 0.0, 0.0))
+    for name, speed in (("one", 1.0), ("two", 0.5)):
+        sim.publish(f"/{name}/cmd_vel", twist(speed))
+    sim.run_for(2.05)
+    sim.draw(tmp_path / "drive.png")
+    assert drawn["path"][-1] == pytest.approx([2.05, 0.0, 0.0]) and list(drawn["others"]) == ["two", "three"]
+    assert drawn["others"]["two"][-1] == pytest.approx([1.025, 3.0, 0.0])
+    assert drawn["shapes"][0] == (box.shape, mrs.Pose(-5.0, 0.0, 0.0)) and len(drawn["shapes"]) == 4
+    assert tuple(drawn["laser_pose"]) == pytest.approx((2.2, 0.0, 0.0))
+    assert drawn["scan_points"][:, 0].max() == pytest.approx(9.9)  # the wall
+
+
+def test_a_simulation_without_a_scan_can_be_drawn(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
+    mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
+    assert (tmp_path / "new" / "drive.png").exists()

@@ -1,0 +1,113 @@
+"""Robots of a simulation: start poses, names, namespaces, and how they see each other and collide."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from simulations import SEED, drive, hall, pair, small_room
+
+
+@pytest.fixture
+def sim() -> mrs.Simulation:
+    return small_room()
+
+
+def test_set_pose_and_reset(sim):
+    drive(sim)
+    sim.run_for(1.0)
+    sim.set_pose((3.0, 3.0, 1.0))
+    assert tuple(sim.pose) == pytest.approx((3.0, 3.0, 1.0))
+    with pytest.raises(ValueError, match="inside a wall"):
+        sim.set_pose((1.0, 0.05, 0.0))
+    sim.reset()
+    assert tuple(sim.pose) == (1.0, 1.0, 0.0)
+    assert sim.truth.distance == 0.0 and sim.truth.velocity == (0.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="unknown robot 'x'"):
+        sim.set_pose((3.0, 3.0, 1.0), "x")
+
+
+def test_a_robot_must_not_start_in_an_obstacle():
+    sim = mrs.Simulation(hall(5.0), robots={"one": (1, 1, 0)})
+    sim.add_obstacle(mrs.Shape.disc(0.2), [(0.0, 3.0, 3.0, 0.0), (1.0, 4.0, 3.0, 0.0)], "cat")
+    with pytest.raises(ValueError, match="beside obstacle cat"):
+        sim.add_robot("two", start=(3.3, 3.0, 0.0))
+    sim.run_for(1.0)
+    sim.add_robot("two", start=(3.3, 3.0, 0.0))
+
+
+def test_each_robot_has_its_own_topics_frames_and_services():
+    sim = pair()
+    sim.run_for(0.2)
+    scan, odometry = sim.latest("/robot2/scan"), sim.latest("/robot2/odom")
+    assert scan.header.frame_id == "robot2/base_link"
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("robot2/odom", "robot2/base_link")
+    links = {(transform.header.frame_id, transform.child_frame_id) for transform in sim.latest("/tf").transforms}
+    assert links == {("map", "robot2/odom"), ("robot2/odom", "robot2/base_link")}
+    with pytest.raises(ValueError, match="unknown topic '/scan'"):
+        sim.latest("/scan")
+    clocks = []
+    sim.subscribe("/clock", mrs.messages.Clock, clocks.append)
+    sim.run_for(1.0)
+    assert len(clocks) == 10
+    sim.publish(
+        "/robot2/initialpose",
+        mrs.messages.PoseWithCovarianceStamped(
+            pose=mrs.messages.PoseWithCovariance(mrs.messages.Pose.from_planar(mrs.Pose(3, 3, 1)))
+        ),
+    )
+    sim.run_for(0.1)
+    assert tuple(sim.robots["robot2"].pose) == pytest.approx((3, 3, 1))
+    assert sim.named("robot1").pose.x == 5.0
+
+
+def test_the_noise_of_a_robot_does_not_depend_on_other_robots():
+    both = pair(apply_noise=True)
+    alone = mrs.Simulation(
+        hall(),
+        parameters={"laser_beam_count": 60, "laser_fov": 2 * math.pi, "robot_radius": 0},
+        seed=SEED,
+        robots={"robot2": (9.0, 10.0, math.pi)},
+    )
+    for sim in (both, alone):
+        sim.run_for(0.3)
+    seen, free = both.latest("/robot2/scan").ranges, alone.latest("/robot2/scan").ranges
+    assert np.sum(seen != free) < 6
+    assert not np.array_equal(both.latest("/robot1/scan").ranges, seen)
+
+
+def test_names_and_start_poses_of_new_robots_are_checked():
+    sim = pair()
+    for name in ("robot1", "", "1st", "a b"):
+        with pytest.raises(ValueError, match="name"):
+            sim.add_robot(name, start=(2, 2, 0))
+    with pytest.raises(ValueError, match="room beside walls"):
+        sim.add_robot("robot3", start=(0.2, 2.0, 0.0))
+    assert sim.add_robot("robot3", start=(3, 3, 0), parameters={"robot_radius": 0.4}).robot.parameters.robot_radius == 0.4
+
+
+def test_robots_have_different_seeds_and_are_reset_together():
+    sim = pair(apply_noise=True)
+    seeds = {robot.laser.parameters.seed for robot in sim.robots.values()}
+    seeds |= {robot.robot.parameters.odometry_seed for robot in sim.robots.values()}
+    assert len(seeds) >= 2 and SEED not in seeds
+    assert len({robot.laser.parameters.seed for robot in sim.robots.values()}) == 2
+    for name in sim.robots:
+        drive(sim, 0.5, topic=f"/{name}/cmd_vel")
+    sim.run_for(1.0)
+    sim.reset()
+    assert [tuple(robot.pose) for robot in sim.robots.values()] == [(5.0, 10.0, 0.0), (9.0, 10.0, math.pi)]
+
+
+def test_the_repr_shows_name_and_pose():
+    sim = pair()
+    assert repr(sim.named("robot1")) == "SimulatedRobot('robot1' at (5.00, 10.00, 0.00))"
+    assert repr(sim.named("robot2").truth).startswith("GroundTruth(robot 'robot2' at (9.00, 10.00, 3.14), ")
+
+
+def test_a_simulation_without_robots_says_so(room):
+    with pytest.raises(ValueError, match="no robot yet: add one with add_robot"):
+        mrs.Simulation(room, robots={}).pose  # noqa: B018

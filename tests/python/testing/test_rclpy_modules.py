@@ -1,0 +1,23 @@
+"""The modules that stand in for rclpy: which names they hold."""
+
+from __future__ import annotations
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.bus.node import Node
+from mobile_robot_simulator.testing.rclpy_modules import RCLPY, message_packages, module_contents
+
+
+def test_every_message_class_is_in_the_package_of_its_ros_type():
+    packages = message_packages()
+    assert packages["geometry_msgs.msg"]["Twist"] is mrs.messages.Twist
+    assert packages["nav_msgs.srv"]["GetMap"] is mrs.messages.GetMap
+    for module, names in packages.items():
+        for name, kind in names.items():
+            assert kind.ros_type == f"{module.replace('.', '/')}/{name}"
+
+
+def test_the_contents_are_those_of_rclpy_and_of_the_message_packages():
+    contents = module_contents()
+    assert contents.keys() == RCLPY.keys() | message_packages().keys()
+    assert contents["rclpy.node"]["Node"] is Node
+    assert contents["sensor_msgs.msg"]["LaserScan"] is mrs.messages.LaserScan

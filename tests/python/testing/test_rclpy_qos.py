@@ -1,0 +1,27 @@
+"""Quality-of-service profiles: their defaults, and the durability that the bus uses."""
+
+from __future__ import annotations
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.testing.rclpy_qos import SENSOR_DATA, DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from simulations import small_room
+
+
+def test_the_defaults_are_those_of_rclpy():
+    assert QoSProfile() == QoSProfile(10, ReliabilityPolicy.RELIABLE, DurabilityPolicy.VOLATILE)
+    assert (SENSOR_DATA.depth, SENSOR_DATA.reliability) == (5, ReliabilityPolicy.BEST_EFFORT)
+
+
+@pytest.mark.parametrize(("durability", "count"), [(DurabilityPolicy.TRANSIENT_LOCAL, 1), (DurabilityPolicy.VOLATILE, 0)])
+def test_a_transient_local_topic_keeps_its_last_message(durability, count):
+    sim, seen = small_room(), []
+    node = sim.create_node("clerk")
+    node.create_publisher(mrs.messages.String, "/text", QoSProfile(1, durability=durability)).publish(
+        mrs.messages.String("x")
+    )
+    sim.run_for(0.1)
+    sim.subscribe("/text", mrs.messages.String, seen.append)
+    sim.run_for(0.1)
+    assert len(seen) == count
