@@ -31,7 +31,7 @@ def test_each_point_of_the_path_is_exact(sim):
 
 
 def test_pose_path_and_distance_agree_between_two_steps():
-    """From (10, 10) towards a disc whose edge is 0.509 m before the footprint's, so that they meet within a step."""
+    """The robot starts 0.509 m from a disc, so that they touch in the middle of a time step."""
     parameters = {"velocity_timeout": 0, "apply_noise": False, "robot_radius": 0.3}
     sim = mrs.Simulation(hall(), parameters=parameters, start=(10.0, 10.0, 0.0))
     sim.add_obstacle(mrs.Shape.disc(0.3), (11.109, 10.0, 0.0))

@@ -50,14 +50,14 @@ def test_kept_objects_refer_to_the_same_simulation_after_a_restore():
 
 
 class Copied:
-    """Is saved by deep copies of its attributes, one of which is the object itself."""
+    """An object that is saved by deep copies of its attributes. One of them is the object itself."""
 
     def __init__(self) -> None:
         self.itself, self.numbers = self, [1]
 
 
 class Savable:
-    """Defines itself what is saved."""
+    """An object that defines what of it is saved."""
 
     def __init__(self) -> None:
         self.saved, self.scratch = [1], [1]

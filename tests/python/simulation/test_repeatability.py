@@ -1,4 +1,4 @@
-"""The same seeded run gives the same recording, byte by byte: in one process, in another, with any number of threads."""
+"""A seeded run always gives the same recording, byte for byte: in one process, in others, and with any number of threads."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SEED = 3
 
 
 def simulation(seed: int = SEED) -> mrs.Simulation:
-    """Two robots with all that is random: noise, drift, faults; and something that moves."""
+    """Returns a simulation with everything that is random: noise, drift and faults. Two robots and an obstacle move."""
     grid = mrs.floor_plan("office", seed=1, size=(12.0, 10.0))
     first, second = (grid.draw_free_pose(radius=0.5, seed=number) for number in (1, 2))
     sim = mrs.Simulation(
@@ -38,7 +38,7 @@ def simulation(seed: int = SEED) -> mrs.Simulation:
 
 
 def recording(sim: mrs.Simulation, folder: Path, seconds: float = 6.0) -> str:
-    """Digest of a recording of the next seconds."""
+    """Records a simulation for a while. Returns the digest of the recording."""
     with Recorder(folder) as recorder:
         sim.record(recorder.write)
         sim.run_for(seconds)
@@ -48,14 +48,14 @@ def recording(sim: mrs.Simulation, folder: Path, seconds: float = 6.0) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def test_twice_in_one_process(tmp_path):
+def test_two_runs_in_one_process_are_equal(tmp_path):
     first = recording(simulation(), tmp_path / "first")
     assert recording(simulation(), tmp_path / "second") == first
     assert recording(simulation(SEED + 1), tmp_path / "third") != first
 
 
 @pytest.mark.parametrize("threads", [1, 8])
-def test_in_other_processes_with_any_number_of_threads(tmp_path, threads):
+def test_runs_in_other_processes_with_other_numbers_of_threads_are_equal(tmp_path, threads):
     script = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); "
         "from pathlib import Path; import test_repeatability as t; "
@@ -67,7 +67,7 @@ def test_in_other_processes_with_any_number_of_threads(tmp_path, threads):
     assert done.stdout.strip() == recording(simulation(), tmp_path / "here")
 
 
-def test_after_a_restore_in_the_middle(tmp_path):
+def test_runs_after_a_restore_are_equal(tmp_path):
     through = simulation()
     through.run_for(2.5)
     expected = recording(through, tmp_path / "through")

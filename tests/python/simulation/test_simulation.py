@@ -58,7 +58,7 @@ def test_the_first_scan_is_taken_from_the_start_pose(room: mrs.OccupancyGrid) ->
 
 @pytest.mark.parametrize("map_transform", [True, False])
 def test_scans_equal_a_batch_at_the_published_poses(room: mrs.OccupancyGrid, map_transform: bool) -> None:
-    """Byte for byte, with the seed and the index of the scan."""
+    """Byte for byte, because the noise depends only on the seed and the index of the scan."""
     sim = mrs.Simulation(room, seed=5, parameters={"publish_map_transform": map_transform, "sigma_hit": 0.03, "z_rand": 0.1})
     scans: list[mrs.messages.LaserScan] = []
     poses: list[mrs.Pose] = []
@@ -80,7 +80,7 @@ def test_scans_equal_a_batch_at_the_published_poses(room: mrs.OccupancyGrid, map
 
 @pytest.mark.parametrize("rate", [40.0, 25.0, 3.0])
 def test_scans_between_odometry_messages_are_taken_from_the_true_pose(room: mrs.OccupancyGrid, rate: float) -> None:
-    """From the first one on: a scan may be missing, but none is from another place."""
+    """Also the first scans: some may be missing, but none is taken from a wrong pose."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": rate, "apply_noise": False, "velocity_timeout": 0.0})
     sim.publish("/cmd_vel", twist(2.0, 0.0, 0.9))
     scans: list[mrs.messages.LaserScan] = []
@@ -101,7 +101,7 @@ def initial_pose(x: float, y: float, yaw: float) -> mrs.messages.PoseWithCovaria
 
 
 def test_an_initial_pose_is_not_a_motion(room: mrs.OccupancyGrid) -> None:
-    """A robot that is put elsewhere was not on the way there, and does not go on from there."""
+    """Scans are taken from the old pose or from the new one, and from no pose in between or beyond."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": 40.0, "apply_noise": False})
     scans: list[mrs.messages.LaserScan] = []
     sim.subscribe("/scan", mrs.messages.LaserScan, scans.append)
@@ -118,7 +118,7 @@ def test_an_initial_pose_is_not_a_motion(room: mrs.OccupancyGrid) -> None:
 
 
 def test_scans_of_a_stopped_robot_are_taken_from_where_it_stopped(room: mrs.OccupancyGrid) -> None:
-    """Its timeout came between two transforms: scans after it are from where it stands."""
+    """The command times out between two transforms. Later scans are taken from where the robot stands."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": 40.0, "apply_noise": False})
     sim.publish("/cmd_vel", twist(2.0))
     sim.run_for(2.0)
@@ -177,7 +177,7 @@ def test_a_callback_can_drive_the_robot(room: mrs.OccupancyGrid) -> None:
         "/scan", mrs.messages.LaserScan, lambda scan: sim.publish("/cmd_vel", twist(1.0 if min(scan.ranges) > 0.5 else 0.0))
     )
     sim.run_for(30.0)
-    # From (0, 0) along x to half a metre before the wall at 9.9.
+    # The robot drives from (0, 0) along x until it is half a metre from the wall at x = 9.9.
     assert 9.2 < sim.pose.x < 9.45
 
 

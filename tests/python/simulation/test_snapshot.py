@@ -20,7 +20,7 @@ def room() -> mrs.OccupancyGrid:
 
 
 class Patrol(Node):
-    """Drives, turning by what it has counted."""
+    """A node whose commands depend on how often its timer has fired and on the scans so far."""
 
     def __init__(self) -> None:
         super().__init__("patrol")

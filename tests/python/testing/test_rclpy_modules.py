@@ -1,4 +1,4 @@
-"""The modules that stand in for rclpy: which names they hold."""
+"""The modules that stand in for rclpy: the names that they hold."""
 
 from __future__ import annotations
 
