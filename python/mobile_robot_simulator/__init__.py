@@ -25,7 +25,7 @@ from ._core import (
 )
 
 if TYPE_CHECKING:
-    from . import bus, faults, maps, messages, nodes, parameters, physics, plotting, recording, ros, testing
+    from . import bus, faults, maps, messages, nodes, parameters, physics, plotting, recording, ros, simulation, testing
     from .maps import floor_plan, load_map, save_map
     from .simulation import Simulation
 
@@ -74,6 +74,7 @@ __all__ = [
     "recording",
     "ros",
     "save_map",
+    "simulation",
     "testing",
     "touches",
 ]
@@ -92,4 +93,4 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """All public names, whether they are imported yet or not."""
-    return sorted({*__all__, *_SUBMODULES})
+    return sorted(__all__)

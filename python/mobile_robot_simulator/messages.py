@@ -14,6 +14,40 @@ from numpy.typing import NDArray
 
 from ._core import Pose as PlanarPose
 
+__all__ = [
+    "Clock",
+    "GetMap",
+    "GetMapRequest",
+    "GetMapResponse",
+    "Header",
+    "LaserScan",
+    "MapMetaData",
+    "Message",
+    "OccupancyGrid",
+    "Odometry",
+    "Point",
+    "Pose",
+    "PoseWithCovariance",
+    "PoseWithCovarianceStamped",
+    "Quaternion",
+    "SetPose",
+    "SetPoseRequest",
+    "SetPoseResponse",
+    "String",
+    "TFMessage",
+    "Time",
+    "Transform",
+    "TransformStamped",
+    "Trigger",
+    "TriggerRequest",
+    "TriggerResponse",
+    "Twist",
+    "TwistStamped",
+    "TwistWithCovariance",
+    "Vector3",
+    "copied",
+]
+
 T = TypeVar("T")
 
 

@@ -13,6 +13,14 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from ._core import BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
 
+__all__ = [
+    "NODES",
+    "LaserParameters",
+    "MapParameters",
+    "Parameters",
+    "RobotParameters",
+]
+
 T = TypeVar("T", bound="Parameters")
 
 

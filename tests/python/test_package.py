@@ -1,7 +1,13 @@
-"""What importing the package costs."""
+"""The public surface of the package, and what importing it costs."""
 
+import importlib
+import inspect
 import subprocess
 import sys
+
+import pytest
+
+import mobile_robot_simulator as mrs
 
 HEAVY = ("matplotlib", "PIL", "pydantic", "rich", "rosbags", "scipy", "typer", "yaml")
 
@@ -23,3 +29,70 @@ def test_the_core_loads_nothing_that_it_does_not_need() -> None:
     """A parameter model or a plot costs more to import than a million beams cost to cast."""
     ran = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, timeout=60, check=False)
     assert (ran.returncode, ran.stdout.strip()) == (0, ""), ran.stderr
+
+
+BUILT_WITH = [
+    "BeamModel",
+    "Contact",
+    "LaserScanner",
+    "Limits",
+    "MotionNoise",
+    "OccupancyGrid",
+    "Pose",
+    "Shape",
+    "Simulation",
+    "advance",
+    "cast_rays",
+    "clearance",
+    "floor_plan",
+    "integrate_twist",
+    "load_map",
+    "save_map",
+    "touches",
+]
+"""Names that users build with. Everything else is in a submodule."""
+
+SUBMODULES = [
+    "bus",
+    "faults",
+    "maps",
+    "messages",
+    "nodes",
+    "parameters",
+    "physics",
+    "plotting",
+    "recording",
+    "ros",
+    "simulation",
+    "testing",
+]
+
+
+def test_the_package_offers_names_to_build_with_and_submodules() -> None:
+    offered = [name for name in mrs.__all__ if not inspect.ismodule(getattr(mrs, name)) and name != "__version__"]
+    assert sorted(offered) == BUILT_WITH
+    assert set(dir(mrs)) == {*BUILT_WITH, *SUBMODULES, "__version__"}
+
+
+@pytest.mark.parametrize("name", SUBMODULES)
+def test_a_submodule_is_reached_by_attribute_and_by_import(name: str) -> None:
+    """In a fresh interpreter each: an import elsewhere would set the attribute."""
+    module = f"mobile_robot_simulator.{name}"
+    for code in (
+        f"import mobile_robot_simulator as mrs; print(mrs.{name}.__name__)",
+        f"import {module} as m; print(m.__name__)",
+    ):
+        ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+        assert (ran.returncode, ran.stdout.strip()) == (0, module), ran.stderr
+
+
+@pytest.mark.parametrize("name", SUBMODULES)
+def test_a_submodule_has_what_it_says_that_it_offers(name: str) -> None:
+    module = importlib.import_module(f"mobile_robot_simulator.{name}")
+    for each in module.__all__:
+        assert hasattr(module, each)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="Twist"):
+        mrs.Twist  # noqa: B018
