@@ -25,9 +25,41 @@ from ._core import (
 )
 
 if TYPE_CHECKING:
-    from . import bus, faults, maps, messages, nodes, parameters, physics, plotting, recording, ros, simulation, testing
+    from . import bus as bus
+    from . import faults as faults
+    from . import maps as maps
+    from . import messages as messages
+    from . import nodes as nodes
+    from . import parameters as parameters
+    from . import physics as physics
+    from . import plotting as plotting
+    from . import recording as recording
+    from . import ros as ros
+    from . import simulation as simulation
+    from . import testing as testing
     from .maps import floor_plan, load_map, save_map
     from .simulation import Simulation
+
+__all__ = [
+    "BeamModel",
+    "Contact",
+    "LaserScanner",
+    "Limits",
+    "MotionNoise",
+    "OccupancyGrid",
+    "Pose",
+    "Shape",
+    "Simulation",
+    "__version__",
+    "advance",
+    "cast_rays",
+    "clearance",
+    "floor_plan",
+    "integrate_twist",
+    "load_map",
+    "save_map",
+    "touches",
+]
 
 _SUBMODULES = (
     "bus",
@@ -43,41 +75,9 @@ _SUBMODULES = (
     "simulation",
     "testing",
 )
+
 _LAZY = {"Simulation": "simulation", "floor_plan": "maps", "load_map": "maps", "save_map": "maps"}
 """Names that are imported when they are first used, and their submodules."""
-
-__all__ = [
-    "BeamModel",
-    "Contact",
-    "LaserScanner",
-    "Limits",
-    "MotionNoise",
-    "OccupancyGrid",
-    "Pose",
-    "Shape",
-    "Simulation",
-    "__version__",
-    "advance",
-    "bus",
-    "cast_rays",
-    "clearance",
-    "faults",
-    "floor_plan",
-    "integrate_twist",
-    "load_map",
-    "maps",
-    "messages",
-    "nodes",
-    "parameters",
-    "physics",
-    "plotting",
-    "recording",
-    "ros",
-    "save_map",
-    "simulation",
-    "testing",
-    "touches",
-]
 
 
 def __getattr__(name: str) -> Any:
@@ -93,4 +93,4 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """All public names, whether they are imported yet or not."""
-    return sorted(__all__)
+    return sorted({*__all__, *_SUBMODULES})
