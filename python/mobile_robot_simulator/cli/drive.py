@@ -13,7 +13,7 @@ import numpy as np
 
 from .._core import OccupancyGrid, Pose
 from ..messages import LaserScan, Odometry
-from ..plotting import plot_drive
+from ..plotting import DrivePicture
 from ..simulation.simulation import Simulation
 from .drivers import Commander, Script, Wander
 
@@ -123,7 +123,8 @@ class Drive:
         scan = simulation.latest(simulation.laser.parameters.laser_topic)
         pose = simulation.pose
         points = None if scan is None else simulation.laser.scanner.end_points(pose, scan.ranges)
-        plot_drive(file, self.grid, np.array([*self.path, tuple(pose)]), scan_points=points, laser_pose=tuple(pose))
+        path = np.array([*self.path, tuple(pose)])
+        DrivePicture(self.grid, path, scan_points=points, laser_pose=pose).save(file)
 
     def _follow(self, odometry: Odometry) -> None:
         pose = self.simulation.pose

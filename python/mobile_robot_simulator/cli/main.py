@@ -180,9 +180,9 @@ def scan(
     ranges = scanner.scan_batch(grid, np.array([pose]), noise=noise, seed=_seed(seed, values))[0]
     points = scanner.end_points(pose, ranges)
     if plot is not None:
-        from ..plotting import plot_scan
+        from ..plotting import ScanPicture
 
-        plot_scan(plot, grid, Pose(*pose) * scanner.mount, points)
+        ScanPicture(grid, Pose(*pose) * scanner.mount, points).save(plot)
     if as_json:
         content = {
             "pose": list(pose),

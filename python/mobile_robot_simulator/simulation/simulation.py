@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .._core import OccupancyGrid, Pose, Shape
 from ..bus.bus import Bus, Tap
@@ -30,6 +30,9 @@ from .picture import picture_of
 from .robots import Robots, SimulatedRobot
 from .snapshot import Parts, Snapshot
 from .topics import Topics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 T = TypeVar("T")
 
@@ -423,12 +426,22 @@ class Simulation(Handle):
             ImportError: Matplotlib is not installed.
             ValueError: The file has another ending, or there is no robot.
         """
-        from ..plotting import plot_drive
-
-        shown = picture_of(self._grid, self._bus, self._world, self._robots)
+        picture = picture_of(self._grid, self._bus, self._world, self._robots)
         path = Path(file)
         path.parent.mkdir(parents=True, exist_ok=True)
-        plot_drive(path, **vars(shown))
+        picture.save(path)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the map, the true paths of all robots, the obstacles, and the first robot's last scan; returns the axes.
+
+        Args:
+            ax: Matplotlib axes to draw in. None opens a new pyplot figure.
+
+        Raises:
+            ImportError: Matplotlib is not installed.
+            ValueError: There is no robot.
+        """
+        return picture_of(self._grid, self._bus, self._world, self._robots).plot(ax)
 
     def close(self) -> None:
         """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice does no harm."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import plotting
@@ -16,7 +17,15 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
     room: mrs.OccupancyGrid, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: dict[str, Any] = {}
-    monkeypatch.setattr(plotting, "plot_drive", lambda file, grid, path, **how: drawn.update(how, path=path))
+
+    class RecordedPicture:
+        def __init__(self, grid: mrs.OccupancyGrid, path: Any, **parts: Any) -> None:
+            drawn.update(parts, path=path)
+
+        def save(self, file: Path) -> None:
+            drawn["file"] = file
+
+    monkeypatch.setattr(plotting, "DrivePicture", RecordedPicture)
     robots = {"one": (0.0, 0.0, 0.0), "two": (0.0, 3.0, 0.0), "three": (0.0, -3.0, 0.0)}
     parameters = {"velocity_timeout": 0, "laser_frame_id": "laser", "laser_mount": (0.2, 0.0, 0.0), "apply_noise": False}
     sim = mrs.Simulation(room, robots=robots, parameters=parameters)
@@ -25,6 +34,7 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
         sim.publish(f"/{name}/cmd_vel", twist(speed))
     sim.run_for(2.05)
     sim.draw(tmp_path / "drive.png")
+    assert drawn["file"] == tmp_path / "drive.png"
     assert drawn["path"][-1] == pytest.approx([2.05, 0.0, 0.0]) and list(drawn["others"]) == ["two", "three"]
     assert drawn["others"]["two"][-1] == pytest.approx([1.025, 3.0, 0.0])
     assert drawn["shapes"][0] == (box.shape, mrs.Pose(-5.0, 0.0, 0.0)) and len(drawn["shapes"]) == 4
@@ -35,3 +45,12 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
 def test_a_simulation_without_a_scan_can_be_drawn(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
     mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
     assert (tmp_path / "new" / "drive.png").exists()
+
+
+def test_a_simulation_draws_itself_in_axes(room: mrs.OccupancyGrid) -> None:
+    sim = mrs.Simulation(room)
+    sim.publish("/cmd_vel", twist(1.0))
+    sim.run_for(1.0)
+    axes = Figure().add_subplot()
+    assert sim.plot(axes) is axes
+    assert axes.get_legend_handles_labels()[1] == ["start", "path", "end", "last scan"]

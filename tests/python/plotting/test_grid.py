@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 
-import matplotlib
 import numpy as np
 import pytest
 from matplotlib import pyplot
@@ -48,15 +47,8 @@ def test_the_axes_show_the_whole_grid_in_metres() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_aspect()) == ("x [m]", "y [m]", 1.0)
 
 
-def test_without_axes_a_pyplot_figure_opens() -> None:
-    before = matplotlib.get_backend()
-    pyplot.switch_backend("agg")
-    try:
-        axes = mrs.OccupancyGrid(CELLS, resolution=2.0).plot()
-        assert axes is pyplot.gca()
-    finally:
-        pyplot.close("all")
-        pyplot.switch_backend(before)
+def test_without_axes_a_pyplot_figure_opens(agg: None) -> None:
+    assert mrs.OccupancyGrid(CELLS, resolution=2.0).plot() is pyplot.gca()
 
 
 def test_a_notebook_shows_a_png_image() -> None:

@@ -1,0 +1,27 @@
+"""Pictures of grids, scans and drives: in Matplotlib axes, or as PNG, PDF and SVG files.
+
+`plot_grid`, `plot_scan` and `plot_drive` draw in Matplotlib axes and return them. The classes `GridPicture`, `ScanPicture`
+and `DrivePicture` hold what is to be drawn and can also save it to a file. Saving needs no display and does not import
+pyplot. The same picture gives the same file, byte for byte, with the same version of Matplotlib.
+"""
+
+try:
+    import matplotlib.figure  # noqa: F401
+except ImportError as error:
+    raise ImportError("pictures need matplotlib: pip install 'mobile-robot-simulator[plotting]'") from error
+
+from .drive import DrivePicture, plot_drive
+from .grid import GridPicture, grid_png, plot_grid
+from .picture import Picture
+from .scan import ScanPicture, plot_scan
+
+__all__ = [
+    "DrivePicture",
+    "GridPicture",
+    "Picture",
+    "ScanPicture",
+    "grid_png",
+    "plot_drive",
+    "plot_grid",
+    "plot_scan",
+]

@@ -1,0 +1,117 @@
+"""Layers of a picture, each drawn in axes that show the map frame: cells, paths, robots, scans, shapes and goals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.markers import MarkerStyle
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from .._core import OccupancyGrid, Pose, Shape
+from .style import FREE, GOAL, INK, OCCUPIED, ROBOT, SCAN, SHAPE, TIME, UNKNOWN
+from .view import Points, map_from_cells
+
+_ARROW = Path([(1.0, 0.0), (-0.8, 0.7), (-0.4, 0.0), (-0.8, -0.7), (1.0, 0.0)], closed=True)
+_LONGEST_PATH = 4000  # longer paths are thinned out
+_NO_LABEL = "_"
+
+
+def draw_cells(axes: Axes, grid: OccupancyGrid) -> None:
+    """Draws the cells in view, down-sampled to about one per pixel by their maximum, so that no wall disappears."""
+    transform = map_from_cells(grid)
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    corners = transform.inverted().transform([(left, bottom), (right, bottom), (right, top), (left, top)])
+    height, width = grid.shape
+    first_col, first_row = np.clip(np.floor(corners.min(axis=0)), 0, (width, height)).astype(int)
+    last_col, last_row = np.clip(np.ceil(corners.max(axis=0)), 0, (width, height)).astype(int)
+    cells = grid.cells[first_row:last_row, first_col:last_col]
+    if not cells.size:
+        return
+    pixels = axes.get_window_extent().width * grid.resolution / (right - left)  # per cell
+    side = max(1, int(1.0 / pixels))
+    for axis in (0, 1):
+        cells = np.maximum.reduceat(cells, np.arange(0, cells.shape[axis], side), axis=axis)
+    rows, cols = cells.shape
+    axes.imshow(
+        _cell_colours()[cells],  # -1 selects the last colour
+        origin="lower",
+        extent=(first_col, first_col + cols * side, first_row, first_row + rows * side),
+        transform=transform + axes.transData,
+        interpolation="nearest" if pixels > 2 else "hanning",
+        zorder=1,
+    )
+    axes.set(xlim=(left, right), ylim=(bottom, top))
+
+
+def _cell_colours() -> NDArray[np.uint8]:
+    """Returns the colours of the cell values 0..100 and, last, of -1: (102, 3)."""
+    occupancy = np.linspace(0.0, 1.0, 101)[:, None]
+    shades = (1.0 - occupancy) * np.array(FREE) + occupancy * np.array(OCCUPIED)
+    return np.vstack([shades, UNKNOWN]).astype(np.uint8)
+
+
+def outline_of(shape: Shape, pose: Pose) -> Points:
+    """Returns the corners of a shape in the map frame, (N, 2). A disc becomes a polygon with 48 corners."""
+    corners = shape.points
+    if shape.radius is not None:
+        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        corners = shape.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    outline: Points = Affine2D().rotate(pose.yaw).translate(pose.x, pose.y).transform(corners)
+    return outline
+
+
+def draw_outline(axes: Axes, outline: Points) -> None:
+    """Draws a filled polygon."""
+    axes.fill(*outline.T, fc=SHAPE, ec=INK, lw=0.8, zorder=2)
+
+
+def draw_path(axes: Axes, path: Points, *, labels: tuple[str, str] = (_NO_LABEL, _NO_LABEL)) -> None:
+    """Draws a ring at the start of a path, and the path over a white border, thinned out if it is long."""
+    axes.plot(*path[0, :2], "o", ms=8, mfc="white", mec=TIME(0.0), mew=2.2, zorder=6, label=labels[0])
+    points = path[:: max(1, len(path) // _LONGEST_PATH), :2]
+    if len(path) > 1:
+        points = np.vstack([points, path[-1:, :2]])
+    axes.plot(*points.T, color="white", lw=4.2, alpha=0.85, solid_joinstyle="round", zorder=4)
+    segments = list(np.stack([points[:-1], points[1:]], axis=1))
+    colours = TIME(np.linspace(0.0, 1.0, len(segments)))
+    axes.add_collection(LineCollection(segments, colors=colours, linewidths=2.0, capstyle="round", zorder=4))
+    axes.plot([], [], color=TIME(0.5), lw=2.0, label=labels[1])
+
+
+def draw_robot(axes: Axes, pose: Points, *, label: str = _NO_LABEL) -> None:
+    """Draws an arrow along the heading of a pose (3,), or a disc at a position (2,)."""
+    look: dict[str, Any] = {"marker": "o", "ms": 11}
+    if len(pose) == 3:
+        look = {"marker": MarkerStyle(_ARROW, transform=Affine2D().rotate(pose[2])), "ms": 20}
+    axes.plot(*pose[:2], ls="none", mfc=ROBOT, mec="white", mew=1.3, zorder=8, label=label, **look)
+
+
+def draw_named_path(axes: Axes, name: str, path: Points) -> None:
+    """Draws a path and, at its end, the robot and its name. The name has a light background, so walls do not hide it."""
+    draw_path(axes, path)
+    draw_robot(axes, path[-1])
+    background = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
+    end = (path[-1, 0], path[-1, 1])
+    axes.annotate(name, end, (8, 8), textcoords="offset points", color=INK, bbox=background, zorder=9)
+
+
+def draw_goal(axes: Axes, goal: Points) -> None:
+    """Draws a star at the goal (1, 2), or nothing for (0, 2)."""
+    if len(goal):
+        axes.plot(*goal.T, "*", ms=17, mfc=GOAL, mec="white", mew=1.2, zorder=7, label="goal")
+
+
+def draw_scan(axes: Axes, ends: Points, laser: Points, *, label: str) -> None:
+    """Draws the end points of beams and, if `laser` has a row, the beams. The more beams, the fainter each."""
+    if not len(ends):
+        return
+    if len(laser):
+        beams = np.stack([np.broadcast_to(laser[:, :2], ends.shape), ends], axis=1)
+        opacity = float(np.clip(40.0 / len(ends), 0.04, 0.3))
+        axes.add_collection(LineCollection(list(beams), colors=SCAN, linewidths=0.8, alpha=opacity, zorder=3))
+    axes.plot(*ends.T, "o", ms=2.6, mfc=SCAN, mec="none", zorder=5, label=label)

@@ -1,0 +1,136 @@
+"""Picture: something to draw, in axes or as a file."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import tempfile
+from abc import ABC, abstractmethod
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .style import picture_style
+from .view import LONGEST_SIDE, Points
+
+_DPI, _NOTEBOOK_DPI = 150, 80
+_LEFT, _RIGHT, _BOTTOM, _TOP = 0.65, 0.25, 0.85, 0.25  # space around the axes [in]
+_TITLE = 0.25  # extra space above the axes for a title [in]
+_LEGEND = 0.48  # distance from the axes down to the legend [in]
+
+# Metadata to leave out of each kind of file: dates and versions would make the bytes differ.
+_METADATA: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+    ".svg": {"Creator": None, "Date": None},
+}
+
+
+class Picture(ABC):
+    """A part of the map frame with something drawn in it. Subclasses say which part, and what.
+
+    Attributes:
+        title: Title above the axes, or None.
+    """
+
+    title: str | None = None
+
+    @abstractmethod
+    def view(self) -> Points:
+        """Returns the lower left and upper right corner of the view in the map frame [m], (2, 2)."""
+
+    @abstractmethod
+    def draw(self, axes: Axes) -> None:
+        """Draws in axes that show the view already."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the picture in Matplotlib axes and returns the axes.
+
+        Args:
+            ax: Axes to draw in, which then show the picture's view. None opens a new pyplot figure with a legend.
+        """
+        axes = ax
+        if axes is None:
+            from matplotlib import pyplot
+
+            _, axes = pyplot.subplots()
+        _show(axes, self.view(), self.title)
+        axes.apply_aspect()
+        self.draw(axes)
+        if ax is None and axes.get_legend_handles_labels()[0]:
+            axes.legend()
+        return axes
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Saves the picture, with a legend below the axes. An older file is replaced in one step.
+
+        Args:
+            file: File to write. Its ending selects the format: .png, .pdf or .svg.
+
+        Raises:
+            ValueError: The file has another ending.
+            OSError: The folder does not exist or cannot be written.
+        """
+        path = _checked(file)
+        suffix = path.suffix.lower()
+        with picture_style(), tempfile.TemporaryDirectory(prefix=".picture-", dir=path.parent) as drafts:
+            figure, draft = self.to_figure(), Path(drafts) / path.name
+            figure.savefig(draft, format=suffix[1:], dpi=_DPI, metadata=_METADATA[suffix])
+            os.replace(draft, path)
+
+    def to_png(self) -> bytes:
+        """Returns the picture as a PNG image for notebooks, at most about 800 pixels a side."""
+        image = io.BytesIO()
+        with picture_style():
+            self.to_figure(_NOTEBOOK_DPI).savefig(image, format="png", dpi=_NOTEBOOK_DPI, metadata=_METADATA[".png"])
+        return image.getvalue()
+
+    def to_figure(self, dpi: int = _DPI) -> Figure:
+        """Returns a figure of the picture that is independent of pyplot and of the user's settings."""
+        view = self.view()
+        low, high = view
+        width, height = (high - low) * LONGEST_SIDE / (high - low).max()
+        full_width, full_height = width + _LEFT + _RIGHT, height + _BOTTOM + _TOP + (_TITLE if self.title else 0.0)
+        with picture_style():
+            figure = Figure(figsize=(full_width, full_height), dpi=dpi)
+            axes = figure.add_axes((_LEFT / full_width, _BOTTOM / full_height, width / full_width, height / full_height))
+            _show(axes, view, self.title)
+            self.draw(axes)
+            if axes.get_legend_handles_labels()[0]:
+                _add_legend(axes, dpi)
+        return figure
+
+
+def _show(axes: Axes, view: Points, title: str | None) -> None:
+    """Makes axes show a view, with x and y at the same scale."""
+    low, high = view
+    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    if title:
+        axes.set_title(title)
+
+
+def _add_legend(axes: Axes, dpi: int) -> None:
+    """Adds a legend in one line below the axes."""
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(0.0, -_LEGEND * dpi / axes.get_window_extent().height),
+        ncols=5,
+        borderaxespad=0.0,
+        borderpad=0.0,
+        handletextpad=0.4,
+        columnspacing=1.8,
+    )
+
+
+def _checked(file: str | os.PathLike[str]) -> Path:
+    """Returns the path of a picture after checking its ending and its folder."""
+    path = Path(file)
+    if path.suffix.lower() not in _METADATA:
+        raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {str(path)!r}")
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "Cannot save a picture over a folder", str(path))
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "No such folder to save a picture in", str(path.parent))
+    return path
