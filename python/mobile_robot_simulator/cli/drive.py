@@ -13,7 +13,6 @@ import numpy as np
 
 from .._core import OccupancyGrid, Pose
 from ..messages import LaserScan, Odometry
-from ..plotting import DrivePicture
 from ..simulation.simulation import Simulation
 from .drivers import Commander, Script, Wander
 
@@ -119,6 +118,8 @@ class Drive:
 
     def draw(self, file: Path) -> None:
         """Save a picture of the map, the way driven and the last scan."""
+        from ..plotting import DrivePicture
+
         simulation = self.simulation
         scan = simulation.latest(simulation.laser.parameters.laser_topic)
         pose = simulation.pose
