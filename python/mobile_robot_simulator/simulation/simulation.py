@@ -443,6 +443,16 @@ class Simulation(Handle):
         """
         return picture_of(self._grid, self._bus, self._world, self._robots).plot(ax)
 
+    def _repr_png_(self) -> bytes | None:
+        """Returns the picture of `draw` as a PNG image for notebooks; None without Matplotlib or without a robot."""
+        if not len(self._robots):
+            return None
+        try:
+            picture = picture_of(self._grid, self._bus, self._world, self._robots)
+        except ImportError:
+            return None
+        return picture.to_png()
+
     def close(self) -> None:
         """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice does no harm."""
         self._bus.close()

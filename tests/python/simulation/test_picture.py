@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -54,3 +55,15 @@ def test_a_simulation_draws_itself_in_axes(room: mrs.OccupancyGrid) -> None:
     axes = Figure().add_subplot()
     assert sim.plot(axes) is axes
     assert axes.get_legend_handles_labels()[1] == ["start", "path", "end", "last scan"]
+
+
+def test_notebooks_show_a_picture_if_there_is_one(room: mrs.OccupancyGrid, monkeypatch: pytest.MonkeyPatch) -> None:
+    sim = mrs.Simulation(room, robots={})
+    assert sim._repr_png_() is None
+    sim.add_robot("one")
+    image = sim._repr_png_()
+    assert image is not None and image.startswith(b"\x89PNG")
+    monkeypatch.setitem(sys.modules, "mobile_robot_simulator.plotting", None)
+    assert sim._repr_png_() is None
+    with pytest.raises(ImportError):
+        sim.plot()
