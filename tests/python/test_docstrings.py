@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import doctest
+import importlib
 import inspect
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import mobile_robot_simulator as mrs
 from mobile_robot_simulator import _core
 
 
@@ -80,3 +83,21 @@ def test_signatures_show_the_real_defaults(made: Any) -> None:
     for name, value in shown.items():
         found = real[name] if name in real else getattr(made, name)
         assert (tuple(found) if isinstance(found, _core.Pose) else found) == value, name
+
+
+PACKAGE = Path(mrs.__file__).parent
+WITH_EXAMPLES = [
+    ".".join(("mobile_robot_simulator", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+    for path in sorted(PACKAGE.rglob("*.py"))
+    if ">>>" in path.read_text(encoding="utf-8")
+]
+
+
+@pytest.mark.parametrize("name", WITH_EXAMPLES)
+def test_examples_of_python_modules_run(name: str) -> None:
+    tests = [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
+    assert tests
+    report: list[str] = []
+    for test in tests:
+        doctest.DocTestRunner(verbose=False).run(test, out=report.append)
+    assert not report, "".join(report)
