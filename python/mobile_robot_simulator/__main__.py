@@ -1,4 +1,4 @@
-"""`python -m mobile_robot_simulator` is the command mobile-robot-simulator."""
+"""Runs the command `mobile-robot-simulator` as `python -m mobile_robot_simulator`."""
 
 from .cli.main import main
 

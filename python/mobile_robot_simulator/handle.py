@@ -1,4 +1,4 @@
-"""Handles: objects that copies share, and groups of resources that are released together."""
+"""Handles: objects that deep copies share, and `Handles`, which releases the resources of a node together."""
 
 from __future__ import annotations
 

@@ -53,7 +53,10 @@ T = TypeVar("T")
 
 @dataclass(slots=True, eq=False)
 class Message:
-    """Base class of messages. Every field has a default; two messages are equal if all their fields are."""
+    """Base class of messages. Every field has a default. Two messages are equal if all their fields are equal.
+
+    In arrays, NaN equals NaN.
+    """
 
     ros_type: ClassVar[str]
 
@@ -74,7 +77,7 @@ def copied(value: T) -> T:
     if isinstance(value, Message):
         kind = type(value)
         copy = object.__new__(kind)
-        for name in _names(kind):  # type: ignore[arg-type]
+        for name in _field_names(kind):  # type: ignore[arg-type]
             setattr(copy, name, copied(getattr(value, name)))
         return copy
     if isinstance(value, np.ndarray):
@@ -83,7 +86,7 @@ def copied(value: T) -> T:
 
 
 @cache
-def _names(kind: type[Message]) -> tuple[str, ...]:
+def _field_names(kind: type[Message]) -> tuple[str, ...]:
     return tuple(item.name for item in fields(kind))
 
 
@@ -103,10 +106,10 @@ class Time(Message):
 
     @classmethod
     def from_nanoseconds(cls, nanoseconds: int) -> Time:
-        """Returns the time that is a number of nanoseconds after zero.
+        """Returns the time for a number of nanoseconds since zero.
 
         Args:
-            nanoseconds: The number [ns].
+            nanoseconds: Time since zero [ns].
         """
         return cls(*divmod(nanoseconds, 1_000_000_000))
 
@@ -222,7 +225,7 @@ class PoseWithCovariance(Message):
 
 @dataclass(slots=True, eq=False)
 class PoseWithCovarianceStamped(Message):
-    """A pose with covariance, at a time and in a frame."""
+    """A pose and its covariance, with their time and frame."""
 
     ros_type = "geometry_msgs/msg/PoseWithCovarianceStamped"
     header: Header = field(default_factory=Header)
@@ -240,7 +243,7 @@ class Twist(Message):
 
 @dataclass(slots=True, eq=False)
 class TwistStamped(Message):
-    """A twist at a time, in a frame."""
+    """A twist with its time and frame."""
 
     ros_type = "geometry_msgs/msg/TwistStamped"
     header: Header = field(default_factory=Header)
@@ -258,7 +261,7 @@ class TwistWithCovariance(Message):
 
 @dataclass(slots=True, eq=False)
 class TransformStamped(Message):
-    """Pose of a child frame in the header's frame, at a time."""
+    """Pose of the child frame in the header's frame at the time of the header."""
 
     ros_type = "geometry_msgs/msg/TransformStamped"
     header: Header = field(default_factory=Header)

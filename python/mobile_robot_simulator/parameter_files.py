@@ -1,4 +1,4 @@
-"""Parameters as text: ROS 2 parameter files and assignments, read and written."""
+"""Reads and writes ROS 2 parameter files, and reads assignments such as `name:=value`."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ def read_file(path: str | Path) -> dict[str, Any]:
     """Reads the values in a ROS 2 parameter file.
 
     Args:
-        path: YAML file with `ros__parameters` under `/**`, for all nodes, or under the name of one node.
+        path: YAML file with sections that hold `ros__parameters`. The section `/**` is for all nodes; a section with the
+            name of a node is for that node only.
 
     Returns:
-        Values by parameter name. A value for one node has the key `node:name` and takes precedence in `for_node`.
+        Values by key, as `parameters.for_node` takes them: the key is `name` for a value from `/**`, and `node:name` for a
+        value from the section of a node.
 
     Raises:
         OSError: The file cannot be read.
-        ValueError: The content is not YAML, has another structure, or names an unknown node or parameter.
+        ValueError: The content is not YAML, does not have this structure, or names an unknown node or parameter.
     """
     data = Path(path).read_bytes()
     try:
@@ -66,10 +68,10 @@ def read_assignment(text: str) -> tuple[str, Any]:
 
 
 def to_yaml(values: Mapping[str, Any] | None = None) -> str:
-    """Returns all parameters and their descriptions as YAML that `read_file` reads.
+    """Returns a parameter file with the values and descriptions of all parameters.
 
     Args:
-        values: Values by parameter name; defaults for all others.
+        values: Values by key, as `read_file` returns them. All other parameters have their defaults.
 
     Raises:
         ValueError: A name is unknown or a value is invalid.

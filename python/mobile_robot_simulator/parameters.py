@@ -60,7 +60,7 @@ Topic = Annotated[str, AfterValidator(_check_topic)]
 
 
 def _corners_to_text(value: object) -> object:
-    """Corners given as a list, as YAML text."""
+    """Returns the corners as YAML text. Text is returned unchanged."""
     return value if isinstance(value, str) else yaml.safe_dump(value, default_flow_style=True, width=math.inf).strip()
 
 
@@ -108,17 +108,18 @@ class Parameters(BaseModel):
 
 
 class RobotParameters(Parameters):
-    """Parameters of `MobileRobotSimulator`; the description of each field says what it means."""
+    """Parameters of `MobileRobotSimulator`."""
 
     node_name = "mobile_robot_simulator_node"
 
     publish_map_transform: bool = Field(
-        False, description="publish the transform map -> odom and subscribe to /initialpose (Simulation, run: default true)"
+        False,
+        description="publish the transform map -> odom and subscribe to /initialpose (default true in Simulation and run)",
     )
     publish_rate: Rate = Field(10.0, description="rate of odometry, transforms and /clock [Hz]")
-    publish_clock: bool = Field(True, description="publish /clock (ROS 1: default false)")
+    publish_clock: bool = Field(True, description="publish /clock (default false in ROS 1)")
     clock_rate: Annotated[Number, Field(ge=0.0, le=1e6)] = Field(
-        0.0, description="rate of /clock [Hz]; 0 uses publish_rate (ROS: default 100)"
+        0.0, description="rate of /clock [Hz]; 0 uses publish_rate (default 100 in ROS)"
     )
     velocity_topic: Topic = Field("/cmd_vel", description="topic of the velocity commands")
     odometry_topic: Topic = Field("/odom", description="topic of the odometry")
@@ -126,10 +127,10 @@ class RobotParameters(Parameters):
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
     cmd_vel_stamped: bool = Field(
-        True, description="subscribe to TwistStamped instead of Twist (Simulation, run: default false)"
+        True, description="subscribe to TwistStamped instead of Twist (default false in Simulation and run)"
     )
     speed_factor: Annotated[Rate, Field(le=1e3)] = Field(
-        1.0, description="simulated seconds per second of wall time, where the simulation is paced"
+        1.0, description="simulated seconds per second of wall time, when the simulation follows the wall clock"
     )
     velocity_timeout: Annotated[Number, Field(ge=0.0)] = Field(
         0.5, description="time for which a command is held [s]; 0 holds it until the next command"
@@ -156,7 +157,9 @@ class RobotParameters(Parameters):
     odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
         None, description="noise of the odometry: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none"
     )
-    odometry_seed: Seed = Field(0, description="seed of the noise of the odometry (Simulation, run: default same as seed)")
+    odometry_seed: Seed = Field(
+        0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"
+    )
 
     @model_validator(mode="after")
     def _check_footprint(self) -> RobotParameters:
@@ -206,7 +209,7 @@ class LaserParameters(Parameters):
         "/map", description="topic of maps that replace the current one; empty for none"
     )
     laser_frame_id: Name = Field(
-        "base_link", description="frame of the scanner; its pose on the robot is looked up in tf, if tf has it"
+        "base_link", description="frame of the scanner; its pose on the robot is read from tf if tf has one"
     )
     laser_mount: Triple | None = Field(
         None, description="pose [x, y, yaw] of the scanner on the robot [m, m, rad], published to /tf_static; null for none"
@@ -300,15 +303,15 @@ def motion_noise(alphas: Sequence[float]) -> MotionNoise:
 
 
 NODES: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
-"""Models of the nodes whose parameters a parameter file holds."""
+"""Parameter classes of the nodes that a parameter file can set."""
 
 
 def check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES) -> None:
     """Checks that every name is a parameter of one of the nodes.
 
     Args:
-        names: Names, each either `name` or `node:name` for a parameter of one node only.
-        models: Parameters of the nodes.
+        names: Parameter names; `node:name` stands for the parameter `name` of that node only.
+        models: Parameter classes of the nodes.
 
     Raises:
         ValueError: A name is unknown. The message suggests the nearest known name.
@@ -328,8 +331,9 @@ def for_node(model: type[T], values: Mapping[str, Any]) -> T:
     """Returns the parameters of one node from values for all nodes.
 
     Args:
-        model: Parameters of the node.
-        values: Values by `name`, for every node that has the parameter, or by `node:name`, which takes precedence.
+        model: Parameter class of the node.
+        values: Values by key. The key `name` sets the parameter of every node that has it. The key `node:name` sets the
+            parameter of that node only and takes precedence.
 
     Raises:
         ValueError: A value is invalid.
@@ -349,7 +353,7 @@ def unknown_name(name: str, known: Iterable[str], kind: str = "parameter") -> st
 
 
 def _explain(error: ValidationError, known: Iterable[str]) -> str:
-    """One message for all errors, separated by semicolons: the parameter, what it must be, and the value it got."""
+    """Returns all errors as one text, separated by semicolons. Each gives the parameter, the requirement and the value."""
     messages = []
     for detail in error.errors(include_url=False):
         name = ".".join(str(part) for part in detail["loc"])

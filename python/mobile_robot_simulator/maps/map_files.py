@@ -35,7 +35,7 @@ _MODES = ("trinary", "scale", "raw")
 _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 _TRUTH_VALUES = {"0": False, "1": True, "false": False, "true": True}
 
-# Values that the map savers of Nav2 and ROS 1 write. With these thresholds both read 205 as unknown.
+# Values that the map savers of Nav2 and ROS 1 write. With these thresholds, both map servers read grey 205 as unknown.
 _SAVED_THRESHOLDS = {"occupied_thresh": 0.65, "free_thresh": 0.196}
 _SAVED_GREYS = {0: 254, 100: 0, -1: 205}
 
@@ -61,7 +61,7 @@ def load_map(
         path: The YAML file.
         occupied_threshold: Cells of at least this value block beams. Not to be confused with `occupied_thresh` in the
             YAML file, which turns pixels into cells.
-        unknown: Whether unknown cells, of value -1, block beams: "free" or "occupied".
+        unknown: Treatment of unknown cells, which have the value -1: "free", or "occupied", which blocks beams.
 
     Returns:
         The grid.
@@ -250,7 +250,7 @@ def _describe(grid: OccupancyGrid, image_name: str, mode: str) -> str:
 
 
 def _cells_from_image(image: MapImage, description: _Description) -> _Cells:
-    # bytes.translate needs one byte of memory per pixel, indexing a NumPy table nine.
+    # bytes.translate needs one byte of memory per pixel; indexing a NumPy table needs nine.
     table = _cell_by_grey(description).tobytes()
     cells = np.frombuffer(image.grey[::-1].tobytes().translate(table), np.int8).reshape(image.grey.shape)
     if image.alpha is None or description.mode == "raw":
@@ -272,7 +272,7 @@ def _cell_by_grey(description: _Description) -> _Cells:
 
 
 def _pixels_from_cells(cells: _Cells) -> tuple[str, bytes]:
-    """A mode that can represent all cells exactly, and the 8-bit pixels in that mode, top row first."""
+    """Returns a mode that represents all cells exactly, and the 8-bit pixels in that mode, top row first."""
     octets = cells[::-1].tobytes()
     others = octets.translate(None, bytes(cell & 0xFF for cell in _SAVED_GREYS))
     if not others:

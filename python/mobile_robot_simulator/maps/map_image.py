@@ -1,6 +1,7 @@
 """Images of maps: reads an image file as 8-bit grey and alpha.
 
-The pixels equal those of GraphicsMagick, which Nav2 uses to read maps.
+The pixels equal those of GraphicsMagick, which Nav2 uses to read maps. Only colours of 16-bit samples can come out one level
+too high.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ _MAX_PIXELS = 2**30
 # The last number cancels the 0.5 that Pillow adds before it truncates.
 _LUMA = (306 / 1024, 601 / 1024, 117 / 1024, -0.5)
 
-# Readers are chosen by file signature instead of Image.open. Real maps can exceed the pixel limit of Image.open, which is a
-# global setting that this package must not change.
+# The reader is chosen by the file signature. Image.open is not used, because real maps can exceed its pixel limit. The limit
+# is a global setting, which this package must not change.
 _PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImageFile),
     (b"\xff\xd8\xff", JpegImageFile),
@@ -110,7 +111,7 @@ def _open_with_pillow(data: bytes) -> ImageFile:
 
 
 class _WholeFile(io.BytesIO):
-    """A file that raises an error when it is read past its end.
+    """A file in memory that raises an error when it is read past its end.
 
     Many programs set ImageFile.LOAD_TRUNCATED_IMAGES. Pillow then fills the missing part of a truncated image with black.
     A truncated map must be an error regardless of that global setting.
@@ -142,7 +143,7 @@ def _mask_of_transparent_grey(image: ImageFile) -> _Grey | None:
 def _to_8_bits(samples: NDArray[np.unsignedinteger], largest: int) -> _Grey:
     """Scales samples from 0..largest to 8 bits; samples above `largest` count as `largest`.
 
-    As in GraphicsMagick, they are rounded to 16 bits and then rounded down to 8 bits.
+    As in GraphicsMagick, samples are first rounded to the nearest 16-bit level and then rounded down to 8 bits.
     """
     if largest == 255:
         return samples.astype(np.uint8, copy=False)
@@ -155,8 +156,8 @@ def _to_8_bits(samples: NDArray[np.unsignedinteger], largest: int) -> _Grey:
 # --- Netpbm ---
 #
 # Most maps are PGM files. Pillow is not used for them, because it
-# - rounds to the nearest level if the largest sample is not 255, while GraphicsMagick rounds down (with a free_thresh of 0.1
-#   the sample 229.5 would be free instead of unknown);
+# - rounds to the nearest level if the largest sample is not 255, while GraphicsMagick rounds down. With a free_thresh of
+#   0.1, a sample that scales to 229.5 would become free instead of unknown;
 # - decodes such files and ASCII files one number at a time in Python;
 # - joins two ASCII numbers if a comment separates them;
 # - rejects a comment directly after the magic number.

@@ -15,7 +15,7 @@ Mode = Literal["stop", "slide", "report"]
 
 
 class _Step(NamedTuple):
-    """A time step that ended in contact; poses in the map frame, velocities of the wheels, `twist` that of the robot."""
+    """A time step with contact. Poses are in the map frame. Velocities are those of the wheels, except `twist`."""
 
     start_ns: int
     end_ns: int
@@ -25,8 +25,9 @@ class _Step(NamedTuple):
     before: Velocity
     """Velocity before the step."""
     velocity: Velocity
-    """Velocity during the step, had there been no contact."""
+    """Velocity that the step would have without contact."""
     twist: Velocity
+    """Velocity of the robot that belongs to `velocity`. Smaller than `velocity` if the wheels slip."""
 
 
 class ConstrainedMotion(Motion):
@@ -41,8 +42,8 @@ class ConstrainedMotion(Motion):
         map_from_own: Pose of the motion's own frame in the map frame.
         start: First pose of the robot, in the motion's own frame.
         world: Holds the map, the obstacles and the other robots, and calls `step`.
-        body: The robot, as the world knows it.
-        limits: Limits on the velocity and its change; None for none.
+        body: The robot, as the world sees it.
+        limits: Limits on the velocity and its change; None for no limits.
         mode: Effect of contact on the motion, as in `advance`.
 
     """
@@ -68,7 +69,7 @@ class ConstrainedMotion(Motion):
         self._touched: str | None = None
         self._preview: ConstrainedMotion | None = None
         self._reached: Pose | None = None
-        """Pose in the map frame after the last step, once it is known."""
+        """Pose in the map frame after the last step; None until it is needed."""
         super().__init__(time_ns, timeout, map_from_own, start)
 
     def step(self, time_ns: int) -> None:
@@ -80,7 +81,7 @@ class ConstrainedMotion(Motion):
             self._take_step(time_ns)
 
     def pose_for_others(self, time_ns: int) -> Pose:
-        """Pose in the map frame after the last step, which other robots meet during the current one."""
+        """Pose in the map frame after the last step. Other robots can collide with it during their current step."""
         if self._reached is None:
             self._reached = self.map_from_own * super().pose(self._stepped_ns)
         return self._reached
@@ -143,7 +144,7 @@ class ConstrainedMotion(Motion):
         self._reached = None
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
-        """Moves the motion's own frame in the map, and the robot with it."""
+        """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
         self.step(time_ns)
         super().move_frame(map_from_own, time_ns)
         self._reached = None
@@ -168,7 +169,7 @@ class ConstrainedMotion(Motion):
         )
 
     def _at(self, time_ns: int) -> ConstrainedMotion:
-        """Preview of this motion at a time between two steps, with the segments and contacts since the last step only."""
+        """Preview of this motion at a time between two steps. Holds only the segments and contacts since the last step."""
         preview = self._preview
         if preview is None or preview._stepped_ns != time_ns:
             preview = copy.copy(self)
@@ -187,7 +188,7 @@ class ConstrainedMotion(Motion):
             velocity = self._limits.apply(velocity, before, duration)
         if grid is None or footprint is None:
             self._stepped_ns, self._reached = end_ns, None
-            self._drive(velocity, before, start_ns)
+            self._begin_if_changed(velocity, before, start_ns)
             return
         start, twist = self.pose_for_others(start_ns), self._with_slip(velocity)
         self._stepped_ns = end_ns
@@ -195,22 +196,22 @@ class ConstrainedMotion(Motion):
         self._reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
         if contact is None:
             self._touched = None
-            self._drive(velocity, before, start_ns)
+            self._begin_if_changed(velocity, before, start_ns)
             return
         step = _Step(start_ns, end_ns, duration, start, self._reached, before, velocity, twist)
         self._record_contact(step, contact)
         if self._mode == "report":
-            self._drive(velocity, before, start_ns)
+            self._begin_if_changed(velocity, before, start_ns)
         else:
-            self._hold_back(step, contact)
+            self._begin_after_contact(step, contact)
 
-    def _drive(self, velocity: Velocity, before: Velocity, time_ns: int) -> None:
-        """Begins a segment at a velocity, unless the robot moves at it already."""
+    def _begin_if_changed(self, velocity: Velocity, before: Velocity, time_ns: int) -> None:
+        """Begins a segment if the velocity of the wheels changes."""
         if velocity != before:
             self._begin(time_ns, velocity, FOREVER if velocity != STANDING else time_ns)
 
     def _record_contact(self, step: _Step, contact: Contact) -> None:
-        """Appends a contact event, unless the robot touched the same thing in the step before."""
+        """Appends a contact event, unless the robot already touched the same thing in the previous step."""
         what = self._world.obstacle_name(self._body, contact.obstacle)
         if what == self._touched:
             return
@@ -221,15 +222,15 @@ class ConstrainedMotion(Motion):
         pose = step.start.integrate(step.twist, elapsed).wrapped()
         self.contacts.append(ContactEvent(time, what, contact.point, speed, pose))
 
-    def _hold_back(self, step: _Step, contact: Contact) -> None:
-        """Begins the segments of a step in which contact stopped or deflected the robot."""
+    def _begin_after_contact(self, step: _Step, contact: Contact) -> None:
+        """Adds segments to the trajectory for a step in which contact stopped or deflected the robot."""
         end = self.map_from_own.inverse() * step.reached
         if self._mode == "stop" and contact.fraction > 0.0:
             stopped_ns = step.start_ns + int(contact.fraction * (step.end_ns - step.start_ns))
             self._begin(step.start_ns, step.velocity, stopped_ns)
             self._begin(step.end_ns, STANDING, step.end_ns, pose=end)
         elif step.reached == step.start:
-            self._drive(STANDING, step.before, step.start_ns)
+            self._begin_if_changed(STANDING, step.before, step.start_ns)
         else:  # The robot slides along the contact, or drives out of an obstacle that moved onto it.
             vx, vy, wz = step.start.twist_to(step.reached, step.duration)
             grip = 1.0 - self._slip

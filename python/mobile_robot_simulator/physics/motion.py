@@ -73,7 +73,7 @@ class SteppingSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class MotionSnapshot:
-    """State of a `Motion` at one time, as returned by `Motion.save`. Shallow: poses and segments are immutable."""
+    """State of a `Motion` at one time, as returned by `Motion.save`. Poses and segments are shared; they are immutable."""
 
     map_from_own: Pose
     timeout: float
@@ -94,9 +94,8 @@ class Motion:
     """Executes velocity commands and integrates them exactly.
 
     The pose at any time is computed from the last change of velocity, so it does not depend on when it is read.
-    Poses are in the motion's own frame (for a robot: its odometry frame), whose pose in the map can change.
-    When wheels slip, they turn as commanded while the robot moves by less; `wheel_pose` is where the robot would be without
-    slip.
+    Poses are in the motion's own frame, which is the robot's odometry frame. The pose of this frame in the map can change.
+    When the wheels slip, they turn as commanded, but the robot moves less. `wheel_pose` is the pose without any slip.
 
     Args:
         time_ns: Start time [ns].
@@ -126,7 +125,7 @@ class Motion:
         """Advances to a time [ns]."""
 
     def pose_for_others(self, time_ns: int) -> Pose:
-        """Pose in the map frame at which other robots meet this one during the step that ends at a time [ns]."""
+        """Pose in the map frame that other robots can collide with during the time step that ends at a time [ns]."""
         return self.map_pose(time_ns)
 
     def pose(self, time_ns: int) -> Pose:
@@ -201,7 +200,7 @@ class Motion:
             self._wheels = pose
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
-        """Moves the motion's own frame in the map, and the robot with it."""
+        """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
         self.map_from_own = map_from_own
         self._begin(time_ns, self._command, self._until_ns)
 
@@ -221,7 +220,7 @@ class Motion:
         self._begin(time_ns, self._command, self._until_ns)
 
     def continuing(self: M, before: Motion) -> M:
-        """Returns this motion, after prepending the trajectory, contacts, distance and slip of an earlier one."""
+        """Prepends trajectory, contacts and distance of an earlier motion, takes over its slip, and returns this motion."""
         self.segments[:0], self.contacts[:0] = before.segments, before.contacts
         self._driven = before.distance(self._start_ns)
         self._slip, self._wheels = before._slip, before._wheels and before.wheel_pose(self._start_ns)
@@ -257,7 +256,7 @@ class Motion:
         return None
 
     def _begin(self, time_ns: int, command: Velocity, until_ns: int, *, pose: Pose | None = None) -> None:
-        """Begins a segment, at the robot's pose unless another one is given."""
+        """Begins a segment at `pose` in the motion's own frame. Default: the pose of the robot."""
         driven, wheels = self.distance(time_ns), self._wheels and self.wheel_pose(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
         self._command, self._twist = command, self._with_slip(command)

@@ -43,7 +43,7 @@ class Obstacle(Handle):
 
     def __init__(self, name: str, shape: Shape, trajectory: Trajectory) -> None:
         self.name, self.shape = name, shape
-        self._pose_at = _function_of(trajectory)
+        self._pose_at = _pose_function(trajectory)
 
     def pose(self, time_ns: int) -> Pose:
         """Returns the pose in the map frame at a time.
@@ -67,12 +67,12 @@ class Obstacle(Handle):
             raise TypeError(message) from error
 
 
-def _function_of(trajectory: Trajectory) -> Callable[[float], PoseLike]:
-    """The trajectory as a function from the time [s] to a pose."""
+def _pose_function(trajectory: Trajectory) -> Callable[[float], PoseLike]:
+    """Returns the trajectory as a function from the time [s] to a pose."""
     if callable(trajectory):
         return trajectory
     if not len(trajectory):
-        raise ValueError("there must be at least one waypoint, got none")
+        raise ValueError("a trajectory must have at least one waypoint, got none")
     if isinstance(trajectory, Pose) or isinstance(trajectory[0], (int, float)):
         pose = Pose(*trajectory)
         return lambda time: pose

@@ -11,17 +11,17 @@ from .._core import MotionNoise, Pose
 from ..instant import NANOSECONDS
 
 EXACT, UNMEASURED = 1e-9, 1e6
-"""Variances [m^2 or rad^2] of what is known exactly and of what is not measured.
+"""Variance [m^2 or rad^2] of a coordinate that is known exactly, and of one that is not measured.
 
-Not zero: some readers take zero as "unknown", and others cannot invert it.
+`EXACT` is not zero, because some receivers read zero as "unknown" and others cannot invert the matrix.
 """
 
 PLANE = (0, 1, 5)
 """Rows of x, y and yaw among (x, y, z, rot x, rot y, rot z)."""
 
 
-def _covariance_of(plane: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Covariance (36,), read-only, from the (3, 3) covariance of x, y and yaw."""
+def _spatial_covariance(plane: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the read-only covariance (36,) of a pose in space from the (3, 3) covariance of x, y and yaw."""
     covariance = np.diag([0.0, 0.0, UNMEASURED, UNMEASURED, UNMEASURED, 0.0])
     covariance[np.ix_(PLANE, PLANE)] = plane + EXACT * np.eye(3)
     flat = covariance.reshape(-1)
@@ -29,13 +29,16 @@ def _covariance_of(plane: NDArray[np.float64]) -> NDArray[np.float64]:
     return flat
 
 
-PLANAR_COVARIANCE = _covariance_of(np.zeros((3, 3)))
+PLANAR_COVARIANCE = _spatial_covariance(np.zeros((3, 3)))
 """Covariance (36,) of exact odometry in the plane: x, y and yaw are exact; height, roll and pitch are not measured."""
 
 
 @dataclass(frozen=True, slots=True)
 class OdometerSnapshot:
-    """State of an `Odometer` at one time, as returned by `Odometer.save`. Shallow: its values are never changed in place."""
+    """State of an `Odometer` at one time, as returned by `Odometer.save`.
+
+    The arrays are shared with the odometer, which never changes them in place.
+    """
 
     index: int
     wheels: Pose
@@ -91,7 +94,7 @@ class Odometer:
             twist, before = self._wheels.twist_to(wheels, dt), self._estimate
             self._estimate = self._noise.sample(before, twist, dt, seed=self._seed, index=self._index).wrapped()
             self._plane = self._noise.propagate(self._plane, before, twist, dt)
-            self._covariance = _covariance_of(self._plane)
+            self._covariance = _spatial_covariance(self._plane)
             self._index += 1
             self._wheels, self._time_ns = wheels, time_ns
         return self._estimate, self._covariance

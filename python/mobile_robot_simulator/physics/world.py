@@ -19,7 +19,7 @@ Placed: TypeAlias = tuple[Shape, Pose]
 
 
 class Body(Protocol):
-    """A robot, as the world knows it."""
+    """What the world needs to know about a robot."""
 
     body_name: str
 
@@ -57,8 +57,9 @@ class World(Handle):
     """The map, the obstacles and the robots of a simulation.
 
     Robots without footprint and limits move exactly as commanded and can be read at any time. The others advance in time
-    steps of `STEP_NS`, which start at multiples of `STEP_NS`, in the order in which they joined. While one robot takes a
-    step, everything else is frozen. Reading a state between two steps does not change later results.
+    steps of `STEP_NS`, which start at multiples of `STEP_NS`. In each step they move one after another, in the order in
+    which they joined; while one robot moves, everything else is frozen. Reading a state between two steps does not change
+    later results.
 
     Args:
         clock: Returns the simulated time [ns]. It increases steadily, even if the clock that nodes see jumps.
@@ -73,7 +74,7 @@ class World(Handle):
         self._stepped_ns = clock()
         self._stepping = False
         self._frozen: list[tuple[Body | Obstacle, Placed]] = []
-        """Obstacles and robots where others meet them during a step."""
+        """Each obstacle and robot with the shape and pose that others can collide with during the current step."""
         self._index_of: dict[Body, int] = {}
         """Index of each robot in `_frozen`."""
         self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
@@ -99,7 +100,11 @@ class World(Handle):
         self.changed()
 
     def changed(self) -> None:
-        """Must be called after something was added, or moved other than by its motion."""
+        """Updates the poses that robots can collide with.
+
+        Must be called when a robot or obstacle was added, when a footprint changed, and when a robot was moved by anything
+        other than a velocity command.
+        """
         self._latest = None
         self._freeze()
 
@@ -141,7 +146,7 @@ class World(Handle):
         return WorldSnapshot(self._stepped_ns, tuple(self.obstacles), tuple(self._bodies))
 
     def restore(self, state: WorldSnapshot) -> None:
-        """Returns to the state of a snapshot. The motions of the robots must be restored before."""
+        """Returns to the state of a snapshot. The motions of the robots must be restored first."""
         self._stepped_ns = state.stepped_ns
         self.obstacles, self._bodies = list(state.obstacles), list(state.bodies)
         self.changed()
@@ -151,7 +156,7 @@ class World(Handle):
         if not stepped:
             self._stepped_ns = now - now % STEP_NS
             return
-        if self._stepping:  # The function of an obstacle reads the world.
+        if self._stepping:  # The trajectory function of an obstacle reads the world during a step.
             return
         self._stepping = True
         try:

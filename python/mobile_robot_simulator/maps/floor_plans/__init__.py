@@ -40,9 +40,9 @@ def floor_plan(
 ) -> OccupancyGrid:
     """Generates a floor plan.
 
-    All free cells are connected and surrounded by a closed outer wall; cells outside of it are unknown. Doors are at least
-    0.9 m wide, and a robot with a radius of 0.3 m can reach almost all free cells. The lower-left corner of the plan is the
-    origin of the map frame.
+    All free cells are connected and surrounded by a closed outer wall. Cells outside of the wall are unknown. Doors are at
+    least 0.9 m wide, and a robot with a radius of 0.3 m can reach almost all free cells. The lower-left corner of the plan
+    is the origin of the map frame.
 
     Args:
         kind: One of `KINDS`: office, corridor, maze, cave or warehouse.

@@ -23,7 +23,7 @@ def draw_cave(plan: Plan, dice: Dice) -> None:
     open_ = np.array([dice.between(0.0, 1.0) >= _ROCK_SHARE for _ in range(shape[0] * shape[1])]).reshape(shape)
     for generation in range(_GENERATIONS):
         around = _sums(open_, 1)
-        # In the first two generations rock also appears in open space, which limits the width of the halls.
+        # In the first two generations, rock also appears in open space. This limits the width of the halls.
         pillars = _sums(open_, 2) >= 24 if generation < 2 else np.zeros(shape, bool)
         open_ = (around >= 5) & ~pillars
     open_ = _sums(_sums(open_, 1) == 9, 1) > 0
@@ -43,7 +43,7 @@ def _sums(cells: NDArray[np.bool_], reach: int) -> NDArray[np.int32]:
 
 
 def _connect(open_: NDArray[np.bool_], dice: Dice) -> None:
-    """Fills small halls, then connects the others to the largest hall with tunnels, nearest first. In place."""
+    """Fills small halls in place, then digs tunnels from the others to the largest hall, nearest hall first."""
     numbers = label(open_)
     sizes = np.bincount(numbers.ravel())
     halls = [number for number in range(1, len(sizes)) if sizes[number] >= _MIN_HALL]
@@ -65,7 +65,7 @@ def _connect(open_: NDArray[np.bool_], dice: Dice) -> None:
 
 
 def _dig(open_: NDArray[np.bool_], dice: Dice, row: int, col: int, end_row: int, end_col: int) -> None:
-    """Digs a tunnel from one cell to another, by random steps along rows and columns. In place."""
+    """Digs a tunnel from one cell to another, in place, by random steps along rows and columns."""
     while True:
         open_[max(row - 2, 0) : row + 3, max(col - 2, 0) : col + 3] = True
         down, across = end_row - row, end_col - col

@@ -14,7 +14,7 @@ def fill_unreachable(cells: NDArray[np.int8]) -> None:
     Args:
         cells: Cells (H, W) of a plan.
     """
-    # Only rows that differ from the row below are labelled, since equal rows are connected alike. Most rows are equal.
+    # Equal neighbouring rows have the same connections, and most rows equal the row below. Only the others are labelled.
     distinct = np.flatnonzero(np.r_[True, (np.diff(cells == FREE, axis=0)).any(axis=1)])
     heights = np.diff(np.r_[distinct, len(cells)])
     parts = label(cells[distinct] == FREE)
@@ -33,7 +33,7 @@ def label(free: NDArray[np.bool_]) -> NDArray[np.int32]:
         free: True for each free cell, (H, W).
 
     Returns:
-        The label of each cell's component, (H, W), from 1 on; 0 for cells that are not free.
+        The label of each cell's component, (H, W): at least 1, not always consecutive; 0 for cells that are not free.
     """
     edges = np.diff(np.pad(free, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, run_starts = np.nonzero(edges == 1)

@@ -19,7 +19,7 @@ class _Room:
     def place(self, piece: Box) -> bool:
         """Places a piece and returns True if it fits.
 
-        It fits if it touches or keeps a passage to each wall, and keeps a passage to all other pieces.
+        It fits if a passage remains to every other piece and to every wall that it does not touch.
         """
         floor, passage = self.floor, self._passage
         gaps = (
@@ -30,7 +30,7 @@ class _Room:
         )
         if any(gap != 0 and gap < passage for gap in gaps):
             return False
-        if any(piece.grown(passage).touches(other) for other in self._taken):
+        if any(piece.grown(passage).overlaps(other) for other in self._taken):
             return False
         self.plan.block(piece)
         self._taken.append(piece)
@@ -39,13 +39,13 @@ class _Room:
     def place_pillar(self, col: int, row: int, radius: float) -> bool:
         """Places a round pillar and returns True if it fits.
 
-        It fits if it keeps a passage to the walls and to all other pieces.
+        It fits if a passage remains to every wall and to every other piece.
         """
         size = self.plan.count(radius)
         piece = Box(col - size, row - size, col + size + 1, row + size + 1)
-        if any(piece.grown(self._passage).touches(other) for other in self._taken):
+        if any(piece.grown(self._passage).overlaps(other) for other in self._taken):
             return False
-        if not self.floor.grown(-self._passage).holds(piece):
+        if not self.floor.grown(-self._passage).contains(piece):
             return False
         self.plan.pillar(col, row, radius)
         self._taken.append(piece)

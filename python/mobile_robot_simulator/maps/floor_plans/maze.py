@@ -1,4 +1,4 @@
-"""Mazes: a tree of lanes, plus a few short cuts."""
+"""Mazes: lanes that form a tree, plus a few extra openings that form loops."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from .dice import Dice
 from .plan import Box, Plan
 
 _LANE = 1.5  # width of a lane [m]
-_SHORT_CUT_SHARE = 0.06  # share of places with a short cut to a neighbour
+_OPENING_SHARE = 0.06  # share of lattice squares with an extra opening to a neighbour
 
 
 def draw_maze(plan: Plan, dice: Dice) -> None:
-    """Draws a maze by recursive backtracking."""
+    """Draws a maze on a square lattice by recursive backtracking."""
     inside, wall = plan.inside, plan.wall
     plan.block(inside.grown(plan.outer_wall))
     cols = (inside.width + wall) // (plan.count(_LANE) + wall)
@@ -18,11 +18,11 @@ def draw_maze(plan: Plan, dice: Dice) -> None:
     lefts = [inside.left + (inside.width + wall) * col // cols for col in range(cols + 1)]
     bottoms = [inside.bottom + (inside.height + wall) * row // rows for row in range(rows + 1)]
 
-    def place(col: int, row: int) -> Box:
+    def square(col: int, row: int) -> Box:
         return Box(lefts[col], bottoms[row], lefts[col + 1] - wall, bottoms[row + 1] - wall)
 
     def join(one: tuple[int, int], other: tuple[int, int]) -> None:
-        low, high = place(*min(one, other)), place(*max(one, other))
+        low, high = square(*min(one, other)), square(*max(one, other))
         plan.carve(Box(low.left, low.bottom, high.right, high.top))
 
     visited = {(0, 0)}
@@ -43,5 +43,5 @@ def draw_maze(plan: Plan, dice: Dice) -> None:
         trail.append(neighbour)
     for col in range(cols - 1):
         for row in range(rows - 1):
-            if dice.chance(_SHORT_CUT_SHARE):
+            if dice.chance(_OPENING_SHARE):
                 join((col, row), dice.one_of([(col + 1, row), (col, row + 1)]))

@@ -21,7 +21,7 @@ class _Wing(NamedTuple):
 
 
 def draw_office(plan: Plan, dice: Dice) -> None:
-    """Draws wings along the longer side, one behind the other."""
+    """Draws wings side by side, parallel to the longer side of the plan."""
     if plan.height > plan.width:
         turned = Plan(plan.height, plan.width, plan.resolution)
         draw_office(turned, dice)
@@ -92,8 +92,8 @@ def _draw_rooms(plan: Plan, dice: Dice, wing: _Wing, side: int, crossings: list[
 
 
 def _gaps(plan: Plan, strip: Box, crossings: list[Box]) -> list[tuple[int, int]]:
-    """Columns [left, right) of the parts of a strip between the corridors that cross it."""
-    through = sorted(box for box in crossings if box.touches(strip))
+    """Columns [left, right) of the parts of a strip between the corridors that cross it. Omits parts below 2 m."""
+    through = sorted(box for box in crossings if box.overlaps(strip))
     edges = [
         strip.left,
         *(edge for box in through for edge in (box.left - plan.wall, box.right + plan.wall)),

@@ -33,11 +33,11 @@ class Box(NamedTuple):
         """The box extended by a number of cells on every side."""
         return Box(self.left - by, self.bottom - by, self.right + by, self.top + by)
 
-    def touches(self, other: Box) -> bool:
-        """True if the boxes share a cell."""
+    def overlaps(self, other: Box) -> bool:
+        """True if the boxes have a cell in common."""
         return self.left < other.right and other.left < self.right and self.bottom < other.top and other.bottom < self.top
 
-    def holds(self, other: Box) -> bool:
+    def contains(self, other: Box) -> bool:
         """True if the other box is completely inside this one."""
         return (
             self.left <= other.left and other.right <= self.right and self.bottom <= other.bottom and other.top <= self.top
@@ -78,15 +78,15 @@ class Plan:
         self.cells[max(box.bottom, 0) : max(box.top, 0), max(box.left, 0) : max(box.right, 0)] = value
 
     def carve(self, box: Box) -> None:
-        """Makes all cells of a box free."""
+        """Turns all cells of a box into free cells."""
         self.fill(box, FREE)
 
     def block(self, box: Box) -> None:
-        """Makes all cells of a box wall."""
+        """Turns all cells of a box into wall."""
         self.fill(box, WALL)
 
     def pillar(self, col: int, row: int, radius: float) -> None:
-        """Makes all cells of a disc wall; its radius is in metres."""
+        """Turns all cells of a disc around a cell into wall. The radius is in metres."""
         reach = radius / self.resolution
         size = math.ceil(reach)
         rows, cols = np.ogrid[-size : size + 1, -size : size + 1]
