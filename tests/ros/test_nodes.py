@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from conftest import room
+from scenes import room
 from worlds import VERSION, find, seconds, wait_until
 
 ODOM, SCAN, TF, MAP = (

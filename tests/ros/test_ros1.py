@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import mobile_robot_simulator as mrs
-from conftest import record_drive
+from scenes import record_drive
 from test_nodes import ODOM, QUIET, SCAN, TWIST, twist
 from worlds import wait_until
 

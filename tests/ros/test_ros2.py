@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from conftest import record_drive
+from scenes import record_drive
 from test_nodes import LASER, MAP, NAME, ODOM, QUIET, SCAN, TF, twist
 from worlds import find, seconds, wait_until
 
