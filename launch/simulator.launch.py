@@ -1,4 +1,7 @@
-"""Map, robot and laser on ROS 2: ros2 launch mobile_robot_simulator simulator.launch.py map_file:=/path/to/map.yaml ."""
+"""Starts a map server, the robot and the laser on ROS 2.
+
+ros2 launch mobile_robot_simulator simulator.launch.py map_file:=/path/to/map.yaml
+"""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
@@ -10,22 +13,28 @@ PACKAGE = "mobile_robot_simulator"
 
 
 def generate_launch_description() -> LaunchDescription:
-    """The three nodes; parameters that are not in `params_file` have their defaults, but for the map transform."""
+    """Describes the three nodes.
+
+    `publish_map_transform` is on. All other parameters that are not in `params_file` have their defaults on ROS 2.
+    """
     map_file, params_file = LaunchConfiguration("map_file"), LaunchConfiguration("params_file")
     use_sim_time, speed_factor = LaunchConfiguration("use_sim_time"), LaunchConfiguration("speed_factor")
-    given = [params_file]
     return LaunchDescription(
         [
             DeclareLaunchArgument(
-                "map_file", default_value="", description="map_server YAML file; if empty, another node serves the map"
+                "map_file",
+                default_value="",
+                description="YAML file of the map, in the format of map_server; if empty, another node must serve the map",
             ),
             DeclareLaunchArgument(
-                "params_file", default_value="/dev/null", description="YAML file of parameters, as of --params-file"
+                "params_file", default_value="/dev/null", description="parameter file, in the format of --params-file"
             ),
             DeclareLaunchArgument(
-                "use_sim_time", default_value="true", description="whether the laser goes by the robot's /clock"
+                "use_sim_time", default_value="true", description="the laser and the map server follow /clock"
             ),
-            DeclareLaunchArgument("speed_factor", default_value="1.0", description="simulated time over wall time"),
+            DeclareLaunchArgument(
+                "speed_factor", default_value="1.0", description="simulated seconds per second of wall time"
+            ),
             Node(
                 package=PACKAGE,
                 executable="map_server",
@@ -39,14 +48,14 @@ def generate_launch_description() -> LaunchDescription:
                 executable="mobile_robot_simulator_node",
                 name="mobile_robot_simulator_node",
                 output="screen",
-                parameters=[{"publish_map_transform": True, "speed_factor": speed_factor}, *given],
+                parameters=[{"publish_map_transform": True, "speed_factor": speed_factor}, params_file],
             ),
             Node(
                 package=PACKAGE,
                 executable="laser_scanner_simulator_node",
                 name="laser_scanner_simulator_node",
                 output="screen",
-                parameters=[{"use_sim_time": use_sim_time}, *given],
+                parameters=[{"use_sim_time": use_sim_time}, params_file],
             ),
         ]
     )
