@@ -1,3 +1,3 @@
-"""The nodes on a real ROS 1 or ROS 2. `ros1` needs rospy, `ros2` needs rclpy."""
+"""Runs the nodes on the real ROS 1 (`ros1`, needs rospy) and ROS 2 (`ros2`, needs rclpy)."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What runs as a node in ROS, and how it comes by its parameters there."""
+"""Chooses the nodes that a ROS process runs, and turns what ROS was given into their parameters."""
 
 from __future__ import annotations
 
@@ -13,33 +13,42 @@ from ..parameters import LaserParameters, MapParameters, Parameters, RobotParame
 from .nav2_loopback_names import SYNONYMS, translate
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
-"""Parameters of the nodes that can be run, by the names that the commands have for these."""
+"""Parameters of each node, under the name that the command line has for the node."""
 
-FIXED = ("publish_clock",)
-"""Parameters that count at the start only: they decide which clock a node goes by."""
+STARTUP_ONLY = ("publish_clock",)
+"""Parameters that cannot change while a node runs, because they decide which clock it uses."""
 
 
 class Behaviour(Protocol):
-    """The robot, the laser or the map."""
+    """The robot, the laser or the map server, as a ROS process uses it."""
 
     @property
     def parameters(self) -> Any:
-        """The parameters in use."""
+        """The current parameters."""
 
     def set_parameters(self, **values: Any) -> None:
-        """Change parameters, at any time."""
+        """Changes parameters."""
 
     def start(self) -> None:
-        """Begin."""
+        """Starts publishing and listening."""
 
 
 def models_of(name: str) -> list[type[Parameters]]:
-    """Parameters of what runs under a name: one node's, or with `all` those of every one."""
+    """Returns the parameters of the nodes that run under a name: of one node, or of every node for `all`."""
     return list(MODELS.values()) if name == "all" else [MODELS[name]]
 
 
-def behaviour_of(parameters: Parameters, node: Node) -> Behaviour:
-    """The robot, the laser or the map of these parameters, on a node."""
+def create_behaviour(parameters: Parameters, node: Node) -> Behaviour:
+    """Creates the robot, the laser or the map server, whichever the parameters are for.
+
+    Args:
+        parameters: Checked parameters.
+        node: ROS node on which it runs.
+
+    Raises:
+        ValueError: The map file holds no map.
+        OSError: The map file cannot be read.
+    """
     if isinstance(parameters, RobotParameters):
         return MobileRobotSimulator(node, parameters)
     if isinstance(parameters, LaserParameters):
@@ -48,37 +57,78 @@ def behaviour_of(parameters: Parameters, node: Node) -> Behaviour:
     return MapFileServer(node, parameters)
 
 
-def split(name: str, arguments: Sequence[str], is_ros: Callable[[str], bool]) -> tuple[str | None, list[str]]:
-    """The map's file, where one is served, and from the first argument of ROS on its arguments.
+def split_arguments(
+    name: str, arguments: Sequence[str], is_ros_argument: Callable[[str], bool]
+) -> tuple[str | None, list[str]]:
+    """Splits a command line into the map file, or None, and the arguments for ROS.
 
-    raises: ValueError for anything else.
+    Args:
+        name: Name of the node, or `all`. Only `map` and `all` take a map file.
+        arguments: The command line after that name.
+        is_ros_argument: Returns whether an argument is for ROS. The first such argument and all that follow it go to ROS.
+
+    Raises:
+        ValueError: There is another argument before those for ROS.
     """
-    first = next((index for index, argument in enumerate(arguments) if is_ros(argument)), len(arguments))
-    ours, theirs = list(arguments[:first]), list(arguments[first:])
-    wanted = name in ("map", "all")
-    if len(ours) > wanted:
-        raise ValueError(f"unexpected argument {ours[wanted]!r}; {name} takes {'MAP.yaml and ' * wanted}arguments of ROS")
-    return (ours[0] if ours else None), theirs
+    first = next((index for index, argument in enumerate(arguments) if is_ros_argument(argument)), len(arguments))
+    own, for_ros = list(arguments[:first]), list(arguments[first:])
+    takes_map = name in ("map", "all")
+    if len(own) > takes_map:
+        expected = "a map file and ROS arguments" if takes_map else "ROS arguments only"
+        raise ValueError(f"unexpected argument {own[takes_map]!r}; {name} takes {expected}")
+    return (own[0] if own else None), for_ros
 
 
-def resolve(model: type[Parameters], given: Mapping[str, Any], logger: Logger, announced: set[str]) -> dict[str, Any]:
-    """A node's values, under our names, among what was given; other names for them are announced, each once.
+class ParameterResolver:
+    """Turns the parameters that ROS was given for a node into checked parameters, for all nodes of a process.
 
-    Own names go before others' names for the same.
-    raises: ValueError for a value under another's name that has no meaning here.
+    Args:
+        name: Name of the node that runs, or `all`.
+        defaults: Defaults of this ROS version that differ from those of the parameters.
+        map_file: Map file from the command line, which overrides `yaml_filename`.
     """
-    values: dict[str, Any] = {}
-    for synonym, meaning in translate(given).items():
-        ours = {name: value for name, value in meaning.items() if name in model.model_fields}
-        values.update(ours)
-        if ours and synonym not in announced:
-            announced.add(synonym)
-            logger.info(f"{synonym} is taken as {', '.join(f'{name} = {value}' for name, value in ours.items())}")
-    return {**values, **{name: value for name, value in given.items() if name in model.model_fields}}
+
+    def __init__(self, name: str, defaults: Mapping[type[Parameters], Mapping[str, Any]], map_file: str | None) -> None:
+        self._map_is_optional = name == "all"
+        self._defaults = defaults
+        self._overrides = {"yaml_filename": map_file} if map_file else {}
+        self._announced: set[str] = set()
+
+    def resolve(self, model: type[Parameters], given: Mapping[str, Any], logger: Logger) -> Parameters | None:
+        """Returns the parameters of one node, or None for a map server without a map file where that is allowed (`all`).
+
+        A name of nav2_loopback_sim is translated, and logged once in a process. Our own name for the same parameter wins.
+
+        Args:
+            model: Class of the node's parameters.
+            given: Values by name. Names that are not parameters of this node are ignored.
+            logger: Logger of the node.
+
+        Raises:
+            ValueError: A value is invalid, or the map server has no map file.
+        """
+        values = {**self._defaults.get(model, {}), **self._translated(model, given, logger)}
+        values.update((name, value) for name, value in {**given, **self._overrides}.items() if name in model.model_fields)
+        if model is MapParameters and "yaml_filename" not in values:
+            if self._map_is_optional:
+                return None
+            raise ValueError("map needs a map file: give MAP.yaml or the parameter yaml_filename")
+        return model.checked(values)
+
+    def _translated(self, model: type[Parameters], given: Mapping[str, Any], logger: Logger) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for synonym, meaning in translate(given).items():
+            own = {name: value for name, value in meaning.items() if name in model.model_fields}
+            values.update(own)
+            if own and synonym not in self._announced:
+                self._announced.add(synonym)
+                assignments = ", ".join(f"{name} = {value}" for name, value in own.items())
+                logger.info(f"{synonym} (a parameter of nav2_loopback_sim) sets {assignments}")
+        return values
 
 
-def warn_of_unknown(names: Iterable[str], logger: Logger) -> None:
-    """Warn of names that no parameter of any node has."""
+def warn_about_unknown(names: Iterable[str], logger: Logger) -> None:
+    """Logs a warning, with the nearest known name, for each name that no node has as a parameter."""
     for name in names:
         if name not in SYNONYMS:
             try:
@@ -87,14 +137,30 @@ def warn_of_unknown(names: Iterable[str], logger: Logger) -> None:
                 logger.warning(str(error))
 
 
-def change(behaviour: Behaviour, values: Mapping[str, Any]) -> None:
-    """Change parameters of a node that runs.
+def change_parameters(behaviour: Behaviour, values: Mapping[str, Any]) -> str | None:
+    """Changes parameters of a running node, all of them or none.
 
-    raises: ValueError or OSError with the reason if that can't be; then nothing has changed.
+    Args:
+        behaviour: Robot, laser or map server.
+        values: New values by name. Names that are not parameters of this node are ignored.
+
+    Returns:
+        None, or the reason why the change was refused.
     """
-    for name, value in values.items():
-        if name in SYNONYMS:
-            raise ValueError(f"{name} is another's name; change {', '.join(translate({name: value})[name])}")
-        if name in FIXED and getattr(behaviour.parameters, name) != value:
-            raise ValueError(f"{name} counts at the start only, and stays {getattr(behaviour.parameters, name)}")
-    behaviour.set_parameters(**values)
+    known = {name: value for name, value in values.items() if name in (*type(behaviour.parameters).model_fields, *SYNONYMS)}
+    try:
+        for name, value in known.items():
+            _check_change(behaviour, name, value)
+        if known:
+            behaviour.set_parameters(**known)
+    except (ValueError, TypeError, OSError) as error:
+        return str(error)
+    return None
+
+
+def _check_change(behaviour: Behaviour, name: str, value: Any) -> None:
+    if name in SYNONYMS:
+        own_names = ", ".join(translate({name: value})[name])
+        raise ValueError(f"{name} (a parameter of nav2_loopback_sim) can only be set at startup; set {own_names} instead")
+    if name in STARTUP_ONLY and value != (current := getattr(behaviour.parameters, name)):
+        raise ValueError(f"{name} can only be set at startup and stays {current}")

@@ -1,4 +1,4 @@
-"""Our messages to those of a ROS installation and back, field by field; arrays go as blocks of memory."""
+"""MessageConverter: converts our messages to those of a ROS installation and back, field by field."""
 
 from __future__ import annotations
 
@@ -16,80 +16,101 @@ M = TypeVar("M", bound=Message)
 
 
 @dataclass(frozen=True)
-class Dialect:
-    """How one ROS differs from the other in its Python messages.
+class MessageConverter:
+    """Converts messages, given how the Python messages of one ROS version differ from those of the other.
 
-    pack: an array as the field takes it whose present value is given second.
+    Args:
+        pack_array: Converts a NumPy array for a field of a ROS message; called with the array and the field's present value.
+        seconds: Name of the seconds in a time.
+        nanoseconds: Name of the nanoseconds in a time.
+        wrap_message_type: Changes a class of messages before it is published and subscribed to.
     """
 
-    pack: Callable[[Any, Any], Any]
+    pack_array: Callable[[Any, Any], Any]
     seconds: str = "sec"
     nanoseconds: str = "nanosec"
-    wrap: Callable[[type], type] = field(default=lambda kind: kind)
+    wrap_message_type: Callable[[type], type] = field(default=lambda message_type: message_type)
 
-    def find(self, ros_type: str) -> Any:
-        """The installation's class for a type such as nav_msgs/msg/Odometry.
+    def find_type(self, ros_type: str) -> Any:
+        """Returns the class of a message or service in the ROS installation.
 
-        raises: ImportError if the installation has no such type.
+        Args:
+            ros_type: Name with package and kind, such as nav_msgs/msg/Odometry.
+
+        Raises:
+            ImportError: The package is not installed.
+            AttributeError: The package has no such type.
         """
-        package, section, name = ros_type.split("/")
-        return getattr(import_module(f"{package}.{section}"), name)
+        package, kind, name = ros_type.split("/")
+        return getattr(import_module(f"{package}.{kind}"), name)
 
-    def find_message(self, ros_type: str) -> Any:
-        """The class for messages of a type, as it is published and subscribed to."""
-        return self.wrap(self.find(ros_type))
+    def find_message_type(self, ros_type: str) -> Any:
+        """Returns the class with which messages are published and subscribed to. Arguments and errors as in `find_type`."""
+        return self.wrap_message_type(self.find_type(ros_type))
 
-    def to_ros(self, message: Message, kind: Any) -> Any:
-        """The installation's message, of the class given, with what one of ours holds."""
-        return self.fill(kind(), message)
+    def to_ros(self, message: Message, ros_class: Any) -> Any:
+        """Returns a new ROS message of the class, with the values of one of our messages."""
+        return self.fill(ros_class(), message)
 
-    def fill(self, target: Any, message: Message) -> Any:
-        """The installation's message given, filled with what one of ours holds."""
+    def fill(self, ros_message: Any, message: Message) -> Any:
+        """Copies the values of one of our messages into a ROS message, and returns that.
+
+        Filling the same ROS message again and again is faster than making new ones.
+
+        Args:
+            ros_message: ROS message of the same type. Lists in it are kept if their length fits.
+            message: Our message.
+        """
         if isinstance(message, Time):
-            setattr(target, self.seconds, message.sec)
-            setattr(target, self.nanoseconds, message.nanosec)
-            return target
-        for name, _, _ in _plan(type(message)):  # type: ignore[arg-type]
+            setattr(ros_message, self.seconds, message.sec)
+            setattr(ros_message, self.nanoseconds, message.nanosec)
+            return ros_message
+        for name, _, _ in _field_plan(type(message)):  # type: ignore[arg-type]
             value = getattr(message, name)
             if isinstance(value, Message):
-                self.fill(getattr(target, name), value)
+                self.fill(getattr(ros_message, name), value)
             elif isinstance(value, np.ndarray):
-                setattr(target, name, self.pack(value, getattr(target, name)))
+                setattr(ros_message, name, self.pack_array(value, getattr(ros_message, name)))
             elif isinstance(value, list):
-                items = getattr(target, name)
-                if len(items) != len(value):
-                    items = [self.find(item.ros_type)() for item in value]
-                    setattr(target, name, items)
-                for item, filling in zip(items, value, strict=True):
-                    self.fill(item, filling)
+                ros_items = getattr(ros_message, name)
+                if len(ros_items) != len(value):
+                    ros_items = [self.find_type(item.ros_type)() for item in value]
+                    setattr(ros_message, name, ros_items)
+                for ros_item, item in zip(ros_items, value, strict=True):
+                    self.fill(ros_item, item)
             else:
-                setattr(target, name, value)
-        return target
+                setattr(ros_message, name, value)
+        return ros_message
 
-    def from_ros(self, message: Any, kind: type[M]) -> M:
-        """Our message, of the class given, with what one of the installation's holds. Arrays may share its memory."""
-        if kind is Time:
-            moment = Time(getattr(message, self.seconds), getattr(message, self.nanoseconds))
-            return cast(M, moment)
+    def from_ros(self, ros_message: Any, message_class: type[M]) -> M:
+        """Returns our message with the values of a ROS message. Its arrays may share memory with the ROS message.
+
+        Args:
+            ros_message: ROS message.
+            message_class: Class of our message of the same type.
+        """
+        if message_class is Time:
+            time = Time(getattr(ros_message, self.seconds), getattr(ros_message, self.nanoseconds))
+            return cast(M, time)
         values = []
-        for name, inner, dtype in _plan(kind):  # type: ignore[arg-type]
-            value = getattr(message, name)
+        for name, inner_class, dtype in _field_plan(message_class):  # type: ignore[arg-type]
+            value = getattr(ros_message, name)
             if dtype is not None:
                 value = np.asarray(value, dtype)
             elif isinstance(value, list):
-                value = [self.from_ros(item, inner) for item in value]
-            elif inner is not None:
-                value = self.from_ros(value, inner)
+                value = [self.from_ros(item, inner_class) for item in value]
+            elif inner_class is not None:
+                value = self.from_ros(value, inner_class)
             values.append(value)
-        return kind(*values)
+        return message_class(*values)
 
 
 @cache
-def _plan(kind: type[Message]) -> list[tuple[str, Any, np.dtype[Any] | None]]:
-    """Fields of a kind of message: name, class of the messages in it, element type of the array that it is."""
-    hints, empty = get_type_hints(kind), kind()
+def _field_plan(message_class: type[Message]) -> list[tuple[str, Any, np.dtype[Any] | None]]:
+    """Returns for each field: its name, the class of the messages in it or None, the dtype of its array or None."""
+    hints, empty = get_type_hints(message_class), message_class()
     plan: list[tuple[str, Any, np.dtype[Any] | None]] = []
-    for name in (each.name for each in fields(kind)):
+    for name in (each.name for each in fields(message_class)):
         value = getattr(empty, name)
         if isinstance(value, list):
             plan.append((name, get_args(hints[name])[0], None))

@@ -1,4 +1,4 @@
-"""Loop: where the callbacks of all nodes in a ROS process take turns, so that each node may be written for one thread."""
+"""Executor: runs the callbacks of all nodes in a ROS process one at a time, so that a node can be written for one thread."""
 
 from __future__ import annotations
 
@@ -13,129 +13,151 @@ from .paced_clock import PacedClock
 
 Returned = TypeVar("Returned")
 
+POLL_PERIOD = 0.002
+"""Seconds between two readings of a clock that ROS controls: it may change its speed or jump at any time."""
 
-POLLED_EVERY = 0.002
-"""How often a clock is looked at that others set [s]."""
 
+class Executor:
+    """Runs callbacks one at a time, so that all of them form one mutually exclusive callback group.
 
-class Loop:
-    """Runs callbacks one at a time: those of timers on a thread of its own, others on whichever thread they come in.
+    The executor calls timers on a thread of its own. All other callbacks run on the thread that calls them, which belongs to
+    rospy or rclpy; that thread waits until the callback before has returned.
 
-    What a callback raises ends the process: `wait` raises it.
+    An exception in a callback shuts the executor down, and `wait` raises it.
     """
 
     def __init__(self) -> None:
-        self._turn = threading.RLock()
-        self._changed = threading.Condition(threading.Lock())
-        self._ended = threading.Event()
+        self._callback_lock = threading.RLock()
+        self._timers_changed = threading.Condition(threading.Lock())
+        self._has_ended = threading.Event()
         self._error: BaseException | None = None
-        self._timers: list[Timer] = []
+        self._timers: list[ExecutorTimer] = []
         threading.Thread(target=self._run_timers, name="timers", daemon=True).start()
 
-    def in_turn(self, callback: Callable[..., Returned]) -> Callable[..., Returned]:
-        """The callback, waiting for its turn whenever it is called."""
+    def serialized(self, callback: Callable[..., Returned]) -> Callable[..., Returned]:
+        """Returns a function that calls the callback while no other serialized callback runs.
+
+        Calls may nest: a serialized callback may call another one.
+
+        Args:
+            callback: Any function. An exception that it raises goes to its caller, and also shuts the executor down.
+        """
 
         def call(*arguments: Any) -> Returned:
-            with self._turn:
+            with self._callback_lock:
                 try:
                     return callback(*arguments)
                 except BaseException as error:
-                    self.end(error)
+                    self.shutdown(error)
                     raise
 
         return call
 
-    def create_timer(self, clock: Clock, period: float, callback: Callable[[], None]) -> Timer:
-        """Have the callback called at the clock's multiples of a period."""
-        timer = Timer(clock, round(period * NANOSECONDS), self.in_turn(callback))
-        with self._changed:
+    def create_timer(self, clock: Clock, period: float, callback: Callable[[], None]) -> ExecutorTimer:
+        """Calls the callback at every multiple of `period` on the clock, serialized.
+
+        Args:
+            clock: Clock that the timer follows.
+            period: Time between two calls on that clock [s].
+            callback: Function to call.
+        """
+        timer = ExecutorTimer(clock, round(period * NANOSECONDS), self.serialized(callback))
+        with self._timers_changed:
             self._timers.append(timer)
-            self._changed.notify()
+            self._timers_changed.notify()
         return timer
 
-    def destroy_timer(self, timer: Timer) -> None:
-        """Take a timer away."""
+    def destroy_timer(self, timer: ExecutorTimer) -> None:
+        """Cancels a timer and removes it."""
         timer.cancel()
-        with self._changed:
+        with self._timers_changed:
             self._timers.remove(timer)
 
-    def notify(self) -> None:
-        """Reckon anew when timers are due: a clock has changed its speed."""
-        with self._changed:
-            self._changed.notify()
+    def wake(self) -> None:
+        """Recomputes when timers are due. Must be called after a `PacedClock` has changed its speed."""
+        with self._timers_changed:
+            self._timers_changed.notify()
 
-    def end(self, error: BaseException | None = None) -> None:
-        """Have `wait` return, or raise the error."""
+    def shutdown(self, error: BaseException | None = None) -> None:
+        """Makes `wait` return, or raise the error if one is given. The first error counts."""
         self._error = self._error or error
-        self._ended.set()
+        self._has_ended.set()
 
     def wait(self) -> None:
-        """Wait until the end, or until Ctrl-C or a request to terminate, of which later ones are passed over.
+        """Blocks until `shutdown`, SIGINT (Ctrl-C) or SIGTERM. From then on, both signals are ignored.
 
-        raises: what a callback raised.
+        Must be called on the main thread, because it installs signal handlers.
+
+        Raises:
+            BaseException: What a callback raised.
         """
         try:
             signal.signal(signal.SIGTERM, signal.default_int_handler)
             signal.signal(signal.SIGINT, signal.default_int_handler)
-            self._ended.wait()
+            self._has_ended.wait()
         except KeyboardInterrupt:
-            self._ended.set()
+            self._has_ended.set()
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self._error is not None:
             raise self._error
 
     def _run_timers(self) -> None:
-        while not self._ended.is_set():
-            with self._changed:
+        while not self._has_ended.is_set():
+            with self._timers_changed:
                 waits = [(timer.due_in(), timer) for timer in self._timers]
                 due = [timer for due_in, timer in waits if due_in <= 0.0]
                 if not due:
-                    self._changed.wait(min((due_in for due_in, _ in waits), default=None))
+                    self._timers_changed.wait(min((due_in for due_in, _ in waits), default=None))
                     continue
             try:
                 for timer in due:
                     timer.fire()
             except Exception:
-                # `wait` raises it.
+                # `serialized` has kept the error, and `wait` raises it.
                 return
 
 
-class Timer:
-    """Fires at the clock's multiples of its period; those that it is too late for are left out.
+class ExecutorTimer:
+    """Timer that fires at the multiples of its period on a clock. After several missed multiples, it fires once.
 
-    So timers of related periods fire together, the first made first, and the thread wakes once for all: at these rates,
-    waking costs more than what is then done.
+    Timers with related periods therefore fire together, in the order of their creation, and the executor's thread wakes up
+    once for all of them. At the rates of the nodes, waking up costs more than the work of the callbacks.
+
+    Args:
+        clock: Clock that the timer follows.
+        period_ns: Period on that clock [ns].
+        callback: Function to call.
     """
 
     def __init__(self, clock: Clock, period_ns: int, callback: Callable[[], None]) -> None:
         self._clock, self._period, self._callback = clock, period_ns, callback
-        self._cancelled = False
-        self._next = self._after(self._now())
+        self._is_cancelled = False
+        self._next = self._first_multiple_after(self._now())
 
     def cancel(self) -> None:
-        """Never fire again."""
-        self._cancelled = True
+        """Never fires again."""
+        self._is_cancelled = True
 
     def due_in(self) -> float:
-        """Seconds until it is time to fire, or to look again where the clock is set by others."""
+        """Returns the wall time until the timer is due [s]. If ROS controls the clock: at most `POLL_PERIOD`."""
         now = self._now()
         left = self._next - now
         if left > self._period:
-            # Time went back.
-            self._next = self._after(now)
+            # The clock has jumped back.
+            self._next = self._first_multiple_after(now)
             left = self._next - now
         if isinstance(self._clock, PacedClock):
             return left / self._clock.speed / NANOSECONDS
-        return 0.0 if left <= 0 else min(left / NANOSECONDS, POLLED_EVERY)
+        return 0.0 if left <= 0 else min(left / NANOSECONDS, POLL_PERIOD)
 
     def fire(self) -> None:
-        """Call back, unless it was cancelled."""
-        self._next = self._after(self._now())
-        if not self._cancelled:
+        """Calls the callback, unless the timer was cancelled."""
+        self._next = self._first_multiple_after(self._now())
+        if not self._is_cancelled:
             self._callback()
 
-    def _after(self, now: int) -> int:
+    def _first_multiple_after(self, now: int) -> int:
         return (now // self._period + 1) * self._period
 
     def _now(self) -> int:

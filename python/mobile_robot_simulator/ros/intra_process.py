@@ -1,4 +1,4 @@
-"""LocalTopics: messages between the nodes of one ROS process, handed over without a way through ROS."""
+"""IntraProcessTopics: delivers messages between the nodes of one ROS process without going through ROS."""
 
 from __future__ import annotations
 
@@ -8,100 +8,138 @@ from typing import Any
 from ..messages import Message
 from ..nodes.interface import QoS
 
+SubscribeThroughRos = Callable[[], Callable[[], object]]
+"""Function that subscribes through ROS and returns a function that ends this subscription."""
 
-class LocalTopics:
-    """Hands what a node publishes to the nodes of the same process directly, for as long as nobody else publishes the topic.
 
-    Through ROS, a message to oneself costs several times what it takes to make and to use it. Once others publish the topic
-    too, all of it comes through ROS, so that nothing comes twice; what is latched always does.
+class IntraProcessTopics:
+    """The topics of one process, with the route that messages take to its subscriptions: direct, or through ROS.
+
+    Sending a message through ROS to the same process costs several times as much as making and using the message. So a
+    message is delivered directly while only this process publishes the topic. Once another process publishes it too, all
+    messages of the topic come through ROS, and none arrives twice.
+
+    Only subscriptions with `QoS.DEFAULT` are delivered directly. All others, latched ones among them, always use ROS.
     """
 
     def __init__(self) -> None:
-        self._topics: dict[tuple[str, type[Message]], Topic] = {}
+        self._topics: dict[tuple[str, type[Message]], IntraProcessTopic] = {}
 
     @property
     def names(self) -> set[str]:
-        """Topics that nodes here both publish and subscribe to."""
-        return {topic.name for topic in tuple(self._topics.values()) if topic.publishers and topic.subscriptions}
+        """Names of the topics with both a publisher and a subscription (of `QoS.DEFAULT`) in this process."""
+        return {topic.name for topic in tuple(self._topics.values()) if topic.publisher_count and topic.subscriptions}
 
-    def topic(self, name: str, msg_type: type[Message]) -> Topic:
-        """The topic of a name that is resolved."""
-        return self._topics.setdefault((name, msg_type), Topic(name))
+    def topic(self, name: str, msg_type: type[Message]) -> IntraProcessTopic:
+        """Returns the topic of a name and a type; the same object at every call.
 
-    def advertise(self, name: str, msg_type: type[Message]) -> Topic:
-        """The topic, with one publisher more in this process."""
+        Args:
+            name: Fully resolved name, such as /robot/odom.
+            msg_type: Class of its messages. Topics of the same name and another type are separate.
+        """
+        return self._topics.setdefault((name, msg_type), IntraProcessTopic(name))
+
+    def advertise(self, name: str, msg_type: type[Message]) -> IntraProcessTopic:
+        """Counts one more publisher of a topic in this process, and returns the topic. Same arguments as `topic`."""
         topic = self.topic(name, msg_type)
-        topic.publishers += 1
+        topic.publisher_count += 1
         return topic
 
-    def look(self, is_shared: Callable[[Topic], bool]) -> None:
-        """Choose anew which way messages take. is_shared: whether others publish a topic that nodes here publish."""
+    def update_routes(self, has_other_publishers: Callable[[IntraProcessTopic], bool]) -> None:
+        """Chooses the route of every topic again. Must be called when publishers may have come or gone.
+
+        Args:
+            has_other_publishers: Returns whether another process publishes the topic. It is only called for topics with a
+                publisher in this process.
+        """
         for topic in self._topics.values():
             if topic.subscriptions:
-                topic.choose(is_local=topic.publishers > 0 and not is_shared(topic))
+                topic.set_route(direct=topic.publisher_count > 0 and not has_other_publishers(topic))
 
 
-class Topic:
-    """A topic as one process knows it."""
+class IntraProcessTopic:
+    """A topic as one process knows it.
+
+    Args:
+        name: Fully resolved name.
+
+    Attributes:
+        name: Fully resolved name.
+        publisher_count: Number of publishers in this process.
+        subscriptions: Subscriptions of this process with `QoS.DEFAULT`.
+    """
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.publishers = 0
-        """How many publishers there are in the process."""
-        self.subscriptions: list[Subscription] = []
-        self._direct: tuple[Callable[[Any], None], ...] = ()
+        self.publisher_count = 0
+        self.subscriptions: list[IntraProcessSubscription] = []
+        self._direct_callbacks: tuple[Callable[[Any], None], ...] = ()
 
-    def hand(self, message: Message) -> None:
-        """Hand a message to those subscribers that it does not reach through ROS."""
-        for callback in self._direct:
+    def deliver(self, message: Message) -> None:
+        """Calls all subscriptions that do not get the message through ROS."""
+        for callback in self._direct_callbacks:
             callback(message)
 
     def subscribe(
-        self, qos: QoS, callback: Callable[[Any], None], listen: Callable[[], Callable[[], object]]
-    ) -> Subscription:
-        """Have messages handed to the callback. listen: starts listening through ROS, and gives what ends that."""
-        subscription = Subscription(self, callback, listen)
-        may_be_local = qos is QoS.DEFAULT
-        subscription.set_local(may_be_local and self.publishers > 0)
-        if may_be_local:
+        self, qos: QoS, callback: Callable[[Any], None], subscribe_through_ros: SubscribeThroughRos
+    ) -> IntraProcessSubscription:
+        """Calls the callback with every message, on whichever route it comes.
+
+        Args:
+            qos: Quality of service. Only `QoS.DEFAULT` allows direct delivery.
+            callback: Called with messages that are delivered directly.
+            subscribe_through_ros: Subscribes the callback through ROS.
+        """
+        subscription = IntraProcessSubscription(self, callback, subscribe_through_ros)
+        can_be_direct = qos is QoS.DEFAULT
+        subscription.set_route(direct=can_be_direct and self.publisher_count > 0)
+        if can_be_direct:
             self.subscriptions.append(subscription)
-            self._update()
+            self._collect_callbacks()
         return subscription
 
-    def choose(self, *, is_local: bool) -> None:
-        """Have messages take the direct way, or that through ROS."""
+    def set_route(self, *, direct: bool) -> None:
+        """Delivers messages to all subscriptions directly, or through ROS."""
         for subscription in self.subscriptions:
-            subscription.set_local(is_local)
-        self._update()
+            subscription.set_route(direct=direct)
+        self._collect_callbacks()
 
-    def unsubscribe(self, subscription: Subscription) -> None:
-        """Take a subscription away."""
-        subscription.set_local(True)
+    def unsubscribe(self, subscription: IntraProcessSubscription) -> None:
+        """Ends a subscription, on either route."""
+        subscription.set_route(direct=True)
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
-            self._update()
+            self._collect_callbacks()
 
-    def _update(self) -> None:
-        self._direct = tuple(each.callback for each in self.subscriptions if each.is_local)
+    def _collect_callbacks(self) -> None:
+        self._direct_callbacks = tuple(each.callback for each in self.subscriptions if each.is_direct)
 
 
-class Subscription:
-    """A callback for a topic's messages, whichever way they come."""
+class IntraProcessSubscription:
+    """A callback for the messages of a topic, subscribed through ROS or not.
 
-    def __init__(self, topic: Topic, callback: Callable[[Any], None], listen: Callable[[], Callable[[], object]]) -> None:
+    Args:
+        topic: Topic of the subscription.
+        callback: Called with messages that are delivered directly.
+        subscribe_through_ros: Subscribes the callback through ROS.
+    """
+
+    def __init__(
+        self, topic: IntraProcessTopic, callback: Callable[[Any], None], subscribe_through_ros: SubscribeThroughRos
+    ) -> None:
         self.topic, self.callback = topic, callback
-        self._listen = listen
-        self._end: Callable[[], object] | None = None
+        self._subscribe_through_ros = subscribe_through_ros
+        self._unsubscribe_from_ros: Callable[[], object] | None = None
 
     @property
-    def is_local(self) -> bool:
-        """Whether it does not listen to ROS."""
-        return self._end is None
+    def is_direct(self) -> bool:
+        """True if the subscription does not exist in ROS."""
+        return self._unsubscribe_from_ros is None
 
-    def set_local(self, is_local: bool) -> None:
-        """Listen to ROS, or do not."""
-        if is_local and self._end is not None:
-            self._end()
-            self._end = None
-        elif not is_local and self._end is None:
-            self._end = self._listen()
+    def set_route(self, *, direct: bool) -> None:
+        """Ends the subscription through ROS, or starts it. Does nothing if the route stays the same."""
+        if direct and self._unsubscribe_from_ros is not None:
+            self._unsubscribe_from_ros()
+            self._unsubscribe_from_ros = None
+        elif not direct and self._unsubscribe_from_ros is None:
+            self._unsubscribe_from_ros = self._subscribe_through_ros()

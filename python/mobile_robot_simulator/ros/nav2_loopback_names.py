@@ -1,4 +1,4 @@
-"""nav2_loopback_sim's names for our parameters."""
+"""Translates the parameters of nav2_loopback_sim to ours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 ANGLES = {"scan_angle_min": -math.pi, "scan_angle_max": math.pi, "scan_angle_increment": 0.02617}
-"""Its angles and their defaults; one of them says nothing without the others."""
+"""Its three scan angles with their defaults [rad]. They are translated together."""
 
 _RENAMED = {
     "publish_map_odom_tf": "publish_map_transform",
@@ -25,13 +25,23 @@ _TRANSLATED: dict[str, Callable[[str, Any], dict[str, Any]]] = {
     "scan_noise_std": lambda name, value: {"sigma_hit": value} if value else {"apply_noise": False},
 }
 SYNONYMS = (*_RENAMED, *_TRANSLATED, *ANGLES)
-"""All of its names that differ from ours."""
+"""All parameter names of nav2_loopback_sim that differ from ours."""
 
 
 def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """What each of its names among those given means in ours; of two rates of odometry, the higher counts.
+    """Returns our parameters and values for each parameter of nav2_loopback_sim among those given.
 
-    raises: ValueError for a value that has no meaning here.
+    If both rates of the odometry are given (`update_duration`, `odom_publish_dur`), both get the higher rate.
+
+    Args:
+        given: Values by name, of nav2_loopback_sim and others. Other names are ignored.
+
+    Raises:
+        ValueError: A value cannot be translated.
+
+    Example:
+        >>> translate({"scan_use_inf": False})
+        {'scan_use_inf': {'no_return': 'max'}}
     """
     meanings: dict[str, dict[str, Any]] = {}
     for name, value in given.items():
@@ -49,12 +59,12 @@ def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _beams(angles: Mapping[str, Any]) -> dict[str, Any]:
-    """Field of view and beams between two angles; what lacks less than a beam of a full circle is one."""
+    """Returns field of view and number of beams. A gap of less than half a beam to a full circle counts as a full circle."""
     low, high, step = (float(angles[name]) for name in ANGLES)
     _positive("scan_angle_increment", step)
     if not low < high or not math.isclose(low, -high, abs_tol=step / 2.0):
         raise ValueError(
-            f"scan_angle_min must be the opposite of scan_angle_max (turn the scanner by its mount), got {low} and {high}"
+            f"scan_angle_min must be -scan_angle_max (to turn the scanner, use laser_mount), got {low} and {high}"
         )
     if high - low > 2.0 * math.pi - step / 2.0:
         return {"laser_fov": 2.0 * math.pi, "laser_beam_count": round(2.0 * math.pi / step)}

@@ -1,4 +1,4 @@
-"""PacedClock: simulated time on the wall's clock, at a speed that changes without a jump."""
+"""PacedClock: simulated time that runs at a multiple of wall time."""
 
 from __future__ import annotations
 
@@ -9,36 +9,44 @@ from ..instant import Instant
 
 
 class PacedClock:
-    """The wall's time until the speed is changed, and from there on so many times as fast.
+    """Clock that starts at wall time and runs `speed` times as fast, at first 1.
 
-    wall: nanoseconds on the wall's clock.
+    A change of speed never makes the time jump. One thread may read the clock while another changes its speed.
+
+    Args:
+        wall: Returns the wall time [ns].
+
+    Example:
+        >>> clock = PacedClock()
+        >>> clock.set_speed(10.0)  # From now on, 0.1 s of wall time is 1 s of simulated time.
     """
 
     def __init__(self, wall: Callable[[], int] = time.time_ns) -> None:
         self._wall = wall
         start = wall()
-        # Replaced as one, so that a reader in another thread never sees half a change.
+        # One tuple (start [ns], wall time at the start [ns], speed), so that other threads never read half of a change.
         self._pace = (start, start, 1.0)
-        self.listeners: list[Callable[[], None]] = []
-        """Called after each change of speed."""
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second on the wall."""
+        """Simulated seconds per second of wall time."""
         return self._pace[2]
 
     def now(self) -> Instant:
-        """The simulated time."""
+        """Returns the simulated time."""
         return Instant(self._at(self._wall()))
 
     def set_speed(self, speed: float) -> None:
-        """Go so many times as fast as the wall from this moment on."""
-        if speed == self.speed:
-            return
-        wall = self._wall()
-        self._pace = (self._at(wall), wall, speed)
-        for listener in tuple(self.listeners):
-            listener()
+        """Runs the clock `speed` times as fast as wall time from now on.
+
+        Timers must be told, with `Executor.wake`.
+
+        Args:
+            speed: Simulated seconds per second of wall time, positive.
+        """
+        if speed != self.speed:
+            wall = self._wall()
+            self._pace = (self._at(wall), wall, speed)
 
     def _at(self, wall: int) -> int:
         start, wall_start, speed = self._pace

@@ -1,4 +1,4 @@
-"""The nodes on ROS 2, through rclpy."""
+"""Runs the nodes on ROS 2, through rclpy."""
 
 from __future__ import annotations
 
@@ -10,148 +10,127 @@ from typing import Any
 
 from ..messages import Message
 from ..nodes.future import Future
-from ..nodes.interface import Logger, M, QoS
-from ..parameters import MapParameters, Parameters, RobotParameters
-from .configuration import Behaviour, behaviour_of, change, models_of, resolve, split, warn_of_unknown
-from .conversion import Dialect
-from .executor import Loop, Timer
-from .intra_process import LocalTopics, Subscription, Topic
-from .nav2_loopback_names import SYNONYMS
+from ..nodes.interface import Clock, Logger, M, QoS
+from ..parameters import Parameters, RobotParameters
+from .configuration import (
+    Behaviour,
+    ParameterResolver,
+    change_parameters,
+    create_behaviour,
+    models_of,
+    split_arguments,
+    warn_about_unknown,
+)
+from .conversion import MessageConverter
+from .executor import Executor
+from .intra_process import IntraProcessTopic
+from .node import RosNode, RosProcess
 from .paced_clock import PacedClock
 
 try:
     import rclpy
     from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+    from rclpy.parameter import Parameter
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
     from rclpy.signals import SignalHandlerOptions
 except ImportError as error:
     raise ImportError(
-        f"ROS 2 is missing ({error}): source a distribution, as in source /opt/ros/jazzy/setup.bash, and install this "
-        "package for its Python; docs/ros.md says how to have ROS 2 from PyPI"
+        f"ROS 2 is missing ({error}): source a ROS 2 installation, for example with `source /opt/ros/jazzy/setup.bash`, "
+        "and install this package for its Python; docs/ros.md explains how to install ROS 2 from PyPI"
     ) from error
 
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"cmd_vel_stamped": True, "clock_rate": 100.0}}
-"""Where ROS 2 has other defaults."""
+"""Defaults that differ on ROS 2."""
 
-LOOKED_AT_EVERY = 0.2
-"""How often it is looked at who publishes what [s]."""
+POLL_PERIOD = 0.2
+"""Seconds between checks for other publishers."""
 
-ALIASES = {"robot_localization/srv/SetPose": "nav2_msgs/srv/SetInitialPose"}
-"""Services of the same fields, for where the first is not installed."""
+ALTERNATIVE_SERVICES = {"robot_localization/srv/SetPose": "nav2_msgs/srv/SetInitialPose"}
+"""For a service type that may not be installed: a type with the same fields."""
 
 
-class Ros2Node:
-    """The surroundings of a node on ROS 2.
+def _pack_array(values: Any, present: Any) -> Any:
+    return array(present.typecode, values.tobytes()) if isinstance(present, array) else values
 
-    loop: where callbacks take turns. topics: those of the process. clock: what the node goes by, if not by the clock of its
-    ROS node.
+
+ROS2 = MessageConverter(_pack_array)
+
+
+class Ros2Node(RosNode):
+    """The node interface on ROS 2.
+
+    Args:
+        node: The rclpy node.
+        process: Process of the node.
+        clock: Clock that the node uses instead of the clock of its rclpy node, or None.
     """
 
-    def __init__(self, node: Any, loop: Loop, topics: LocalTopics, clock: PacedClock | None = None) -> None:
-        self._node, self._loop, self._topics, self._clock = node, loop, topics, clock
+    converter = ROS2
 
-    def get_clock(self) -> Any:
-        """The clock that stamps are taken from."""
-        return self._clock or self._node.get_clock()
-
-    def set_speed(self, factor: float) -> None:
-        """Have the clock go so many times as fast as the wall's."""
-        if self._clock is not None:
-            self._clock.set_speed(factor)
-            self._loop.notify()
+    def __init__(self, node: Any, process: RosProcess, clock: PacedClock | None = None) -> None:
+        super().__init__(process, clock)
+        self._node = node
 
     def get_logger(self) -> Logger:
-        """Where notes go: to the console and to /rosout."""
+        """Returns the node's logger. It writes to the console and to /rosout."""
         logger: Logger = self._node.get_logger()
         return logger
 
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS) -> _Publisher:
-        """A publisher to a topic."""
-        kind = ROS2.find(msg_type.ros_type)
-        publisher = self._node.create_publisher(kind, topic, _offered(qos_profile))
-        own = self._topics.advertise(publisher.topic_name, msg_type)
-        return _Publisher(kind(), publisher, own, is_latched=qos_profile is QoS.LATCHED)
-
-    def create_subscription(
-        self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS
-    ) -> Subscription:
-        """Have every message of a topic handed to the callback."""
-        kind, take = ROS2.find(msg_type.ros_type), self._loop.in_turn(callback)
-
-        def receive(message: Any) -> None:
-            take(ROS2.from_ros(message, msg_type))
-
-        def listen() -> Callable[[], object]:
-            subscription = self._node.create_subscription(kind, topic, receive, _requested(qos_profile))
-            return partial(self._node.destroy_subscription, subscription)
-
-        return self._topics.topic(self._node.resolve_topic_name(topic), msg_type).subscribe(qos_profile, take, listen)
-
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
-        """Have the callback called once a period of the node's clock."""
-        return self._loop.create_timer(self.get_clock(), timer_period_sec, callback)
-
-    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]) -> Any:
-        """Answer requests; None, with a note, where the service's type is not installed."""
-        kind, handle = self._find_service(srv_type), self._loop.in_turn(callback)
-        if kind is None:
-            self.get_logger().info(f"no service {srv_name}: {srv_type.ros_type} is not installed")
-            return None
-
-        def answer(request: Any, response: Any) -> Any:
-            return ROS2.fill(response, handle(ROS2.from_ros(request, srv_type.Request), srv_type.Response()))
-
-        return self._node.create_service(kind, srv_name, answer)
-
-    def create_client(self, srv_type: Any, srv_name: str) -> _Client:
-        """A client of a service."""
-        return _Client(srv_type, self._node.create_client(self._find_service(srv_type), srv_name), self._loop)
+        """Creates a publisher of messages of one type."""
+        ros_class = ROS2.find_message_type(msg_type.ros_type)
+        publisher = self._node.create_publisher(ros_class, topic, _offered_qos(qos_profile))
+        own_topic = self._topics.advertise(publisher.topic_name, msg_type)
+        return _Publisher(ros_class(), publisher, own_topic, is_latched=qos_profile is QoS.LATCHED)
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
-        """Take a publisher away."""
-        publisher.topic.publishers -= 1
+        """Destroys a publisher."""
+        publisher.topic.publisher_count -= 1
         self._node.destroy_publisher(publisher.publisher)
 
-    def destroy_subscription(self, subscription: Subscription) -> None:
-        """Take a subscription away."""
-        subscription.topic.unsubscribe(subscription)
-
-    def destroy_timer(self, timer: Timer) -> None:
-        """Take a timer away."""
-        self._loop.destroy_timer(timer)
-
     def destroy_service(self, service: Any) -> None:
-        """Take a service away."""
+        """Stops offering a service."""
         if service is not None:
             self._node.destroy_service(service)
 
+    def create_client(self, srv_type: Any, srv_name: str) -> _Client:
+        """Creates a client of a service."""
+        client = self._node.create_client(self._find_service_type(srv_type.ros_type), srv_name)
+        return _Client(srv_type, client, self._executor)
+
     def destroy_client(self, client: _Client) -> None:
-        """Take a client away."""
+        """Destroys a client."""
         self._node.destroy_client(client.client)
 
-    @staticmethod
-    def _find_service(srv_type: Any) -> Any:
-        for name in (srv_type.ros_type, ALIASES.get(srv_type.ros_type)):
-            try:
-                return name and ROS2.find(name)
-            except ImportError:
-                continue
-        return None
+    def _ros_clock(self) -> Clock:
+        clock: Clock = self._node.get_clock()
+        return clock
+
+    def _resolve_topic_name(self, topic: str) -> str:
+        return str(self._node.resolve_topic_name(topic))
+
+    def _subscribe_through_ros(
+        self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
+    ) -> Callable[[], object]:
+        ros_class = ROS2.find_message_type(msg_type.ros_type)
+        subscription = self._node.create_subscription(ros_class, topic, receive, _requested_qos(qos))
+        return partial(self._node.destroy_subscription, subscription)
+
+    def _find_service_type(self, ros_type: str) -> Any:
+        try:
+            return ROS2.find_type(ros_type)
+        except ImportError:
+            if ros_type not in ALTERNATIVE_SERVICES:
+                raise
+            return ROS2.find_type(ALTERNATIVE_SERVICES[ros_type])
+
+    def _offer_service(self, ros_type: Any, srv_name: str, answer: Callable[[Any, Any], Any]) -> Any:
+        return self._node.create_service(ros_type, srv_name, answer)
 
 
-# --- Messages ---
-
-
-def _pack(values: Any, present: Any) -> Any:
-    return array(present.typecode, values.tobytes()) if isinstance(present, array) else values
-
-
-ROS2 = Dialect(_pack)
-
-
-def _offered(qos: QoS) -> QoSProfile:
-    """All that can be, so that every subscriber matches."""
+def _offered_qos(qos: QoS) -> QoSProfile:
+    """Returns the strictest profile that publishers can offer, so that every subscription is compatible."""
     return QoSProfile(
         depth=1 if qos in (QoS.LATCHED, QoS.CLOCK) else 10,
         reliability=ReliabilityPolicy.RELIABLE,
@@ -159,8 +138,8 @@ def _offered(qos: QoS) -> QoSProfile:
     )
 
 
-def _requested(qos: QoS) -> QoSProfile:
-    """No more than is needed, so that every publisher matches."""
+def _requested_qos(qos: QoS) -> QoSProfile:
+    """Returns the weakest profile that a subscription needs, so that every publisher is compatible."""
     return QoSProfile(
         depth=1 if qos is QoS.CLOCK else 100,
         reliability=ReliabilityPolicy.BEST_EFFORT if qos in (QoS.SENSOR_DATA, QoS.CLOCK) else ReliabilityPolicy.RELIABLE,
@@ -169,20 +148,20 @@ def _requested(qos: QoS) -> QoSProfile:
 
 
 class _Publisher:
-    """message: what is sent each time, filled anew."""
+    """`message` is filled and published each time."""
 
-    def __init__(self, message: Any, publisher: Any, topic: Topic, *, is_latched: bool) -> None:
+    def __init__(self, message: Any, publisher: Any, topic: IntraProcessTopic, *, is_latched: bool) -> None:
         self.message, self.publisher, self.topic, self.is_latched = message, publisher, topic, is_latched
 
     def publish(self, message: Message) -> None:
-        self.topic.hand(message)
+        self.topic.deliver(message)
         if self.is_latched or self.publisher.get_subscription_count() > 0:
             self.publisher.publish(ROS2.fill(self.message, message))
 
 
 class _Client:
-    def __init__(self, srv_type: Any, client: Any, loop: Loop) -> None:
-        self.srv_type, self.client, self.loop = srv_type, client, loop
+    def __init__(self, srv_type: Any, client: Any, executor: Executor) -> None:
+        self.srv_type, self.client, self.executor = srv_type, client, executor
 
     def service_is_ready(self) -> bool:
         return bool(self.client.service_is_ready())
@@ -190,113 +169,123 @@ class _Client:
     def call_async(self, request: Message) -> Future:
         future = Future()
 
-        def take(answered: Any) -> None:
-            future.set_result(ROS2.from_ros(answered.result(), self.srv_type.Response))
+        def set_result(ros_future: Any) -> None:
+            future.set_result(ROS2.from_ros(ros_future.result(), self.srv_type.Response))
 
-        answer = self.client.call_async(ROS2.to_ros(request, self.client.srv_type.Request))
-        answer.add_done_callback(self.loop.in_turn(take))
+        ros_future = self.client.call_async(ROS2.to_ros(request, self.client.srv_type.Request))
+        ros_future.add_done_callback(self.executor.serialized(set_result))
         return future
 
 
-# --- Running ---
-
-
 def run(name: str, arguments: list[str]) -> None:
-    """Run a node, or `all`, until Ctrl-C.
+    """Runs a node, or all nodes in one process, until SIGINT (Ctrl-C) or SIGTERM.
 
-    arguments: a map's YAML file, where there is a map to serve, and `--ros-args` with what ROS 2 takes after it.
-    raises: ValueError for arguments and parameters that cannot be.
+    Args:
+        name: `robot`, `laser`, `map` or `all`.
+        arguments: A map file for `map` and `all`, then `--ros-args` and the ROS 2 arguments that may follow it.
+
+    Raises:
+        ValueError: An argument or a parameter is invalid.
+        OSError: The map file cannot be read.
     """
-    map_file, ros_arguments = split(name, arguments, lambda argument: argument == "--ros-args")
+    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: argument == "--ros-args")
     try:
         rclpy.init(args=["mobile-robot-simulator", *ros_arguments], signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
-        raise ValueError(f"ROS 2 refuses its arguments: {error}") from None
+        raise ValueError(f"ROS 2 rejected its arguments: {error}") from None
     context = rclpy.get_default_context()
-    loop, topics, nodes, threads = Loop(), LocalTopics(), list[Any](), list[Thread]()
+    process, resolver, spinning = RosProcess(), ParameterResolver(name, DEFAULTS, map_file), list[_SpinningNode]()
     try:
-        clock: PacedClock | None = None
-        announced: set[str] = set()
         for model in models_of(name):
-            node, parameters = _node(model, {"yaml_filename": map_file} if map_file else {}, announced)
-            if parameters is None:
-                if name == "all":
-                    continue
-                raise ValueError("map needs a map: give MAP.yaml, or the parameter yaml_filename")
-            if getattr(parameters, "publish_clock", False) or not node.get_parameter("use_sim_time").value:
-                clock = clock or PacedClock()
-            _start(node, parameters, Ros2Node(node, loop, topics, clock), loop)
-            nodes.append(node)
-            threads.append(Thread(target=_spin, args=(node, loop), name=model.node_name, daemon=True))
-            threads[-1].start()
-        loop.create_timer(PacedClock(), LOOKED_AT_EVERY, partial(topics.look, partial(_is_shared, nodes[0])))
-        loop.wait()
+            node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
+            parameters = _declare_parameters(node, model, resolver)
+            if parameters is not None:
+                _start_behaviour(node, parameters, process)
+                spinning.append(_SpinningNode(node, process.executor))
+        has_other_publishers = partial(_has_other_publishers, spinning[0].node)
+        check_publishers = partial(process.topics.update_routes, has_other_publishers)
+        process.executor.create_timer(PacedClock(), POLL_PERIOD, check_publishers)
+        process.executor.wait()
     except KeyboardInterrupt:
         pass
     finally:
         rclpy.try_shutdown()
-        for thread in threads:
-            thread.join(1.0)
-        for node in nodes:
-            node.destroy_node()
+        for each in spinning:
+            each.join()
+        for each in spinning:
+            each.node.destroy_node()
         context.destroy()
 
 
-def _spin(node: Any, loop: Loop) -> None:
-    """Take in what comes for a node; each has an executor, whose work at every message grows with what is in it."""
-    executor = SingleThreadedExecutor()
-    try:
-        executor.add_node(node)
-        executor.spin()
-    except ExternalShutdownException:
-        loop.end()
-    except BaseException as error:
-        # What rclpy is in the middle of when it is shut down may fail in any way.
-        loop.end(error if rclpy.ok() else None)
-    finally:
-        executor.shutdown()
+def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterResolver) -> Parameters | None:
+    """Returns the parameters of a node, and declares them. Returns None for a map server without a map file.
 
-
-def _node(model: type[Parameters], given: dict[str, Any], announced: set[str]) -> tuple[Any, Parameters | None]:
-    """A ROS node with its parameters declared; no parameters for a map server that has no map.
-
-    given: values that go before those given the ROS way.
+    rclpy has already declared those that were given on the command line or in a file. They get their checked value.
     """
-    node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
-    overrides = {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
-    own = {"use_sim_time", "start_type_description_service"}
-    foreign = [name for name in overrides if name not in own and not name.startswith("qos_overrides.")]
-    warn_of_unknown(foreign, node.get_logger())
-    values = {**DEFAULTS.get(model, {}), **resolve(model, {**overrides, **given}, node.get_logger(), announced)}
-    if model is MapParameters and "yaml_filename" not in values:
-        return node, None
-    parameters = model.checked(values)
+    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
+    from_rclpy = {"use_sim_time", "start_type_description_service"}
+    foreign = [name for name in given if name not in from_rclpy and not name.startswith("qos_overrides.")]
+    warn_about_unknown(foreign, node.get_logger())
+    parameters = resolver.resolve(model, given, node.get_logger())
+    if parameters is None:
+        return None
     for name, info in model.model_fields.items():
-        if name in overrides:
-            node.undeclare_parameter(name)
-        # Types are checked with all else that is: 30 is as good as 30.0.
+        value = getattr(parameters, name)
+        # Dynamic, because the parameters check their types themselves: 30 is as good as 30.0.
         descriptor = ParameterDescriptor(name=name, description=info.description or "", dynamic_typing=True)
-        node.declare_parameter(name, getattr(parameters, name), descriptor, ignore_override=True)
-    return node, parameters
+        if name in given:
+            node.set_descriptor(name, descriptor)
+            node.set_parameters([Parameter(name, value=value)])
+        else:
+            node.declare_parameter(name, value, descriptor)
+    return parameters
 
 
-def _is_shared(node: Any, topic: Topic) -> bool:
-    return bool(node.count_publishers(topic.name) > topic.publishers)
+def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess) -> None:
+    clock = process.clock_for(parameters, use_sim_time=node.get_parameter("use_sim_time").value)
 
-
-def _start(node: Any, parameters: Parameters, surroundings: Ros2Node, loop: Loop) -> None:
     def start() -> None:
-        behaviour = behaviour_of(parameters, surroundings)
-        node.add_on_set_parameters_callback(loop.in_turn(lambda changes: _change(behaviour, changes)))
+        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock))
+        node.add_on_set_parameters_callback(process.executor.serialized(partial(_change_parameters, behaviour)))
         behaviour.start()
 
-    loop.in_turn(start)()
+    process.executor.serialized(start)()
 
 
-def _change(behaviour: Behaviour, changes: Any) -> Any:
-    known = (*type(behaviour.parameters).model_fields, *SYNONYMS)
-    try:
-        change(behaviour, {item.name: item.value for item in changes if item.name in known})
-    except (ValueError, TypeError, OSError) as error:
-        return SetParametersResult(successful=False, reason=str(error))
-    return SetParametersResult(successful=True)
+def _change_parameters(behaviour: Behaviour, changes: list[Any]) -> Any:
+    refusal = change_parameters(behaviour, {parameter.name: parameter.value for parameter in changes})
+    return SetParametersResult(successful=refusal is None, reason=refusal or "")
+
+
+def _has_other_publishers(node: Any, topic: IntraProcessTopic) -> bool:
+    return bool(node.count_publishers(topic.name) > topic.publisher_count)
+
+
+class _SpinningNode:
+    """A node and the thread that receives its messages.
+
+    Each node has an rclpy executor of its own, because the work of an rclpy executor at each message grows with the number
+    of subscriptions, timers and services in it.
+    """
+
+    def __init__(self, node: Any, executor: Executor) -> None:
+        self.node, self._executor = node, executor
+        self._thread = Thread(target=self._spin, name=node.get_name(), daemon=True)
+        self._thread.start()
+
+    def join(self) -> None:
+        """Waits until the thread has ended, at most 1 s."""
+        self._thread.join(1.0)
+
+    def _spin(self) -> None:
+        ros_executor = SingleThreadedExecutor()
+        try:
+            ros_executor.add_node(self.node)
+            ros_executor.spin()
+        except ExternalShutdownException:
+            self._executor.shutdown()
+        except BaseException as error:
+            # During a shutdown, rclpy can fail with any exception.
+            self._executor.shutdown(error if rclpy.ok() else None)
+        finally:
+            ros_executor.shutdown()

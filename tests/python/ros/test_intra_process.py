@@ -1,4 +1,4 @@
-"""LocalTopics: which way messages take between the nodes of one ROS process."""
+"""IntraProcessTopics: the route of messages between the nodes of one ROS process."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from mobile_robot_simulator.messages import Clock, String
 from mobile_robot_simulator.nodes.interface import QoS
-from mobile_robot_simulator.ros.intra_process import LocalTopics
+from mobile_robot_simulator.ros.intra_process import IntraProcessTopics
 
 
-class Listening:
-    """Counts who listens through ROS."""
+class RosSubscriptions:
+    """Counts the subscriptions through ROS."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -23,51 +23,51 @@ class Listening:
         self.count -= 1
 
 
-def test_messages_go_directly_until_others_publish_the_topic() -> None:
-    topics, seen, ros = LocalTopics(), list[String](), Listening()
+def test_messages_are_delivered_directly_until_another_process_publishes_the_topic() -> None:
+    topics, seen, ros = IntraProcessTopics(), list[String](), RosSubscriptions()
     topic = topics.advertise("/tf", String)
     topics.topic("/tf", String).subscribe(QoS.DEFAULT, seen.append, ros)
-    topic.hand(String("direct"))
+    topic.deliver(String("direct"))
     assert (seen, ros.count) == ([String("direct")], 0)
-    topics.look(lambda it: it.name == "/tf")
-    topic.hand(String("not twice"))
+    topics.update_routes(lambda topic: topic.name == "/tf")
+    topic.deliver(String("not twice"))
     assert (seen, ros.count) == ([String("direct")], 1)
-    topics.look(lambda it: False)
-    topic.hand(String("direct again"))
+    topics.update_routes(lambda topic: False)
+    topic.deliver(String("direct again"))
     assert (seen[1:], ros.count) == ([String("direct again")], 0)
 
 
-def test_what_nobody_here_publishes_comes_through_ros_until_somebody_does() -> None:
-    topics, seen, ros = LocalTopics(), list[String](), Listening()
+def test_messages_come_through_ros_while_this_process_has_no_publisher() -> None:
+    topics, seen, ros = IntraProcessTopics(), list[String](), RosSubscriptions()
     topics.topic("/tf", String).subscribe(QoS.DEFAULT, seen.append, ros)
-    topics.look(lambda it: False)
+    topics.update_routes(lambda topic: False)
     assert ros.count == 1
     topic = topics.advertise("/tf", String)
-    topics.look(lambda it: False)
-    topic.hand(String("direct"))
+    topics.update_routes(lambda topic: False)
+    topic.deliver(String("direct"))
     assert (seen, ros.count) == ([String("direct")], 0)
-    topic.publishers -= 1
-    topics.look(lambda it: False)
+    topic.publisher_count -= 1
+    topics.update_routes(lambda topic: False)
     assert ros.count == 1
 
 
-def test_latched_topics_and_other_types_of_the_same_name_go_through_ros() -> None:
-    topics, seen, ros = LocalTopics(), list[object](), Listening()
+def test_latched_topics_and_topics_of_another_type_come_through_ros() -> None:
+    topics, seen, ros = IntraProcessTopics(), list[object](), RosSubscriptions()
     topic = topics.advertise("/map", String)
     topics.topic("/map", String).subscribe(QoS.LATCHED, seen.append, ros)
     topics.topic("/map", Clock).subscribe(QoS.DEFAULT, seen.append, ros)
-    topics.look(lambda it: False)
-    topic.hand(String("the map"))
+    topics.update_routes(lambda topic: False)
+    topic.deliver(String("the map"))
     assert (seen, ros.count) == ([], 2)
 
 
-def test_who_unsubscribes_hears_nothing_either_way() -> None:
-    topics, seen, ros = LocalTopics(), list[String](), Listening()
+def test_no_message_arrives_on_either_route_after_unsubscribing() -> None:
+    topics, seen, ros = IntraProcessTopics(), list[String](), RosSubscriptions()
     topic = topics.advertise("/tf", String)
     for is_shared in (False, True):
         subscription = topic.subscribe(QoS.DEFAULT, seen.append, ros)
-        topics.look(lambda it, is_shared=is_shared: is_shared)
+        topics.update_routes(lambda topic, is_shared=is_shared: is_shared)
         topic.unsubscribe(subscription)
-        topic.hand(String("unheard"))
-    topics.look(lambda it: False)
+        topic.deliver(String("not received"))
+    topics.update_routes(lambda topic: False)
     assert (seen, ros.count) == ([], 0)

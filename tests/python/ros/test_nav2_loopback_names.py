@@ -1,4 +1,4 @@
-"""synonyms: nav2_loopback_sim's names mean what they mean there."""
+"""Parameters of nav2_loopback_sim have the meaning that they have there."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from mobile_robot_simulator.ros.nav2_loopback_names import SYNONYMS, translate
         ),
     ],
 )
-def test_meanings(given: dict[str, Any], expected: dict[str, Any]) -> None:
+def test_values_are_translated(given: dict[str, Any], expected: dict[str, Any]) -> None:
     meanings = translate(given)
     assert set(meanings) == set(given)
     for meaning in meanings.values():
@@ -34,10 +34,10 @@ def test_meanings(given: dict[str, Any], expected: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("given", [{"update_duration": 0.0}, {"scan_publish_dur": "fast"}, {"scan_angle_min": -1.0}])
-def test_what_has_no_meaning_here(given: dict[str, Any]) -> None:
+def test_values_without_a_translation_are_refused(given: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(given))):
         translate(given)
 
 
-def test_no_synonym_is_a_name_of_ours() -> None:
+def test_no_name_of_nav2_loopback_sim_is_also_one_of_ours() -> None:
     assert not {name for model in NODES for name in model.model_fields} & set(SYNONYMS)

@@ -1,0 +1,135 @@
+"""RosNode: what the node interface is on ROS 1 and on ROS 2 alike."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from ..nodes.interface import Clock, Logger, M, QoS
+from ..parameters import Parameters
+from .conversion import MessageConverter
+from .executor import Executor, ExecutorTimer
+from .intra_process import IntraProcessSubscription, IntraProcessTopics
+from .paced_clock import PacedClock
+
+
+class RosProcess:
+    """The executor, the topics and the paced clock that all nodes of a process share.
+
+    Attributes:
+        executor: Runs the callbacks of all nodes.
+        topics: Topics between the nodes of this process.
+    """
+
+    def __init__(self) -> None:
+        self.executor = Executor()
+        self.topics = IntraProcessTopics()
+        self._paced_clock: PacedClock | None = None
+
+    def clock_for(self, parameters: Parameters, *, use_sim_time: bool) -> PacedClock | None:
+        """Returns the clock that a node uses: the paced clock of the process, or None for the clock of ROS.
+
+        A node that publishes /clock cannot follow it. So it uses the paced clock, and so do all nodes after it. Without
+        `use_sim_time`, every node uses the paced clock.
+
+        Args:
+            parameters: Parameters of the node.
+            use_sim_time: Whether the clock of ROS follows /clock.
+        """
+        if getattr(parameters, "publish_clock", False) or not use_sim_time:
+            self._paced_clock = self._paced_clock or PacedClock()
+        return self._paced_clock
+
+
+class RosNode(ABC):
+    """A ROS node under the node interface: callbacks are serialized, and local messages are delivered directly.
+
+    Args:
+        process: Process of the node.
+        clock: Clock that the node uses instead of the clock of ROS, or None.
+    """
+
+    converter: ClassVar[MessageConverter]
+
+    def __init__(self, process: RosProcess, clock: PacedClock | None = None) -> None:
+        self._executor, self._topics = process.executor, process.topics
+        self._clock = clock
+
+    def get_clock(self) -> Clock:
+        """Returns the clock that message stamps are taken from."""
+        return self._clock or self._ros_clock()
+
+    def set_speed(self, factor: float) -> None:
+        """Sets simulated seconds per wall second from now on. Without effect on a node that follows the clock of ROS."""
+        if self._clock is not None:
+            self._clock.set_speed(factor)
+            self._executor.wake()
+
+    @abstractmethod
+    def get_logger(self) -> Logger:
+        """Returns the node's logger. It writes to the console and to /rosout."""
+
+    def create_subscription(
+        self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS
+    ) -> IntraProcessSubscription:
+        """Calls a callback with every message of a topic. Returns a handle for `destroy_subscription`."""
+        serialized = self._executor.serialized(callback)
+
+        def receive(ros_message: Any) -> None:
+            serialized(self.converter.from_ros(ros_message, msg_type))
+
+        def subscribe_through_ros() -> Callable[[], object]:
+            return self._subscribe_through_ros(msg_type, topic, receive, qos_profile)
+
+        own_topic = self._topics.topic(self._resolve_topic_name(topic), msg_type)
+        return own_topic.subscribe(qos_profile, serialized, subscribe_through_ros)
+
+    def destroy_subscription(self, subscription: IntraProcessSubscription) -> None:
+        """Destroys a subscription."""
+        subscription.topic.unsubscribe(subscription)
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> ExecutorTimer:
+        """Calls a callback at every multiple of the period [s] on the node's clock."""
+        return self._executor.create_timer(self.get_clock(), timer_period_sec, callback)
+
+    def destroy_timer(self, timer: ExecutorTimer) -> None:
+        """Destroys a timer."""
+        self._executor.destroy_timer(timer)
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]) -> Any:
+        """Offers a service. Returns None, and logs the reason, if the type of the service is not installed."""
+        try:
+            ros_type = self._find_service_type(srv_type.ros_type)
+        except ImportError:
+            self.get_logger().info(f"service {srv_name} is not offered, because {srv_type.ros_type} is not installed")
+            return None
+        serialized = self._executor.serialized(callback)
+
+        def answer(ros_request: Any, ros_response: Any) -> Any:
+            response = serialized(self.converter.from_ros(ros_request, srv_type.Request), srv_type.Response())
+            return self.converter.fill(ros_response, response)
+
+        return self._offer_service(ros_type, srv_name, answer)
+
+    @abstractmethod
+    def _ros_clock(self) -> Clock:
+        """Returns the clock of ROS."""
+
+    @abstractmethod
+    def _resolve_topic_name(self, topic: str) -> str:
+        """Returns the full name of a topic, after namespaces and remapping."""
+
+    @abstractmethod
+    def _subscribe_through_ros(
+        self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
+    ) -> Callable[[], object]:
+        """Calls `receive` with every ROS message of a topic. Returns a function that ends the subscription."""
+
+    @abstractmethod
+    def _find_service_type(self, ros_type: str) -> Any:
+        """Returns the class of a service in the ROS installation. Raises ImportError if it is not installed."""
+
+    @abstractmethod
+    def _offer_service(self, ros_type: Any, srv_name: str, answer: Callable[[Any, Any], Any]) -> Any:
+        """Offers a service; `answer` takes the ROS request and an empty ROS response, and returns the response."""

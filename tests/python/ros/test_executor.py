@@ -1,0 +1,94 @@
+"""Executor: callbacks one at a time, and timers that follow their clock."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+
+import pytest
+
+from mobile_robot_simulator.ros.executor import Executor
+from mobile_robot_simulator.ros.paced_clock import PacedClock
+
+
+def test_timers_follow_the_speed_of_their_clock() -> None:
+    executor, clock, fired = Executor(), PacedClock(), list[float]()
+    executor.create_timer(clock, 0.1, lambda: fired.append(time.monotonic()))
+    clock.set_speed(10.0)
+    executor.wake()
+    time.sleep(0.5)
+    executor.shutdown()
+    assert 35 <= len(fired) <= 51
+
+
+def test_timers_fire_together_at_multiples_of_their_periods() -> None:
+    wall, fired = [1_007_000_000], list[str]()
+    executor, clock = Executor(), PacedClock(lambda: wall[0])
+    time.sleep(0.003)
+    for name, period in (("fast", 0.01), ("slow", 0.02), ("other", 0.025)):
+        executor.create_timer(clock, period, lambda name=name: fired.append(name))
+    for wall[0], expected in (
+        (1_009_999_999, []),
+        (1_010_000_000, ["fast"]),
+        (1_020_000_001, ["fast", "slow"]),
+        # Several multiples were missed: each timer fires once.
+        (1_050_000_000, ["fast", "slow", "other"]),
+        (1_060_000_000, ["fast", "slow"]),
+        # The clock jumps back.
+        (505_000_000, []),
+        (510_000_000, ["fast"]),
+    ):
+        fired.clear()
+        executor.wake()
+        time.sleep(0.05)
+        assert fired == expected
+    executor.shutdown()
+
+
+def test_callbacks_run_one_at_a_time() -> None:
+    executor, running, most = Executor(), [0], [0]
+
+    def work() -> None:
+        running[0] += 1
+        most[0] = max(most[0], running[0])
+        time.sleep(0.002)
+        running[0] -= 1
+
+    threads = [threading.Thread(target=lambda: [executor.serialized(work)() for _ in range(20)]) for _ in range(4)]
+    executor.create_timer(PacedClock(), 0.001, work)
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    executor.shutdown()
+    assert most == [1]
+
+
+def test_wait_raises_what_a_timer_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    executor = Executor()
+
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    executor.create_timer(PacedClock(), 0.01, fail)
+    with pytest.raises(ZeroDivisionError):
+        executor.wait()
+
+
+def test_a_serialized_callback_may_call_another_one() -> None:
+    executor = Executor()
+    inner = executor.serialized(lambda value: value + 1)
+    assert executor.serialized(lambda value: 2 * inner(value))(3) == 8
+    executor.shutdown()
+
+
+def test_a_destroyed_timer_does_not_fire() -> None:
+    executor, fired = Executor(), list[str]()
+    destroyed = executor.create_timer(PacedClock(), 0.05, lambda: fired.append("destroyed"))
+    executor.create_timer(PacedClock(), 0.05, lambda: fired.append("other"))
+    executor.destroy_timer(destroyed)
+    time.sleep(0.2)
+    executor.shutdown()
+    assert set(fired) == {"other"}

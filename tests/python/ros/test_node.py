@@ -1,0 +1,110 @@
+"""RosNode: what the nodes on ROS 1 and ROS 2 share, on a ROS that only notes what is done with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from mobile_robot_simulator.messages import String, Trigger
+from mobile_robot_simulator.nodes.interface import QoS
+from mobile_robot_simulator.parameters import LaserParameters, RobotParameters
+from mobile_robot_simulator.ros.conversion import MessageConverter
+from mobile_robot_simulator.ros.node import RosNode, RosProcess
+from mobile_robot_simulator.ros.paced_clock import PacedClock
+
+
+class NotingNode(RosNode):
+    """Keeps the subscriptions through ROS and the log; the types of services are given."""
+
+    converter = MessageConverter(lambda values, _: values)
+
+    def __init__(self, process: RosProcess, clock: PacedClock | None = None, **service_types: Any) -> None:
+        super().__init__(process, clock)
+        self.log: list[str] = []
+        self.receivers: dict[str, Callable[[Any], None]] = {}
+        self.service_types = service_types
+
+    def get_logger(self) -> Any:
+        return self
+
+    def info(self, message: str) -> None:
+        self.log.append(message)
+
+    def _ros_clock(self) -> Any:
+        return "the clock of ROS"
+
+    def _resolve_topic_name(self, topic: str) -> str:
+        return f"/robot/{topic}"
+
+    def _subscribe_through_ros(self, msg_type: Any, topic: str, receive: Any, qos: QoS) -> Callable[[], object]:
+        self.receivers[topic] = receive
+        return lambda: self.receivers.pop(topic)
+
+    def _find_service_type(self, ros_type: str) -> Any:
+        if ros_type.rpartition("/")[2] not in self.service_types:
+            raise ImportError(ros_type)
+        return self.service_types[ros_type.rpartition("/")[2]]
+
+    def _offer_service(self, ros_type: Any, srv_name: str, answer: Any) -> Any:
+        return answer
+
+
+@pytest.mark.parametrize(
+    ("parameters", "use_sim_time", "is_paced"),
+    [
+        (RobotParameters(publish_clock=True), True, True),
+        (RobotParameters(publish_clock=False), True, False),
+        (RobotParameters(publish_clock=False), False, True),
+        (LaserParameters(), True, False),
+        (LaserParameters(), False, True),
+    ],
+)
+def test_a_node_is_paced_unless_it_follows_the_clock_of_ros(parameters: Any, use_sim_time: bool, is_paced: bool) -> None:
+    clock = RosProcess().clock_for(parameters, use_sim_time=use_sim_time)
+    assert isinstance(clock, PacedClock) == is_paced
+
+
+def test_nodes_after_one_that_publishes_the_clock_share_its_clock() -> None:
+    process = RosProcess()
+    clock = process.clock_for(RobotParameters(publish_clock=True), use_sim_time=True)
+    assert process.clock_for(LaserParameters(), use_sim_time=True) is clock
+
+
+def test_the_speed_is_that_of_the_paced_clock_only() -> None:
+    clock = PacedClock()
+    paced, following = NotingNode(RosProcess(), clock), NotingNode(RosProcess())
+    paced.set_speed(3.0)
+    following.set_speed(3.0)
+    assert (paced.get_clock(), clock.speed) == (clock, 3.0)
+    assert following.get_clock() == "the clock of ROS"
+
+
+def test_a_subscription_receives_converted_messages_until_it_is_destroyed() -> None:
+    node, received = NotingNode(RosProcess()), list[String]()
+    subscription = node.create_subscription(String, "chatter", received.append, QoS.DEFAULT)
+    assert subscription.topic.name == "/robot/chatter"
+    node.receivers["chatter"](String("hello"))
+    assert received == [String("hello")]
+    node.destroy_subscription(subscription)
+    assert not node.receivers
+
+
+def test_a_service_answers_converted_requests() -> None:
+    node = NotingNode(RosProcess(), Trigger=Trigger)
+
+    def succeed(request: Any, response: Any) -> Any:
+        response.success = True
+        return response
+
+    answer = node.create_service(Trigger, "/reset", succeed)
+    ros_response = Trigger.Response()
+    assert answer(Trigger.Request(), ros_response) is ros_response
+    assert ros_response.success
+
+
+def test_a_service_of_a_type_that_is_not_installed_is_left_out() -> None:
+    node = NotingNode(RosProcess())
+    assert node.create_service(Trigger, "/reset", lambda request, response: response) is None
+    assert node.log == ["service /reset is not offered, because std_srvs/srv/Trigger is not installed"]
