@@ -1,4 +1,4 @@
-"""Fixtures of the tests on the real ROS: run them with make test-ros."""
+"""Fixtures of the tests on the real ROS. Run these tests with `make test-ros`."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import mobile_robot_simulator as mrs
 
 
 def room(width: int = 160, height: int = 120, resolution: float = 0.05) -> mrs.OccupancyGrid:
-    """A room with two pillars, whose origin lies within it."""
+    """A room with two pillars. The origin of the map frame is inside the room."""
     cells = np.zeros((height, width), np.int8)
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
     cells[80:90, 100:110] = cells[20:30, 30:34] = 100
@@ -19,7 +19,7 @@ def room(width: int = 160, height: int = 120, resolution: float = 0.05) -> mrs.O
 
 
 def record_drive(map_file: Path, folder: Path, format: Any) -> Path:
-    """The recording of five seconds of a robot that drives in the map."""
+    """Records five seconds of a robot that drives in the map. Returns the file or folder of the recording."""
     from mobile_robot_simulator.recording.recorder import Recorder
 
     simulation = mrs.Simulation(mrs.load_map(map_file))

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs ROS 1 from Debian's packages and makes a virtual environment that sees them, with the one service of
-# robot_localization that the robot offers. Usage: setup_ros1.sh VENV. Needs Debian 12 or a relative, and root or sudo.
+# Installs ROS 1 from Debian packages and creates a virtual environment for it. Also generates the one service type of
+# robot_localization that the robot offers, because Debian has no package of it.
+# Usage: setup_ros1.sh VENV. Needs Debian 12 or a derivative, and root or sudo.
 set -euo pipefail
 venv=$(realpath -m "$1")
 packages=(ros-core rosbash python3-{genpy,roslaunch,rospy,rosbag,rostopic,rosservice,rosparam,tf2-ros,nav-msgs,sensor-msgs,std-srvs}
@@ -10,7 +11,7 @@ if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
     [ "$(id -u)" -eq 0 ] || root=(sudo)
     for command in apt-get "${root[@]}"; do
         command -v "$command" >/dev/null && continue
-        echo "ROS 1 needs Debian 12 or a relative, and root or sudo; there is no $command" >&2
+        echo "ROS 1 needs Debian 12 or a derivative, and root or sudo; $command was not found" >&2
         exit 1
     done
     export DEBIAN_FRONTEND=noninteractive

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Makes a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI, and builds what PyPI has no wheels for: the
-# message of tf2, and the one service of nav2_msgs that the robot offers.
-# Usage: setup_ros2.sh VENV. Needs g++ and CPython 3.10 to 3.13: $PYTHON, or what else there is; cmake comes from PyPI.
+# Creates a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI. Also builds the types that PyPI has no wheels
+# for: the message of tf2, and the one service of nav2_msgs that the robot offers.
+# Usage: setup_ros2.sh VENV. Needs g++ and CPython 3.10 to 3.13: $PYTHON, or any that is found. cmake comes from PyPI.
 set -euo pipefail
 venv=$(realpath -m "$1")
-command -v g++ >/dev/null || { echo "ROS 2 needs g++ to build messages" >&2; exit 1; }
+command -v g++ >/dev/null || { echo "ROS 2 needs g++ to build messages; g++ was not found" >&2; exit 1; }
 python=
 fits='import ensurepip, sys, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))'
 for candidate in "${PYTHON:-python3}" python3 /usr/bin/python3 python3.1{3,2,1,0}; do
@@ -13,19 +13,19 @@ for candidate in "${PYTHON:-python3}" python3 /usr/bin/python3 python3.1{3,2,1,0
         break
     fi
 done
-[ -n "$python" ] || { echo "ROS 2 from PyPI needs CPython 3.10 to 3.13 with venv; there is none" >&2; exit 1; }
+[ -n "$python" ] || { echo "ROS 2 from PyPI needs CPython 3.10 to 3.13 with venv; none was found" >&2; exit 1; }
 rm -rf "$venv"
 "$python" -m venv "$venv"
 install() { "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"; }
 
 install 'ros-rclpy[fastrtps]==9.1.2' ros-{geometry,nav,sensor}-msgs==5.5.1 ros-std-srvs==5.5.1 ros-rosgraph-msgs==2.3.0
-# The generators, with those of their dependencies that they do not name.
+# The generators, and the dependencies that their packages do not declare.
 ament=(core export-{definitions,dependencies,include-directories,interfaces,libraries,link-flags,targets} gen-version-h gmock
     gtest include-directories libraries pytest python ros ros-core target-dependencies test version)
 install cmake ros-rosidl-{default,core}-generators ros-ament-package ros-python-cmake-module catkin_pkg \
     ros-{gtest,gmock}-vendor ros-ament-cmake "${ament[@]/#/ros-ament-cmake-}"
 
-# The generators' CMake files point to the Python that they were built with.
+# The CMake files of the generators contain paths of the Python that they were built with.
 read -r tag name include < <("$venv/bin/python" -c '
 import sys, sysconfig
 print("cp%d%d" % sys.version_info[:2], "python%d.%d" % sys.version_info[:2], sysconfig.get_path("include"))')
@@ -37,7 +37,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
 
-# Builds a package of one interface: its name, the file of the interface, and what that file says.
+# Builds and installs a package with one interface. Usage: build PACKAGE FILE CONTENT_OF_FILE
 build() {
     local source=$scratch/$1
     mkdir -p "$source/$(dirname "$2")"

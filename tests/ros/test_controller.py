@@ -1,4 +1,4 @@
-"""The example's controller, which the bus runs as it is, on the real rclpy: the same file, the same way."""
+"""The controller of the example runs unchanged on the bus and on the real rclpy, and drives the same path."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ EXAMPLE = Path(__file__).parents[2] / "examples/testing"
 PATH = [0.0, 0.0, 2.0, 0.0, 2.0, 1.5]
 
 
-def on_the_bus() -> np.ndarray[Any, Any]:
-    """The way that the controller takes on the bus, in a process where no rclpy is imported."""
+def drive_on_the_bus() -> np.ndarray[Any, Any]:
+    """Returns the positions x, y [m] of the robot, shape (N, 2), driven on the bus with the stand-in of rclpy."""
     from mobile_robot_simulator.testing.rclpy_shim import stand_in
 
     sys.path.insert(0, str(EXAMPLE))
@@ -32,8 +32,8 @@ def on_the_bus() -> np.ndarray[Any, Any]:
     return sim.truth.path[:, 1:3]
 
 
-def test_one_controller_runs_on_the_bus_and_on_rclpy(world: Any) -> None:
-    expected = on_the_bus()
+def test_one_controller_runs_drive_on_the_bus_and_on_rclpy(world: Any) -> None:
+    expected = drive_on_the_bus()
     world.start("robot", publish_rate=50.0, cmd_vel_stamped=False)
     odom = world.subscribe("/odom", ODOM)
     odom.wait_for(1)
@@ -42,10 +42,10 @@ def test_one_controller_runs_on_the_bus_and_on_rclpy(world: Any) -> None:
         sys.executable, "-m", "followers.pure_pursuit", "--ros-args", "-p", f"path:={PATH}", "-p", "use_sim_time:=true"
     )
 
-    def way() -> np.ndarray[Any, Any]:
+    def positions() -> np.ndarray[Any, Any]:
         return np.array([(it.pose.pose.position.x, it.pose.pose.position.y) for it in odom])
 
-    wait_until(lambda: math.hypot(*(way()[-1] - (2.0, 1.5))) < 0.12, "the end of the path", 60.0)
+    wait_until(lambda: math.hypot(*(positions()[-1] - (2.0, 1.5))) < 0.12, "the end of the path", 60.0)
     assert controller.running, controller.output
-    apart = [np.hypot(*(expected - point).T).min() for point in way()]
-    assert max(apart) < 0.1
+    distances = [np.hypot(*(expected - point).T).min() for point in positions()]
+    assert max(distances) < 0.1

@@ -1,4 +1,4 @@
-"""The nodes on either ROS, seen from outside through the real client library."""
+"""The nodes on ROS 1 and ROS 2, tested from another process through the real client library."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def map_pose(transforms: Any) -> mrs.Pose:
     return links["odom"] * links["base_link"]
 
 
-def test_topics_have_their_types_frames_stamps_and_rates(world: Any, map_file: Path) -> None:
+def test_topics_have_the_right_types_frames_stamps_and_rates(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
     odom, scan, tf = world.subscribe("/odom", ODOM), world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)
     scan.wait_for(5)
@@ -79,7 +79,7 @@ def test_topics_have_their_types_frames_stamps_and_rates(world: Any, map_file: P
     assert (last.range_min, last.range_max) == (pytest.approx(0.05), 30.0)
 
 
-def test_a_command_ends_where_the_closed_form_says(world: Any) -> None:
+def test_a_command_moves_the_robot_as_the_closed_form_says(world: Any) -> None:
     world.start("robot", publish_rate=50.0, velocity_timeout=2.0, cmd_vel_stamped=False)
     odom = world.subscribe("/odom", ODOM)
     publish = world.publisher("/cmd_vel", TWIST)
@@ -91,11 +91,11 @@ def test_a_command_ends_where_the_closed_form_says(world: Any) -> None:
     assert odom_pose(moving).x == pytest.approx(expected.x, abs=0.5 * 0.02)
     assert odom_pose(moving).yaw == pytest.approx(expected.yaw, abs=0.8 * 0.02)
     still = odom.next(lambda it: it.twist.twist.linear.x == 0.0)
-    # The command held for the timeout, to the nanosecond.
+    # The command was held for exactly the timeout.
     assert tuple(odom_pose(still)) == pytest.approx(tuple(mrs.Pose().integrate((0.5, 0.0, 0.8), 2.0)), abs=1e-9)
 
 
-def test_scans_are_those_of_scan_batch_at_the_published_pose(world: Any, map_file: Path) -> None:
+def test_scans_equal_scan_batch_at_the_published_pose(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
     scan, tf = world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)
     odom = world.subscribe("/odom", ODOM)
@@ -116,18 +116,18 @@ def test_scans_are_those_of_scan_batch_at_the_published_pose(world: Any, map_fil
     elapsed = seconds(during.header.stamp) - seconds(moving.header.stamp)
     pose = odom_pose(moving).integrate((0.3, 0.0, 0.5), elapsed)
     differences = np.abs(np.asarray(during.ranges) - laser.scan_batch(grid, np.array([tuple(pose)]))[0])
-    # A beam that passes a corner may fall on either side of it.
+    # Beams close to a corner may hit either side of it.
     assert np.sum(differences > 1e-3) <= 2
 
 
-def test_the_laser_of_all_follows_the_transforms_of_others(world: Any, map_file: Path) -> None:
+def test_the_laser_of_all_follows_the_transforms_of_other_nodes(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, laser_frequency=20.0, **{**QUIET, "publish_map_transform": False})
     scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
     laser, grid = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0), mrs.load_map(map_file)
 
     def sees_from(pose: mrs.Pose) -> Any:
         ranges = laser.scan_batch(grid, np.array([tuple(pose)]))[0]
-        # A beam that passes a corner may fall on either side of it.
+        # Beams close to a corner may hit either side of it.
         return lambda it: np.sum(np.abs(np.asarray(it.ranges) - ranges) > 1e-3) <= 2
 
     scan.next(sees_from(mrs.Pose()))
@@ -141,7 +141,7 @@ def test_the_laser_of_all_follows_the_transforms_of_others(world: Any, map_file:
     world.publisher("/cmd_vel", TWIST)(twist(0.3, 0.5))
     odom.next(lambda it: it.twist.twist.linear.x > 0.0)
     odom.next(lambda it: it.twist.twist.linear.x == 0.0)
-    # Longer than odometry carries a pose on: what the robot itself says still arrives.
+    # Longer than odometry extrapolates a pose: the transforms of the robot itself must still arrive.
     time.sleep(1.5)
     assert odom[-1].pose.pose.position.x > 0.05
     scan.next(sees_from(map_from_odom * odom_pose(odom[-1])))
@@ -161,11 +161,11 @@ def test_parameters_change_while_running_or_are_refused(world: Any, map_file: Pa
     assert not world.set_parameter(NAME, "publish_clock", VERSION == "1")
     if VERSION == "1":
         assert "laser_fov must be less than or equal to 6.28" in process.output
-        assert "publish_clock counts at the start only" in process.output
+        assert "publish_clock can only be set at startup" in process.output
     world.subscribe("/front", SCAN).wait_for(2)
 
 
-def test_services_put_the_robot_somewhere_and_back(world: Any, map_file: Path) -> None:
+def test_services_set_and_reset_the_pose(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, publish_rate=50.0, **QUIET)
     tf, odom = world.subscribe("/tf", TF), world.subscribe("/odom", ODOM)
     world.call("/set_pose", SET_POSE, pose=pose_message(1.0, 0.5, 1.25))
@@ -182,7 +182,7 @@ def test_services_put_the_robot_somewhere_and_back(world: Any, map_file: Path) -
     assert odom[-1].pose.pose.position.x == odom[-1].twist.twist.linear.x == 0.0
 
 
-def test_who_comes_late_gets_the_map_and_large_ones_arrive(world: Any, tmp_path: Path) -> None:
+def test_late_subscribers_receive_the_map_even_a_large_one(world: Any, tmp_path: Path) -> None:
     large = room(1000, 1000, 0.02)
     mrs.save_map(large, tmp_path / "large.yaml")
     world.start("map", map_file=tmp_path / "large.yaml")
@@ -196,7 +196,7 @@ def test_who_comes_late_gets_the_map_and_large_ones_arrive(world: Any, tmp_path:
     assert np.array_equal(np.asarray(answer.data, np.int8).reshape(1000, 1000), large.cells)
 
 
-def test_a_new_map_takes_the_place_of_the_old(world: Any, map_file: Path) -> None:
+def test_a_new_map_replaces_the_current_one(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, laser_frequency=20.0, **QUIET)
     scan = world.subscribe("/scan", SCAN)
     before = np.asarray(scan.next().ranges)
@@ -212,7 +212,7 @@ def test_a_new_map_takes_the_place_of_the_old(world: Any, map_file: Path) -> Non
 
 
 @pytest.mark.parametrize("from_tf", [True, False])
-def test_the_mount_comes_from_tf_or_else_from_the_parameter(world: Any, map_file: Path, from_tf: bool) -> None:
+def test_the_mount_comes_from_tf_or_from_the_parameter(world: Any, map_file: Path, from_tf: bool) -> None:
     mount = {} if from_tf else {"laser_mount": "[0.5, 0.25, 3.0]"}
     world.start("all", map_file=map_file, laser_frequency=20.0, laser_frame_id="scanner", **mount, **QUIET)
     scan = world.subscribe("/scan", SCAN)
@@ -233,7 +233,7 @@ def test_the_mount_comes_from_tf_or_else_from_the_parameter(world: Any, map_file
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
-def test_garbage_commands_are_refused(world: Any, bad: float) -> None:
+def test_invalid_commands_are_refused(world: Any, bad: float) -> None:
     process = world.start("robot", publish_rate=50.0, cmd_vel_stamped=False)
     odom = world.subscribe("/odom", ODOM)
     publish = world.publisher("/cmd_vel", TWIST)
@@ -245,7 +245,7 @@ def test_garbage_commands_are_refused(world: Any, bad: float) -> None:
 
 
 @pytest.mark.parametrize("node", ["robot", "laser", "map", "all"])
-def test_ctrl_c_ends_within_two_seconds(world: Any, map_file: Path, node: str) -> None:
+def test_ctrl_c_ends_the_process_within_two_seconds(world: Any, map_file: Path, node: str) -> None:
     process = world.start(node, map_file=map_file if node in ("map", "all") else None)
     if node == "laser":
         world.publisher("/tf", TF)
@@ -258,7 +258,7 @@ def test_ctrl_c_ends_within_two_seconds(world: Any, map_file: Path, node: str) -
     assert "Traceback" not in process.output
 
 
-def test_a_node_that_is_killed_can_come_back(world: Any, map_file: Path) -> None:
+def test_a_killed_node_can_be_started_again(world: Any, map_file: Path) -> None:
     world.start("map", map_file=map_file)
     laser = world.start("laser", laser_frequency=20.0, apply_noise=False)
     robot = world.start("robot", publish_rate=50.0, publish_map_transform=True)
@@ -274,7 +274,7 @@ def test_a_node_that_is_killed_can_come_back(world: Any, map_file: Path) -> None
     scan.wait_for(5)
 
 
-def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path) -> None:
+def test_rates_are_kept_at_a_low_cpu_load(world: Any, map_file: Path) -> None:
     process = world.start("all", map_file=map_file, publish_rate=100.0, laser_frequency=40.0, publish_map_transform=True)
     scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
     scan.wait_for(20)
@@ -289,28 +289,28 @@ def test_rates_hold_with_little_of_a_core(world: Any, map_file: Path) -> None:
         f"latency of a scan: median {np.median(delays) * 1e3:.2f} ms, 99 % {np.quantile(delays, 0.99) * 1e3:.2f} ms"
     )
     assert rates == (pytest.approx(40.0, rel=0.05), pytest.approx(100.0, rel=0.05))
-    # Less than a tenth on a quiet machine; more where others keep the caches cold.
+    # Less than 0.1 on an idle machine. More where other processes use the caches.
     assert share < 0.25
 
 
 @pytest.mark.parametrize(
-    ("arguments", "complaint"),
+    ("arguments", "message"),
     [
         (["robot", "map.yaml"], "unexpected argument 'map.yaml'"),
-        (["map"], "map needs a map"),
+        (["map"], "map needs a map file"),
         (["map", "absent.yaml"], "absent.yaml"),
     ],
 )
-def test_bad_arguments_are_errors(world: Any, arguments: list[str], complaint: str) -> None:
+def test_invalid_arguments_are_errors(world: Any, arguments: list[str], message: str) -> None:
     from worlds import COMMAND
 
     process = world.run(*COMMAND, *arguments)
     assert process.wait() == 1
-    assert complaint in process.output
+    assert message in process.output
     assert "Traceback" not in process.output
 
 
-def test_bad_values_are_errors_and_unknown_names_warnings(world: Any) -> None:
+def test_invalid_values_are_errors_and_unknown_names_are_warnings(world: Any) -> None:
     process = world.start("laser", laser_fov=-1.0, laser_beam_cuont=3)
     assert process.wait() == 1
     assert "laser_fov must be greater than 0, got -1" in process.output

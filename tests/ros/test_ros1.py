@@ -1,4 +1,4 @@
-"""What only ROS 1 has: its command-line tools, bags and launch files."""
+"""The nodes with parts of ROS 1 that ROS 2 has not: its command-line tools, bags and launch files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from test_nodes import ODOM, QUIET, SCAN, TWIST, twist
 from worlds import wait_until
 
 
-def test_rostopic_echoes_and_measures(world: Any, map_file: Path) -> None:
+def test_rostopic_echo_and_hz_work(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, publish_rate=50.0, **QUIET)
     world.subscribe("/odom", ODOM).wait_for(1)
     echo = world.run("rostopic", "echo", "-n1", "/odom")
@@ -26,7 +26,7 @@ def test_rostopic_echoes_and_measures(world: Any, map_file: Path) -> None:
     assert 47.0 < float(rate[0]) < 53.0
 
 
-def test_remappings_names_and_private_parameters(world: Any) -> None:
+def test_remapping_node_names_and_private_parameters_work(world: Any) -> None:
     world.start("robot", remap=("/odom:=/moved", "__name:=tortoise"), base_link_frame="shell", publish_rate=20.0)
     assert world.subscribe("/moved", ODOM).next().child_frame_id == "shell"
     nodes = world.run("rosnode", "list")
@@ -34,7 +34,7 @@ def test_remappings_names_and_private_parameters(world: Any) -> None:
     assert "/tortoise" in nodes.output.split()
 
 
-def test_the_laser_of_all_subscribes_to_transforms_while_others_publish_them(world: Any, map_file: Path) -> None:
+def test_the_laser_of_all_subscribes_to_transforms_while_another_process_publishes_them(world: Any, map_file: Path) -> None:
     import rosgraph
 
     def subscribes() -> bool:
@@ -45,7 +45,7 @@ def test_the_laser_of_all_subscribes_to_transforms_while_others_publish_them(wor
     world.subscribe("/other", ODOM).wait_for(1)
     world.start("all", map_file=map_file, remap=("__name:=simulator",))
     wait_until(subscribes, "a subscription")
-    # The master knows on of who is killed.
+    # The master still lists a node that was killed.
     other.kill()
     wait_until(lambda: not subscribes(), "the subscription's end")
 
@@ -58,15 +58,15 @@ def test_rosbag_records_and_replays(world: Any, map_file: Path, tmp_path: Path) 
     time.sleep(4.0)
     recorder.interrupt()
     nodes.interrupt()
-    told = world.run("rosbag", "info", str(tmp_path / "drive.bag"))
-    assert told.wait() == 0
+    info = world.run("rosbag", "info", str(tmp_path / "drive.bag"))
+    assert info.wait() == 0
     for topic in ("nav_msgs/Odometry", "sensor_msgs/LaserScan", "tf2_msgs/TFMessage", "nav_msgs/OccupancyGrid"):
-        assert topic in told.output
+        assert topic in info.output
     world.run("rosbag", "play", str(tmp_path / "drive.bag"))
     scan.wait_for(20)
 
 
-def test_our_recordings_replay(world: Any, map_file: Path, tmp_path: Path) -> None:
+def test_rosbag_plays_our_recordings(world: Any, map_file: Path, tmp_path: Path) -> None:
     bag = record_drive(map_file, tmp_path / "drive", "bag")
     odom, scan = world.subscribe("/odom", ODOM), world.subscribe("/scan", SCAN)
     player = world.run("rosbag", "play", "-d", "2", "-r", "2", str(bag))
@@ -76,7 +76,7 @@ def test_our_recordings_replay(world: Any, map_file: Path, tmp_path: Path) -> No
     assert np.isfinite(np.asarray(scan[-1].ranges)).any()
 
 
-def test_roslaunch_starts_map_robot_and_laser(world: Any, map_file: Path) -> None:
+def test_roslaunch_starts_the_map_server_the_robot_and_the_laser(world: Any, map_file: Path) -> None:
     launch = world.run("roslaunch", "mobile_robot_simulator", "simulator.launch", f"map_file:={map_file}")
     scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
     scan.wait_for(5)
@@ -93,7 +93,7 @@ def test_roslaunch_starts_map_robot_and_laser(world: Any, map_file: Path) -> Non
     assert "unknown parameter" not in launch.output
 
 
-def test_use_sim_time_follows_the_clock_of_another(world: Any, map_file: Path) -> None:
+def test_with_use_sim_time_the_laser_follows_the_clock_of_the_robot(world: Any, map_file: Path) -> None:
     world.rospy.set_param("/use_sim_time", True)
     try:
         world.start("robot", publish_clock=True, speed_factor=3.0, publish_rate=50.0, publish_map_transform=True)

@@ -1,4 +1,4 @@
-"""A ROS of a test's own: starts nodes as processes, and talks to them with the real rospy or rclpy."""
+"""An isolated ROS for each test: starts nodes as processes, and talks to them through the real rospy or rclpy."""
 
 from __future__ import annotations
 
@@ -19,39 +19,39 @@ from typing import Any
 
 VERSION = os.environ.get("ROS_VERSION", "")
 COMMAND = [sys.executable, "-m", "mobile_robot_simulator", f"ros{VERSION}"]
-PATIENCE = 30.0
-"""How long something is waited for that takes a moment [s]."""
-ASKED_EVERY = 3.0
-"""How long ROS 2 is given for an answer before the service is asked again [s].
+TIMEOUT = 30.0
+"""Seconds after which a wait fails."""
+RETRY_PERIOD = 3.0
+"""Seconds without a response after which a ROS 2 service is called again.
 
-A service that has not discovered yet where its answers go waits 0.1 s for it, and drops the answer
+A service that has not discovered its client yet waits 0.1 s for it, and then drops the response
 (github.com/ros2/rmw_fastrtps/issues/842).
 """
 
 
 def find(ros_type: str) -> Any:
-    """The installation's class for a type such as nav_msgs/msg/Odometry."""
+    """Returns the class of a message or service in the ROS installation, such as nav_msgs/msg/Odometry."""
     package, section, name = ros_type.split("/")
     return getattr(import_module(f"{package}.{section}"), name)
 
 
 def seconds(stamp: Any) -> float:
-    """A stamp of either ROS as seconds."""
+    """Returns a stamp of ROS 1 or ROS 2 in seconds."""
     return stamp.secs + stamp.nsecs * 1e-9 if hasattr(stamp, "secs") else stamp.sec + stamp.nanosec * 1e-9
 
 
-def wait_until(condition: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
-    """What the condition gives once it is true."""
-    end = time.monotonic() + patience
+def wait_until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
+    """Waits until the condition is true, and returns its value."""
+    end = time.monotonic() + timeout
     while time.monotonic() < end:
         if value := condition():
             return value
         time.sleep(0.01)
-    raise AssertionError(f"waited {patience} s in vain for {what}")
+    raise AssertionError(f"timed out after {timeout} s waiting for {what}")
 
 
 class Inbox(list[Any]):
-    """The messages that came in on a topic, with the wall time at which each did."""
+    """The messages received on a topic, with the wall time of each [s]."""
 
     def __init__(self) -> None:
         self.times: list[float] = []
@@ -60,23 +60,23 @@ class Inbox(list[Any]):
         self.times.append(time.time())
         self.append(message)
 
-    def wait_for(self, count: int, patience: float = PATIENCE) -> None:
-        """Wait until so many more have come."""
+    def wait_for(self, count: int, timeout: float = TIMEOUT) -> None:
+        """Waits for `count` more messages."""
         wanted = len(self) + count
-        wait_until(lambda: len(self) >= wanted, f"{count} messages", patience)
+        wait_until(lambda: len(self) >= wanted, f"{count} messages", timeout)
 
     def next(self, condition: Callable[[Any], Any] = lambda _: True) -> Any:
-        """The next message for which the condition holds."""
+        """Waits for a new message that fulfils the condition, and returns it."""
         start = len(self)
         return wait_until(lambda: next((it for it in self[start:] if condition(it)), None), "a message")
 
 
 class Process:
-    """A process of a ROS, whose output is kept."""
+    """A process whose output is kept."""
 
     def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
         self._log = Path(tempfile.mkstemp(suffix=".log")[1])
-        # Else what rostopic prints stays in its buffer.
+        # Without it, the output of rostopic stays in its buffer.
         environment = {**environment, "PYTHONUNBUFFERED": "1"}
         with self._log.open("w") as log:
             self._process = subprocess.Popen(arguments, env=environment, stdout=log, stderr=subprocess.STDOUT)
@@ -93,24 +93,24 @@ class Process:
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def wait(self, patience: float = PATIENCE) -> int:
-        return self._process.wait(patience)
+    def wait(self, timeout: float = TIMEOUT) -> int:
+        return self._process.wait(timeout)
 
     def interrupt(self) -> float:
-        """Ctrl-C; how long it took to end [s]."""
+        """Sends SIGINT (Ctrl-C), and returns how long the process took to end [s]."""
         began = time.monotonic()
         self._process.send_signal(signal.SIGINT)
-        self._process.wait(PATIENCE)
+        self._process.wait(TIMEOUT)
         return time.monotonic() - began
 
     def kill(self) -> None:
         if self.running:
             self._process.kill()
-        self._process.wait(PATIENCE)
+        self._process.wait(TIMEOUT)
 
 
 class World(ABC):
-    """What both versions of ROS have in common."""
+    """An isolated ROS, of either version."""
 
     environment: dict[str, str]
 
@@ -119,12 +119,12 @@ class World(ABC):
         self.inboxes: list[Any] = []
 
     def run(self, *arguments: str) -> Process:
-        """Start a command of ROS or of ours."""
+        """Starts a command of ROS or of this package."""
         self.processes.append(Process(list(arguments), self.environment))
         return self.processes[-1]
 
     def start(self, node: str, *, map_file: Path | None = None, remap: tuple[str, ...] = (), **parameters: Any) -> Process:
-        """Start a node with parameters."""
+        """Starts a node with parameters."""
         maps = [str(map_file)] if map_file else []
         return self.run(*COMMAND, node, *maps, *self.arguments(parameters, remap))
 
@@ -134,12 +134,12 @@ class World(ABC):
     def end(self) -> None:
         for process in self.processes:
             process.kill()
-        # For the report, should the test fail.
+        # pytest shows it if the test fails.
         print(*(process.output for process in self.processes))
 
 
 class Ros1World(World):
-    """A master on a port of its own for all tests of a run, for rospy knows but one; each test cleans up after itself."""
+    """One master for all tests, because rospy can only use one. It has a free port, and each test cleans up after itself."""
 
     _master: Process | None = None
 
@@ -188,11 +188,11 @@ class Ros1World(World):
         return publisher.publish
 
     def call(self, service: str, ros_type: str, **fields: Any) -> Any:
-        self.rospy.wait_for_service(service, PATIENCE)
+        self.rospy.wait_for_service(service, TIMEOUT)
         return self.rospy.ServiceProxy(service, find(ros_type))(**fields)
 
     def set_parameter(self, node: str, name: str, value: Any) -> bool:
-        """Whether the change was accepted."""
+        """Returns whether the change was accepted."""
         key = f"/{node}/{name}"
         before = self.rospy.get_param(key, None)
         self.rospy.set_param(key, value)
@@ -214,7 +214,7 @@ class Ros1World(World):
 
 
 class Ros2World(World):
-    """A domain of its own for each test, and no discovery beyond this machine."""
+    """A separate domain for each test. Discovery is limited to this machine."""
 
     _domain = os.getpid() % 50
 
@@ -276,18 +276,18 @@ class Ros2World(World):
     def call(self, service: str, ros_type: str, **fields: Any) -> Any:
         kind = find(ros_type)
         client = self.node.create_client(kind, service)
-        assert client.wait_for_service(PATIENCE), f"{service} is not there"
+        assert client.wait_for_service(TIMEOUT), f"{service} is not offered"
         began, futures = time.monotonic(), list[Any]()
 
-        def answered() -> Any:
-            if time.monotonic() - began >= ASKED_EVERY * len(futures):
+        def response() -> Any:
+            if time.monotonic() - began >= RETRY_PERIOD * len(futures):
                 futures.append(client.call_async(kind.Request(**fields)))
             return next((future for future in futures if future.done()), None)
 
-        return wait_until(answered, f"an answer of {service}").result()
+        return wait_until(response, f"a response of {service}").result()
 
     def set_parameter(self, node: str, name: str, value: Any) -> bool:
-        """Whether the change was accepted."""
+        """Returns whether the change was accepted."""
         return bool(self.try_parameter(node, name, value).successful)
 
     def try_parameter(self, node: str, name: str, value: Any) -> Any:
@@ -299,13 +299,13 @@ class Ros2World(World):
     def end(self) -> None:
         super().end()
         self.context.try_shutdown()
-        self._thread.join(PATIENCE)
+        self._thread.join(TIMEOUT)
         self.node.destroy_node()
 
 
 @contextmanager
 def new_world() -> Iterator[Any]:
-    """A ROS to test in."""
+    """Yields an isolated ROS of the version under test."""
     world = {"1": Ros1World, "2": Ros2World}[VERSION]()
     try:
         yield world
