@@ -69,7 +69,8 @@ def test_a_node_is_paced_unless_it_follows_the_clock_of_ros(parameters: Any, use
 def test_nodes_after_one_that_publishes_the_clock_share_its_clock() -> None:
     process = RosProcess()
     clock = process.clock_for(RobotParameters(publish_clock=True), use_sim_time=True)
-    assert process.clock_for(LaserParameters(), use_sim_time=True) is clock
+    for use_sim_time in (True, False):
+        assert process.clock_for(LaserParameters(), use_sim_time=use_sim_time) is clock
 
 
 def test_the_speed_is_that_of_the_paced_clock_only() -> None:
