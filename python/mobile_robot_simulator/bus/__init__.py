@@ -1,6 +1,6 @@
 """Topics, services, timers and parameters in one process, on a simulated clock: the node interface without ROS.
 
-`Node` stands in for `rclpy.node.Node`; `Simulation.spawn` puts subclasses of it on the simulation's bus.
+`Node` replaces `rclpy.node.Node`. `Simulation.spawn` puts its subclasses on the simulation's bus.
 """
 
 from .bus import Bus, BusSnapshot, Filter, Tap

@@ -25,12 +25,13 @@ Order of events
 
 Delivery
     A message goes to the subscriptions that exist when it is sent. It is delivered after the callback that sent it has
-    returned. It is copied once, when it is sent: all subscribers receive the same object and must not change it.
+    returned. Its publisher copies it once (`NoCopyPublisher` does not). All subscribers receive the same object and must not
+    change it.
 
 Saving
-    `Bus.save` takes a snapshot of the time, messages and calls under way, timers, subscriptions, latest messages and nodes;
-    `Bus.restore` goes back to it. Callbacks are kept as they are: data that they store outside of the nodes is not part of
-    the snapshot (see `Simulation.keep`).
+    `Bus.save` returns a snapshot: the time, pending messages and service calls, timers, subscriptions, latest messages and
+    nodes. `Bus.restore` goes back to it. Callbacks are shared, not copied, so a snapshot does not contain data that they
+    store outside of nodes. `Simulation.keep` adds such data to the snapshots of a simulation.
 """
 
 from __future__ import annotations
@@ -54,26 +55,26 @@ Action = Callable[[], None]
 """What an event does."""
 
 Event = tuple[int, int, int, Action]
-"""Time [ns], `MESSAGE` or `TIMER`, order among those of this time and kind, action."""
+"""Time [ns], kind (`MESSAGE` or `TIMER`), rank among the events of the same time and kind, action."""
 
 MESSAGE, TIMER = 0, 1
-"""Kinds of events, in the order in which they run at one time."""
+"""Kinds of events. At the same time, messages run before timers."""
 
 Tap = Callable[[str, Message, int], None]
-"""Called with the topic's name, the message and the time [ns] for every message sent."""
+"""Called for every message that is sent, with the topic's name, the message and the simulated time [ns]."""
 
 Filter = Callable[[str, Message], list[tuple[int, Message]] | None]
-"""Replaces a message sent to a topic by messages with delays [ns]. None leaves the message unchanged."""
+"""Takes a topic's name and a message. Returns (delay [ns], message) pairs to send instead, or None to change nothing."""
 
 MAX_CHAIN_LENGTH = 10_000
-"""Longest chain of events at one time, each caused by the one before. A longer one counts as an endless loop."""
+"""Longest chain of events at the same time in which each event causes the next. A longer one counts as an endless loop."""
 
 MAX_REPLIES = 100_000
-"""Largest number of events at one time that are caused by other events of that time. More count as an endless loop."""
+"""Largest number of events at one time that other events of that time cause. More of them count as an endless loop."""
 
 
 class BusMember(Protocol):
-    """A node on the bus, which `Bus.save` and `Bus.restore` include."""
+    """A node on the bus. `Bus.save` and `Bus.restore` save and restore it with the bus."""
 
     def save(self) -> Any:
         """Returns the state that `restore` takes."""
@@ -88,18 +89,17 @@ class BusSnapshot:
 
     Attributes:
         time_ns: Simulated time [ns].
-        clock_offset_ns: What clocks show beyond the simulated time [ns].
-        scheduled_count: Number of messages scheduled for a later time so far.
+        clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
+        scheduled_count: Number of actions scheduled for a later time so far.
         timer_count: Number of timers created so far.
         events: Scheduled events, as a heap.
-        immediate: Actions that are due now, each with the length of its chain.
+        immediate: Actions that are due now, each with its position in its chain (see `MAX_CHAIN_LENGTH`).
         filters: Message filters, in the order in which they apply.
         topics: All topics with their states.
         services: All services with their handlers.
         timers: All timers with their states.
-        calls: Futures of service calls under way, with their states.
+        calls: Futures of pending service calls, with their states.
         nodes: All nodes with their states.
-
     """
 
     time_ns: int
@@ -121,12 +121,11 @@ class Bus(Handle):
 
     Attributes:
         time_ns: Simulated time [ns].
-        clock_offset_ns: What the clocks of nodes show beyond the simulated time [ns].
-        taps: Called for every message sent.
-        filters: Applied to every message before it is sent, in this order.
+        clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
+        taps: Functions that see every message when it is sent.
+        filters: Functions that can replace, delay or drop a message before it is sent. They apply in this order.
         nodes: Nodes on the bus, in the order in which they were created.
         timers: Timers, in the order in which they were created.
-
     """
 
     def __init__(self) -> None:
@@ -148,13 +147,13 @@ class Bus(Handle):
 
     @property
     def clock_ns(self) -> int:
-        """What the clocks of nodes show [ns]."""
+        """Time on the nodes' clocks [ns]."""
         return self.time_ns + self.clock_offset_ns
 
     # --- time ---
 
     def run_until(self, time_ns: int) -> None:
-        """Runs all events up to and including a time, and sets the simulated time to it.
+        """Runs all events up to and including a time, then sets the simulated time to it.
 
         An exception in a callback ends the run and is raised here. The bus stays usable: the next run continues with the
         next event.
@@ -165,8 +164,7 @@ class Bus(Handle):
         Raises:
             ValueError: The time is in the past.
             RuntimeError: The bus is running (the call came from a callback) or closed, or callbacks keep sending messages
-                to each other so that time cannot go on.
-
+                to each other, so that time would stand still forever.
         """
         if time_ns < self.time_ns:
             raise ValueError(f"the time to run to must not be in the past, got {time_ns} ns at {self.time_ns} ns")
@@ -175,7 +173,7 @@ class Bus(Handle):
         try:
             events, immediate = self._events, self._immediate
             while True:
-                # Messages scheduled for this time were sent before those of `immediate`, which were sent at this time.
+                # A message in `events` that is due now was sent at an earlier time than those in `immediate`.
                 if immediate and not (events and events[0][0] <= self.time_ns and events[0][1] == MESSAGE):
                     action, self._chain_length = immediate.popleft()
                     self._reply_count += self._chain_length > 1
@@ -204,12 +202,11 @@ class Bus(Handle):
         return self._events[0][0] if self._events else None
 
     def schedule(self, time_ns: int, action: Action) -> None:
-        """Runs an action at a time, among the messages of that time; now, if the time is not in the future.
+        """Runs an action at a time, in order with the messages of that time. A time that is not in the future means now.
 
         Args:
             time_ns: Simulated time [ns].
             action: Called without arguments.
-
         """
         if time_ns <= self.time_ns:
             self._immediate.append((action, self._chain_length + 1))
@@ -218,11 +215,11 @@ class Bus(Handle):
             heapq.heappush(self._events, (time_ns, MESSAGE, self._scheduled_count, action))
 
     def schedule_timer(self, time_ns: int, order: int, fire: Action) -> None:
-        """Calls `fire` at a time [ns], after the messages of that time and by rank among its timers."""
+        """Calls `fire` at a time [ns], after the messages of that time. Timers of one time fire by ascending `order`."""
         heapq.heappush(self._events, (time_ns, TIMER, order, fire))
 
     def next_timer_order(self) -> int:
-        """Returns the rank of a new timer among timers that are due at the same time."""
+        """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank."""
         self._timer_count += 1
         return self._timer_count
 
@@ -237,12 +234,15 @@ class Bus(Handle):
         return [self._topics[name] for name in self.topic_names()]
 
     def topic(self, name: str, msg_type: type[Message]) -> BusTopic:
-        """Returns the topic of a name. Creates it if it does not exist.
+        """Returns the topic with this name. Creates it if it does not exist.
+
+        Args:
+            name: Name, with or without a leading slash.
+            msg_type: Message class.
 
         Raises:
-            TypeError: `msg_type` is not a message class, or the topic carries another type.
+            TypeError: `msg_type` is not a message class, or it is not the message class of the existing topic.
             ValueError: The name is empty.
-
         """
         if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
             raise TypeError(f"a topic's type must be a message class, got {msg_type!r} for {name}")
@@ -264,15 +264,14 @@ class Bus(Handle):
         return found.latest if found else None
 
     def latched(self) -> list[tuple[str, Message, int]]:
-        """Returns topic, message and time [ns] of each message that later subscriptions will receive."""
+        """Returns the messages that new subscriptions to latched topics receive, each with its topic and time [ns]."""
         return [(topic.name, topic.latest, topic.latest_ns) for topic in self.topics() if topic.latched and topic.latest]
 
     def publish(self, topic: BusTopic, message: Message) -> None:
-        """Passes a message through the filters and sends it to the current subscriptions, without copying it.
+        """Passes a message through the filters, then sends it to the current subscriptions. Does not copy it.
 
         Raises:
-            TypeError: The message is not of the topic's type.
-
+            TypeError: The message is not of the topic's message class.
         """
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
@@ -284,12 +283,15 @@ class Bus(Handle):
     # --- services ---
 
     def service(self, name: str, srv_type: Any) -> BusService:
-        """Returns the service of a name. Creates it, without a handler, if it does not exist.
+        """Returns the service with this name. Creates it, without a handler, if it does not exist.
+
+        Args:
+            name: Name, with or without a leading slash.
+            srv_type: Service class with `Request` and `Response`.
 
         Raises:
-            TypeError: The service is of another type.
+            TypeError: `srv_type` is not the service class of the existing service.
             ValueError: The name is empty.
-
         """
         name = absolute(name)
         service = self._services.get(name)
@@ -300,11 +302,10 @@ class Bus(Handle):
         return service
 
     def call(self, service: BusService, request: Any) -> Future:
-        """Calls a service, without copying the request.
+        """Calls a service. Does not copy the request.
 
         Returns:
-            The future of the response. It completes at the same simulated time, or never if the service has no handler.
-
+            A future for the response. It completes at the same simulated time, or never if the service has no handler.
         """
         future = Future()
         self._calls[future] = None
@@ -318,7 +319,6 @@ class Bus(Handle):
 
         Raises:
             RuntimeError: The bus is running (the call came from a callback) or closed.
-
         """
         self._check_idle("save it")
         return BusSnapshot(
@@ -339,11 +339,10 @@ class Bus(Handle):
     def restore(self, state: BusSnapshot) -> None:
         """Puts the bus back into a saved state. A snapshot can be restored any number of times.
 
-        Subscriptions, timers and services created after the snapshot become inactive.
+        Subscriptions, timers and services that were created after the snapshot become inactive.
 
         Raises:
             RuntimeError: The bus is running (the call came from a callback) or closed.
-
         """
         self._check_idle("restore it")
         self.time_ns, self.clock_offset_ns = state.time_ns, state.clock_offset_ns
@@ -367,7 +366,10 @@ class Bus(Handle):
             node.restore(node_state)
 
     def close(self) -> None:
-        """Drops all events, callbacks and nodes. Time cannot go on afterwards. Closing twice has no effect."""
+        """Drops all events, callbacks and nodes. Closing twice has no effect.
+
+        Afterwards `run_until`, `save` and `restore` raise RuntimeError.
+        """
         if self._is_closed:
             return
         self.restore(BusSnapshot(self.time_ns))

@@ -12,11 +12,10 @@ if TYPE_CHECKING:
 
 
 class BusClock(Handle):
-    """Shows simulated time plus the bus's clock offset (`Bus.clock_offset_ns`).
+    """Shows the simulated time plus `Bus.clock_offset_ns`.
 
     Args:
         bus: Bus whose time the clock shows.
-
     """
 
     def __init__(self, bus: Bus) -> None:

@@ -13,14 +13,13 @@ from .clock import BusClock
 class BusLogger(Handle):
     """Forwards a node's log messages to Python's `logging`, with the method names and keywords of rclpy.
 
-    All methods that log take the keywords `once=True` (log this message only the first time) and
-    `throttle_duration_sec` (log this message at most once per so many seconds of the node's clock [s]; other keywords are
-    ignored). They return True if the message was logged.
+    All methods that log return True if they logged the message, and take two keywords; others are ignored. With `once=True`,
+    the same message is logged only the first time. With `throttle_duration_sec`, the same message is logged again only after
+    this time on the node's clock [s].
 
     Args:
-        clock: Clock that throttling is measured on.
-        name: Name of the node; the logger is called `mobile_robot_simulator.<name>`.
-
+        clock: The node's clock.
+        name: Name of the node. The name of the logger is `mobile_robot_simulator.<name>`.
     """
 
     def __init__(self, clock: BusClock, name: str) -> None:
@@ -33,7 +32,7 @@ class BusLogger(Handle):
         return self._logger.name
 
     def debug(self, message: str, **options: Any) -> bool:
-        """Logs a detail that helps to find faults in the node itself."""
+        """Logs a detail for debugging the node."""
         return self._log(logging.DEBUG, message, **options)
 
     def info(self, message: str, **options: Any) -> bool:

@@ -29,9 +29,9 @@ class NodeSnapshot:
     """Saved state of a node.
 
     Attributes:
-        attributes: Deep copies of all attributes, including those of subclasses.
+        attributes: Deep copies of all attributes, including those of subclasses. Instances of `Handle`, such as the bus and
+            publishers, are shared instead of copied.
         logger: State of the node's logger.
-
     """
 
     attributes: Mapping[str, Any]
@@ -41,19 +41,18 @@ class NodeSnapshot:
 class BusNode(Handle):
     """A node on the bus, with the method names of rclpy.
 
-    `save` and `restore` cover the attributes of subclasses as deep copies. A subclass with an attribute that cannot be
-    copied overrides both.
+    `save` and `restore` deep-copy all attributes, including those of subclasses. A subclass with an attribute that cannot be
+    copied must override both.
 
     Args:
         bus: Bus to join.
         name: Name of the node.
-        namespace: Namespace of relative names. A topic or service `scan` is `<namespace>/scan`, `~/scan` is
-            `<namespace>/<name>/scan`, and `/scan` is absolute.
+        namespace: Prefix of relative names. For topics and services, `scan` becomes `<namespace>/scan`, `~/scan` becomes
+            `<namespace>/<name>/scan`, and `/scan` stays as it is.
         parameters: Values that replace the defaults when the node declares its parameters.
 
     Raises:
         ValueError: The name is empty or contains a slash.
-
     """
 
     publisher_class: ClassVar[type[BusPublisher[Any]]] = BusPublisher
@@ -80,7 +79,7 @@ class BusNode(Handle):
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """Returns the node's namespace and name."""
+        """Returns the node's namespace and name, such as `/robot1/talker`."""
         return f"{self._namespace.rstrip('/')}/{self._name}"
 
     def get_clock(self) -> BusClock:
@@ -88,7 +87,7 @@ class BusNode(Handle):
         return self._clock
 
     def set_speed(self, factor: float) -> None:
-        """Has no effect: simulated time on the bus is not tied to wall time."""
+        """Has no effect, because simulated time on the bus is not tied to wall time."""
 
     def get_logger(self) -> BusLogger:
         """Returns the node's logger, which forwards to Python's `logging`."""
@@ -97,17 +96,16 @@ class BusNode(Handle):
     # --- topics, timers, services ---
 
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> BusPublisher[M]:
-        """Creates a publisher. Other keywords of rclpy are ignored.
+        """Creates a publisher for a topic. Other keywords of rclpy are ignored.
 
         Args:
             msg_type: Message class.
             topic: Name of the topic.
-            qos_profile: A `QoS`, or a QoS profile of rclpy. Only one thing matters on the bus: whether it is latched.
+            qos_profile: A `QoS`, or a QoS profile of rclpy. The bus only uses whether it is latched.
 
         Raises:
-            TypeError: The type is not a message class, or the topic carries another type.
+            TypeError: The type is not a message class, or the existing topic has another type.
             ValueError: The name is empty.
-
         """
         found = self._bus.topic(self._resolve(topic), msg_type)
         found.latched |= _is_latched(qos_profile)
@@ -116,18 +114,19 @@ class BusNode(Handle):
     def create_subscription(
         self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: Any = QoS.DEFAULT, **_: Any
     ) -> BusSubscription[M]:
-        """Calls a callback with every message of a topic from now on; on a latched topic also with the last message.
+        """Calls the callback with every message sent to a topic from now on. A latched topic also sends its last message.
+
+        Other keywords of rclpy are ignored.
 
         Args:
             msg_type: Message class.
             topic: Name of the topic.
             callback: Called with each message, which it must not change.
-            qos_profile: Ignored. Other keywords of rclpy too.
+            qos_profile: Ignored.
 
         Raises:
-            TypeError: The callback is not callable, the type is not a message class, or the topic carries another type.
+            TypeError: The callback is not callable, the type is not a message class, or the existing topic has another type.
             ValueError: The name is empty.
-
         """
         found = self._bus.topic(self._resolve(topic), msg_type)
         check_callback(callback)
@@ -138,7 +137,7 @@ class BusNode(Handle):
         return subscription
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None], *_: Any, **__: Any) -> BusTimer:
-        """Calls a callback periodically, the first time after one period.
+        """Calls the callback periodically, for the first time after one period. Other arguments of rclpy are ignored.
 
         Args:
             timer_period_sec: Period [s].
@@ -147,14 +146,13 @@ class BusNode(Handle):
         Raises:
             ValueError: The period is below 1 ns or not finite.
             TypeError: The callback is not callable.
-
         """
         timer = BusTimer(self._bus, timer_period_sec, callback)
         self._handles[timer] = partial(self.destroy_timer, timer)
         return timer
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **_: Any) -> BusService:
-        """Offers a service.
+        """Offers a service. Other keywords of rclpy are ignored.
 
         Args:
             srv_type: Service class with `Request` and `Response`.
@@ -162,9 +160,8 @@ class BusNode(Handle):
             callback: Takes the request and an empty response, and returns the response.
 
         Raises:
-            TypeError: The callback is not callable, or the service is of another type.
+            TypeError: The callback is not callable, or the existing service has another type.
             ValueError: A node already offers the service, or the name is empty.
-
         """
         service = self._bus.service(self._resolve(srv_name), srv_type)
         check_callback(callback)
@@ -175,45 +172,56 @@ class BusNode(Handle):
         return service
 
     def create_client(self, srv_type: Any, srv_name: str, **_: Any) -> BusClient:
-        """Creates a client of a service, which may be offered later.
+        """Creates a client for a service. A node can start to offer the service later. Other keywords of rclpy are ignored.
 
         Args:
             srv_type: Service class with `Request` and `Response`.
             srv_name: Name of the service.
 
         Raises:
-            TypeError: The service is of another type.
+            TypeError: The existing service has another type.
             ValueError: The name is empty.
-
         """
         return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type))
 
     def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
-        """Has no effect, since the bus keeps nothing for a publisher. Returns True as rclpy does."""
+        """Has no effect, because the bus keeps no data about publishers. Returns True, as rclpy does."""
         return True
 
     def destroy_subscription(self, subscription: BusSubscription[Any]) -> bool:
-        """Removes a subscription, which also discards messages under way to it. Returns False if it was not this node's."""
+        """Removes a subscription and discards the pending messages to it.
+
+        Returns:
+            True if this node created the subscription. It is removed in both cases.
+        """
         subscription.topic.unsubscribe(subscription)
         return self._handles.pop(subscription, None) is not None
 
     def destroy_timer(self, timer: BusTimer) -> bool:
-        """Removes a timer. Returns False if it was not this node's."""
+        """Cancels and removes a timer.
+
+        Returns:
+            True if this node created the timer. It is removed in both cases.
+        """
         timer.cancel()
         self._bus.timers.pop(timer, None)
         return self._handles.pop(timer, None) is not None
 
     def destroy_service(self, service: BusService) -> bool:
-        """Stops offering a service. Returns False if it was not this node's."""
+        """Stops offering a service.
+
+        Returns:
+            True if this node offered the service. The service stops in both cases.
+        """
         service.handler = None
         return self._handles.pop(service, None) is not None
 
     def destroy_client(self, client: BusClient) -> bool:
-        """Has no effect, since the bus keeps nothing for a client. Returns True as rclpy does."""
+        """Has no effect, because the bus keeps no data about clients. Returns True, as rclpy does."""
         return True
 
     def destroy_node(self) -> None:
-        """Removes the node from the bus with its subscriptions, timers and services."""
+        """Removes the node from the bus, with its subscriptions, timers and services."""
         for destroy in tuple(self._handles.values()):
             destroy()
         if self in self._bus.nodes:
@@ -222,11 +230,14 @@ class BusNode(Handle):
     # --- parameters ---
 
     def declare_parameter(self, name: str, value: Any = None, *_: Any, **__: Any) -> Parameter:
-        """Declares a parameter with a default value. A value given to the node's constructor replaces the default.
+        """Declares a parameter with a default value. A value passed to the node's constructor replaces the default.
+
+        Args:
+            name: Name of the parameter.
+            value: Default value.
 
         Raises:
-            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
-
+            ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
         """
         return self._parameters.declare(name, value)
 
@@ -235,11 +246,10 @@ class BusNode(Handle):
 
         Args:
             namespace: Prefix of the names, followed by a dot. Empty for none.
-            parameters: A tuple of name and default value for each parameter; further items are ignored.
+            parameters: For each parameter a tuple of its name and its default value. Further items are ignored.
 
         Raises:
-            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
-
+            ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
         """
         prefix = f"{namespace}." if namespace else ""
         return [self.declare_parameter(prefix + item[0], *item[1:2]) for item in parameters]
@@ -252,8 +262,8 @@ class BusNode(Handle):
         """Returns a declared parameter.
 
         Raises:
-            ParameterNotDeclaredException: No such parameter; the message suggests the nearest name. It is a ValueError.
-
+            ParameterNotDeclaredException: The parameter is not declared; the message suggests a similar name. It is a
+                ValueError.
         """
         return self._parameters.get(name)
 
@@ -262,19 +272,18 @@ class BusNode(Handle):
         return self._parameters.get(name) if self._parameters.has(name) else alternative_value
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Sets each parameter unless a callback of `add_on_set_parameters_callback` refuses it.
+        """Sets each parameter, unless a callback added with `add_on_set_parameters_callback` refuses it.
 
         Returns:
             One result per parameter.
 
         Raises:
-            ParameterNotDeclaredException: No such parameter. It is a ValueError.
-
+            ParameterNotDeclaredException: A parameter is not declared; those before it are set. It is a ValueError.
         """
         return self._parameters.set(parameter_list)
 
     def add_on_set_parameters_callback(self, callback: SetParametersCallback) -> None:
-        """Adds a callback that checks parameters before they are set."""
+        """Adds a callback that can refuse new values of parameters."""
         self._parameters.add_check(callback)
 
     # --- saving ---
@@ -284,7 +293,6 @@ class BusNode(Handle):
 
         Raises:
             TypeError: An attribute cannot be copied; the message names it.
-
         """
         memo: dict[int, Any] = {}
         attributes = {}
@@ -296,13 +304,13 @@ class BusNode(Handle):
         return NodeSnapshot(attributes, self._logger.save())
 
     def restore(self, state: Any) -> None:
-        """Puts all attributes back into a saved state. Attributes added later are removed."""
+        """Puts the node back into a saved state. Attributes that it did not have then are removed."""
         vars(self).clear()
         vars(self).update(copy.deepcopy(state.attributes))
         self._logger.restore(state.logger)
 
     def _resolve(self, name: str) -> str:
-        """Returns the absolute form of a topic's or service's name; an empty name stays empty."""
+        """Returns the absolute name of a topic or service. An empty name stays empty."""
         if name.startswith("/"):
             return name
         if name.startswith("~/"):
@@ -311,14 +319,17 @@ class BusNode(Handle):
 
 
 class NoCopyNode(BusNode):
-    """A node whose publishers do not copy messages. The simulator's own nodes create a new message for each publication."""
+    """A node whose publishers send messages without copying them.
+
+    The simulator's own nodes use it. That is safe because they create a new message each time they publish.
+    """
 
     publisher_class = NoCopyPublisher
 
 
 @dataclass(frozen=True)
 class SpawnContext:
-    """What `Node` needs beyond the arguments that its rclpy counterpart takes; see `BusNode` for the fields."""
+    """Arguments that `Simulation.spawn` passes to each `Node` it creates; see `BusNode` for their meaning."""
 
     bus: Bus
     namespace: str
@@ -329,18 +340,17 @@ _spawn_context: ContextVar[SpawnContext | None] = ContextVar("spawn_context", de
 
 
 class Node(BusNode):
-    """Stands in for `rclpy.node.Node`. `Simulation.spawn` creates instances of subclasses and puts them on its bus.
+    """Replaces `rclpy.node.Node`. `Simulation.spawn` creates instances of its subclasses on the simulation's bus.
 
     Args:
         node_name: Name of the node.
-        namespace: Namespace of relative names; that given to `Simulation.spawn` if None or empty.
+        namespace: Prefix of relative names. If None or empty, the namespace given to `Simulation.spawn`.
         parameter_overrides: Values that replace the defaults when the node declares its parameters. Values given to
-            `Simulation.spawn` come before these.
+            `Simulation.spawn` have priority over these.
 
     Raises:
         RuntimeError: The node was not created by `Simulation.spawn`.
         ValueError: The name is empty or contains a slash.
-
     """
 
     def __init__(
@@ -365,13 +375,12 @@ class Node(BusNode):
 
 @contextmanager
 def spawn_context(bus: Bus, namespace: str, parameters: Mapping[str, Any]) -> Iterator[None]:
-    """Puts every `Node` created inside the `with` block on a bus.
+    """Puts every `Node` that is created inside the `with` block on a bus.
 
     Args:
         bus: Bus to join.
-        namespace: Namespace of nodes that do not name one.
+        namespace: Namespace of nodes that are created without one.
         parameters: Values that replace the defaults when the nodes declare their parameters.
-
     """
     token = _spawn_context.set(SpawnContext(bus, namespace, parameters))
     try:

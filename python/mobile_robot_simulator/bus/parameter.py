@@ -1,4 +1,4 @@
-"""Parameters of a node on the bus, with the names of rclpy."""
+"""Parameters of a node on the bus, with the class and method names of rclpy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 
 class ParameterNotDeclaredException(ValueError):
-    """A parameter was read or set that is not declared."""
+    """A parameter that is not declared was read or set."""
 
 
 class ParameterAlreadyDeclaredException(ValueError):
@@ -40,7 +40,6 @@ class Parameter:
         name: Name of the parameter.
         type_: Type, as in rclpy. Ignored by the bus.
         value: Value, of any type.
-
     """
 
     Type: ClassVar[type[ParameterType]] = ParameterType
@@ -49,17 +48,16 @@ class Parameter:
     value: Any = None
 
     def get_parameter_value(self) -> ParameterValue:
-        """Returns the value as rclpy's message does, with attributes such as `double_value`."""
+        """Returns the value in an object with the attributes of rclpy's message, such as `double_value`."""
         return ParameterValue(self.value)
 
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """A parameter's value. Every attribute that ends in `_value` (`double_value`, `string_value`, ...) returns it.
+    """A parameter's value. Each attribute whose name ends in `_value`, such as `double_value`, returns it unchanged.
 
     Attributes:
         value: The value.
-
     """
 
     value: Any
@@ -76,8 +74,7 @@ class SetParametersResult:
 
     Attributes:
         successful: True if the parameter was set.
-        reason: Why it was not.
-
+        reason: Why it was not set.
     """
 
     successful: bool = True
@@ -94,7 +91,6 @@ class ParameterStore:
     Args:
         owner: Name of the node, for error messages.
         overrides: Values that replace the defaults of parameters when they are declared.
-
     """
 
     def __init__(self, owner: str, overrides: Mapping[str, Any]) -> None:
@@ -104,11 +100,10 @@ class ParameterStore:
         self._checks: list[SetParametersCallback] = []
 
     def declare(self, name: str, default: Any) -> Parameter:
-        """Adds a parameter with its default value, or with the override of that name.
+        """Adds a parameter. Its value is the override with that name, or else the default.
 
         Raises:
-            ParameterAlreadyDeclaredException: A parameter of that name exists. It is a ValueError.
-
+            ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
         """
         if name in self._parameters:
             raise ParameterAlreadyDeclaredException(f"parameter {name!r} is already declared")
@@ -123,8 +118,8 @@ class ParameterStore:
         """Returns a declared parameter.
 
         Raises:
-            ParameterNotDeclaredException: No such parameter; the message suggests the nearest name. It is a ValueError.
-
+            ParameterNotDeclaredException: The parameter is not declared; the message suggests a similar name. It is a
+                ValueError.
         """
         if name not in self._parameters:
             near = difflib.get_close_matches(name, self._parameters, n=1)
@@ -133,14 +128,13 @@ class ParameterStore:
         return self._parameters[name]
 
     def set(self, parameters: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Sets each parameter unless one of the checks refuses it.
+        """Sets each parameter, unless a check refuses it.
 
         Returns:
-            One result per parameter: that of the first check that refuses it, or success.
+            One result per parameter: the refusal of the first check that refuses it, or success.
 
         Raises:
-            ParameterNotDeclaredException: No such parameter. Those before it in the list are set.
-
+            ParameterNotDeclaredException: A parameter is not declared. Those before it in the list are set.
         """
         results = []
         for parameter in parameters:
@@ -153,5 +147,5 @@ class ParameterStore:
         return results
 
     def add_check(self, check: SetParametersCallback) -> None:
-        """Adds a callback that may refuse new values."""
+        """Adds a callback that can refuse new values."""
         self._checks.append(check)

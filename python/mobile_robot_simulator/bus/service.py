@@ -16,13 +16,12 @@ ServiceHandler = Callable[[Any, Any], Any]
 
 @dataclass(eq=False)
 class BusService(Handle):
-    """A named service.
+    """A service: its name, its type and the callback that answers requests.
 
     Attributes:
         name: Absolute name.
         srv_type: Service class with `Request` and `Response`.
-        handler: Answers requests. None if no node offers the service.
-
+        handler: Callback that answers requests. None if no node offers the service.
     """
 
     name: str
@@ -35,9 +34,8 @@ class BusClient(Handle):
     """Calls a service.
 
     Attributes:
-        send: Sends a request to a service and returns the future of the response (`Bus.call`).
-        service: Service that is called.
-
+        send: Function that sends a request to a service and returns a future for the response (`Bus.call`).
+        service: Service to call.
     """
 
     send: Callable[[BusService, Any], Future]
@@ -55,12 +53,11 @@ class BusClient(Handle):
         """Calls the service with a copy of the request.
 
         Returns:
-            The future of the response. The response arrives at the same simulated moment, after the current callback has
-            returned. If no node offers the service then, the future never completes.
+            A future for the response. The response arrives at the same simulated time, after the current callback has
+            returned. If no node offers the service at that moment, the future never completes.
 
         Raises:
-            TypeError: The request is not of the service's request type.
-
+            TypeError: The request is not an instance of the service's `Request`.
         """
         if not isinstance(request, self.service.srv_type.Request):
             expected = self.service.srv_type.Request.__name__
@@ -68,10 +65,9 @@ class BusClient(Handle):
         return self.send(self.service, copied(request))
 
     def call(self, request: Any) -> Any:
-        """Always fails: a callback that waits for a response would wait forever.
+        """Always raises an error, because a callback that waits for a response would wait forever.
 
         Raises:
             RuntimeError: Always.
-
         """
         raise RuntimeError(f"a callback must not wait for {self.service.name}: use call_async and add_done_callback")

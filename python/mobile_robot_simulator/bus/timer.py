@@ -17,17 +17,16 @@ class TimerQueue(Protocol):
     Attributes:
         time_ns: Simulated time [ns].
         timers: All timers, in the order in which they were created.
-
     """
 
     time_ns: int
     timers: dict[BusTimer, None]
 
     def next_timer_order(self) -> int:
-        """Returns the rank of a new timer among timers that are due at the same time."""
+        """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank."""
 
     def schedule_timer(self, time_ns: int, order: int, fire: Callable[[], None]) -> None:
-        """Calls `fire` at a time [ns], after the messages of that time and by rank among its timers."""
+        """Calls `fire` at a time [ns], after the messages of that time. Timers of one time fire by ascending `order`."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,6 @@ class TimerSnapshot:
         fired: Number of times the timer has fired since `start_ns`.
         cancelled: True if the timer is cancelled.
         due_ns: Time at which the timer fires next, unless it is cancelled [ns].
-
     """
 
     start_ns: int
@@ -51,7 +49,7 @@ class TimerSnapshot:
 class BusTimer(Handle):
     """Calls a callback at multiples of a period after the timer's start.
 
-    Each time is rounded to nanoseconds by itself, so that rounding errors do not add up.
+    Each multiple is rounded to nanoseconds separately, so rounding errors do not add up.
 
     Args:
         queue: The bus.
@@ -61,12 +59,11 @@ class BusTimer(Handle):
     Raises:
         ValueError: The period is below 1 ns or not finite.
         TypeError: The callback is not callable.
-
     """
 
     def __init__(self, queue: TimerQueue, period: float, callback: Callable[[], None]) -> None:
         if not 1 <= period * NANOSECONDS < math.inf:
-            raise ValueError(f"a timer's period must be at least a nanosecond and finite, got {period} s")
+            raise ValueError(f"a timer's period must be at least 1 ns and finite, got {period} s")
         check_callback(callback)
         self._queue, self._period, self._callback = queue, period, callback
         self._order, self._due_ns = queue.next_timer_order(), 0
@@ -75,7 +72,7 @@ class BusTimer(Handle):
 
     @property
     def timer_period_ns(self) -> int:
-        """The period [ns]."""
+        """Period, rounded to nanoseconds [ns]."""
         return round(self._period * NANOSECONDS)
 
     def cancel(self) -> None:
@@ -87,7 +84,7 @@ class BusTimer(Handle):
         return self._cancelled
 
     def reset(self) -> None:
-        """Starts the timer again, cancelled or not: it fires one period from now and after each further period."""
+        """Restarts the timer, even if it is cancelled. It fires one period from now and then periodically."""
         self._start_ns, self._fired, self._cancelled = self._queue.time_ns, 0, False
         self._schedule()
 

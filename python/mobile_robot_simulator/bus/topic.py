@@ -12,11 +12,10 @@ from ..nodes.interface import M
 
 
 def absolute(name: str) -> str:
-    """Returns the name of a topic or service with its leading slash.
+    """Returns the name of a topic or service, with a leading slash.
 
     Raises:
         ValueError: The name is empty or consists of slashes only.
-
     """
     if not name.strip("/"):
         raise ValueError(f"a topic or service must have a name, got {name!r}")
@@ -30,8 +29,7 @@ class BusSubscription(Handle, Generic[M]):
     Attributes:
         topic: Topic that the callback is subscribed to.
         callback: Called with each message.
-        active: False once the subscription is destroyed. Messages that are still under way are then discarded.
-
+        active: False once the subscription is destroyed. Its pending messages are then discarded.
     """
 
     topic: BusTopic
@@ -65,7 +63,6 @@ class BusTopic(Handle):
         latest: Last message sent, None before the first one.
         latest_ns: Simulated time at which `latest` was sent [ns].
         latched: True if new subscriptions receive `latest`.
-
     """
 
     name: str
@@ -82,7 +79,7 @@ class BusTopic(Handle):
         return subscription
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
-        """Removes a subscription. It does not receive messages that are still under way."""
+        """Removes a subscription. It does not receive its pending messages."""
         subscription.active = False
         self.subscriptions = tuple(other for other in self.subscriptions if other is not subscription)
 
@@ -91,7 +88,7 @@ class BusTopic(Handle):
         return TopicSnapshot(self.subscriptions, self.latest, self.latest_ns, self.latched)
 
     def restore(self, state: TopicSnapshot) -> None:
-        """Puts the topic back into a saved state. Subscriptions that are not part of it become inactive."""
+        """Puts the topic back into a saved state. Other subscriptions become inactive."""
         for subscription in self.subscriptions:
             subscription.active = False
         self.subscriptions, self.latched = state.subscriptions, state.latched
@@ -105,9 +102,8 @@ class BusPublisher(Handle, Generic[M]):
     """Sends copies of messages to a topic.
 
     Attributes:
-        send: Sends a message to a topic without copying it (`Bus.publish`).
+        send: Function that sends a message to a topic without copying it (`Bus.publish`).
         topic: Topic that the messages go to.
-
     """
 
     send: Callable[[BusTopic, Message], None]
@@ -119,7 +115,7 @@ class BusPublisher(Handle, Generic[M]):
         return self.topic.name
 
     def publish(self, message: M) -> None:
-        """Sends a copy of the message, so the caller may change the message and send it again."""
+        """Sends a copy of the message. The caller can change the message afterwards and send it again."""
         self.send(self.topic, copied(message))
 
     def get_subscription_count(self) -> int:
@@ -128,7 +124,7 @@ class BusPublisher(Handle, Generic[M]):
 
 
 class NoCopyPublisher(BusPublisher[M]):
-    """A publisher for callers that create a new message each time: it sends the message itself."""
+    """A publisher that sends the message itself, for callers that create a new message each time."""
 
     def publish(self, message: M) -> None:
         """Sends the message without copying it. The caller must not change it afterwards."""

@@ -42,7 +42,7 @@ class Future(Handle):
             callback(self)
 
     def add_done_callback(self, callback: Callable[[Future], None]) -> None:
-        """Calls a callback with this future when the response arrives; immediately, if it already has."""
+        """Calls the callback with this future when the response arrives, or now if it has already arrived."""
         if self._done:
             callback(self)
         else:

@@ -1,7 +1,7 @@
 """The node interface: the few methods of rclpy's Node that the simulator's nodes use.
 
-Three implementations exist: the in-process bus, ROS 1 and ROS 2. Each node's behaviour is therefore written once. All
-protocols keep the names and the argument order of rclpy.
+The in-process bus, ROS 1 and ROS 2 each implement it, so each node's behaviour is written only once. All protocols keep the
+names and the argument order of rclpy.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class Client(Protocol):
     """Calls a service."""
 
     def service_is_ready(self) -> bool:
-        """Returns True if a node offers the service."""
+        """Returns True if a node offers the service now."""
 
     def call_async(self, request: Any, /) -> Future:
-        """Calls the service and returns the future of the response."""
+        """Sends a request. The returned future completes when the response arrives."""
 
 
 class Instant(Protocol):
@@ -83,19 +83,19 @@ class Node(Protocol):
     """Gives one node access to topics, services, timers, a clock and a logger."""
 
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS, /) -> Publisher[M]:
-        """Creates a publisher of messages of one type."""
+        """Creates a publisher for messages of one type."""
 
     def create_subscription(self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS, /) -> Any:
-        """Calls a callback with every message of a topic. Returns a handle for `destroy_subscription`."""
+        """Calls the callback with every message on a topic. Returns a handle for `destroy_subscription`."""
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None], /) -> Timer:
-        """Calls a callback once per period [s], the first time after one period."""
+        """Calls the callback once per period [s], for the first time after one period."""
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], /) -> Any:
-        """Offers a service. Its callback takes the request and an empty response, and returns the response."""
+        """Offers a service. The callback takes the request and an empty response, and returns the response."""
 
     def create_client(self, srv_type: Any, srv_name: str, /) -> Client:
-        """Creates a client of a service."""
+        """Creates a client for a service."""
 
     def destroy_publisher(self, publisher: Any, /) -> Any:
         """Destroys a publisher."""
@@ -113,10 +113,10 @@ class Node(Protocol):
         """Destroys a client."""
 
     def get_clock(self) -> Clock:
-        """Returns the clock that message stamps are taken from."""
+        """Returns the clock that gives message stamps their time."""
 
     def set_speed(self, factor: float, /) -> None:
-        """Sets simulated seconds per wall second from now on. Without effect where this node does not control the clock."""
+        """Sets the simulated seconds per wall second. Has no effect if this node does not control the clock."""
 
     def get_logger(self) -> Logger:
         """Returns the node's logger."""

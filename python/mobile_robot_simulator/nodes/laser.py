@@ -1,4 +1,4 @@
-"""LaserScannerSimulator: the node that turns transforms and a map into laser scans."""
+"""LaserScannerSimulator: the node that measures laser scans of a map, from the scanner's pose in tf."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MAP_REQUEST_TIMEOUT_NS = 10_000_000_000
 """Time after which an unanswered map request is repeated [ns]."""
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
-"""Parameters that are the weights of the beam model."""
+"""Parameters that hold the weights of the beam model."""
 
 RESTART_PARAMETERS = (
     "laser_topic",
@@ -53,7 +53,7 @@ class LaserSnapshot:
         scanner: Scanner with its mount.
         beam_model: Noise of the ranges.
         grid: Map, None before it has arrived. The cells themselves are not saved.
-        scan_count: Number of scans so far, which is the position in the random stream.
+        scan_count: Number of scans so far. The noise of a scan depends on its number.
         map_requested_ns: Time of the unanswered map request [ns], None if there is none.
         running: Publishers, subscriptions and timers, None while the node is stopped.
         scans: Publisher of the scans, None before the first start.
@@ -75,22 +75,22 @@ class LaserScannerSimulator(Handle):
     """A laser scanner that measures a map from the pose that tf reports.
 
     Time:
-        Scans are measured at `laser_frequency`, each from the pose at the scan's own stamp. That pose is extrapolated from
-        the last transform by the last odometry twist, so a scan never waits for a transform. There are no scans before both
-        the map and the pose are known.
+        The node publishes scans at `laser_frequency`. Each scan is measured from the pose at its stamp. The node
+        extrapolates that pose from the last transform with the last odometry twist, so a scan never waits for a transform.
+        There are no scans until both the map and the pose are known.
     Map:
-        The node requests the map from `map_service` once per second until it arrives. A map on `map_topic` replaces the
-        current one.
+        The node requests the map from `map_service` and retries until it arrives. A map on `map_topic` replaces the current
+        one.
     Frames:
-        The scanner's mount is its transform from the robot's base if tf knows it, and `laser_mount` otherwise. If tf does
-        not know the map frame, the root of the base's tf tree replaces it.
+        The mount is the scanner's pose in the frame of the robot's base. It comes from tf, or from `laser_mount` while tf
+        does not have it. If tf has no map frame, the root of the tf tree that contains the base replaces it.
 
     Args:
         node: Node to publish and subscribe through.
-        parameters: Parameters; the defaults if None.
-        grid: Map. If None, it is requested from the map service.
-        carrier: Simulated robot that carries the scanner. Its true pose then replaces the one from tf, and the scanner also
-            sees obstacles and other robots.
+        parameters: Parameters. Default: `LaserParameters()`.
+        grid: Map. If None, the node requests it from the map service.
+        carrier: Simulated robot that carries the scanner. If given, its true pose replaces the one in tf, and the scanner
+            also sees obstacles and other robots.
         transforms: Transform buffer that another node fills. If None, this node listens to tf itself.
     """
 
@@ -126,11 +126,14 @@ class LaserScannerSimulator(Handle):
         return self._scanner
 
     def set_parameters(self, **values: Any) -> None:
-        """Changes parameters by name, from the next scan on.
+        """Changes parameters by name. The next scan uses them.
+
+        Args:
+            **values: New values, by the names of `LaserParameters`.
 
         Raises:
             ValueError: A value is invalid. The message names the parameter, its value and what is allowed. Nothing changes.
-            TypeError: A topic carries another message type. Nothing changes.
+            TypeError: A new topic name belongs to a topic of another message type. Nothing changes.
         """
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
@@ -148,15 +151,15 @@ class LaserScannerSimulator(Handle):
             raise
 
     def set_laser_params(self, **values: Any) -> None:
-        """Same as `set_parameters`; the name in the original ROS package."""
+        """Same as `set_parameters`, under its name in the original ROS package."""
         self.set_parameters(**values)
 
     def set_noise_params(self, **values: Any) -> None:
-        """Same as `set_parameters`; the name in the original ROS package."""
+        """Same as `set_parameters`, under its name in the original ROS package."""
         self.set_parameters(**values)
 
     def start(self) -> None:
-        """Publishes scans from now on, the first one after one period. Has no effect if the node is running."""
+        """Starts to publish scans, the first one after one period. Has no effect if the node is running."""
         if self._running is not None:
             return
         with Handles() as handles:
@@ -168,7 +171,7 @@ class LaserScannerSimulator(Handle):
             self._running = handles
 
     def stop(self) -> None:
-        """Publishes nothing from now on. `start` resumes."""
+        """Stops publishing scans. `start` resumes."""
         if self._running is not None:
             self._running.close()
             self._running = None
@@ -236,15 +239,13 @@ class LaserScannerSimulator(Handle):
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
             normalised = {name: round(getattr(beam_model, name), 6) for name in weights}
-            self._node.get_logger().warning(
-                f"the weights of the noise must sum to 1, got {weights}; normalised to {normalised}"
-            )
+            self._node.get_logger().warning(f"the noise weights must sum to 1, got {weights}; normalised to {normalised}")
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds
 
     def _request_map(self, client: Client) -> None:
-        """Requests the map, unless it is there or a request is under way."""
+        """Requests the map, unless it has arrived or a request is pending."""
         now_ns = self._now_ns()
         requested_ns = self._map_requested_ns
         is_waiting = requested_ns is not None and 0 <= now_ns - requested_ns < MAP_REQUEST_TIMEOUT_NS
@@ -270,13 +271,13 @@ class LaserScannerSimulator(Handle):
         self._node.get_logger().info(f"using a map of {width}x{height} cells of {self._grid.resolution:g} m")
 
     def _prepare(self, grid: OccupancyGrid) -> None:
-        """Builds the free boxes of a grid with all cores, once. A scan would build them on its own single thread."""
+        """Builds the beam lookup tables of a new grid on all cores. Otherwise the first scan would build them on one thread."""
         if self._prepared_grid is not grid:
             grid.prepare()
             self._prepared_grid = grid
 
     def _publish_scan(self) -> None:
-        """Measures a scan from the current pose and publishes it, if map and pose are known."""
+        """Measures and publishes a scan, if the map and the pose are known."""
         assert self._scans is not None
         now_ns, parameters = self._now_ns(), self._parameters
         map_from_base = self._base_pose(now_ns)
@@ -300,20 +301,20 @@ class LaserScannerSimulator(Handle):
         )
 
     def _base_pose(self, now_ns: int) -> Pose | None:
-        """Returns the pose of the robot's base in the map frame, None if it is not known."""
+        """Returns the pose of the robot's base in the map frame, from the carrier or else from tf. None if it is unknown."""
         if self._carrier is not None:
             return self._carrier.pose
         return self._transforms.lookup_or_root(self._parameters.map_frame_id, self._parameters.base_link_frame, now_ns)
 
     def _update_mount(self, now_ns: int) -> None:
-        """Mounts the scanner where tf says it is, if tf knows."""
+        """Sets the mount to the one in tf. Keeps the current mount if tf has none."""
         base, frame = self._parameters.base_link_frame, self._parameters.laser_frame_id
         mount = self._transforms.lookup(base, frame, now_ns) if frame != base else None
         if mount is not None and mount != self._scanner.mount:
             self._scanner = self._parameters.scanner(mount)
 
     def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> Any:
-        """Returns the ranges of the next scan, (beam_count,) float32 [m]."""
+        """Measures the next scan, with noise if `apply_noise` is set. Returns its ranges, (beam_count,) float32 [m]."""
         self._prepare(grid)
         ranges = self._scanner.scan_batch(
             grid,

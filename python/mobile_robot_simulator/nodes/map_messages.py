@@ -11,11 +11,11 @@ from .._core import OccupancyGrid
 
 
 def to_message(grid: OccupancyGrid, frame_id: str = "map") -> messages.OccupancyGrid:
-    """Returns the message that carries a grid.
+    """Returns a grid as a message.
 
     Args:
         grid: Map to send.
-        frame_id: Frame that the grid's origin is given in.
+        frame_id: Frame of the grid's origin.
     """
     height, width = grid.shape
     origin = messages.Pose.from_planar(grid.origin)
@@ -24,30 +24,32 @@ def to_message(grid: OccupancyGrid, frame_id: str = "map") -> messages.Occupancy
 
 
 def from_message(message: messages.OccupancyGrid, *, unknown: Literal["free", "occupied"] = "free") -> OccupancyGrid:
-    """Returns the grid that a message carries.
+    """Returns the grid in a message.
 
     Args:
-        message: Map as received.
-        unknown: How beams treat unknown cells.
+        message: Received map.
+        unknown: Whether beams treat unknown cells as free or as occupied.
 
     Raises:
-        ValueError: The data is not integers in -1..100, its length is not width * height, or the resolution or the origin
-            is invalid.
+        ValueError: A value is not an integer in -1..100, the number of values is not width * height, or the resolution or
+            the origin is invalid.
     """
     info, data = message.info, np.asarray(message.data)
     if data.dtype.kind not in "iu" or data.min(initial=0) < -1 or data.max(initial=0) > 100:
         raise ValueError(f"a map's data must be integers in -1..100, got {data.dtype} values such as {data.ravel()[:4]}")
     if data.size != info.width * info.height:
-        raise ValueError(f"a map of {info.width}x{info.height} cells must have as many values, got {data.size}")
+        raise ValueError(
+            f"a map of {info.width}x{info.height} cells must have {info.width * info.height} values, got {data.size}"
+        )
     cells = data.astype(np.int8, copy=False).reshape(info.height, info.width)
     return OccupancyGrid(cells, resolution=_resolution(info), origin=info.origin.to_planar(), unknown=unknown)
 
 
 def _resolution(info: messages.MapMetaData) -> float:
-    """Returns the resolution as the sender wrote it [m/cell].
+    """Returns the resolution that the sender meant [m/cell].
 
-    The message carries a float32. Read as a float64, 0.05 would become 0.05000000074505806; this returns the shortest
-    decimal that rounds to the float32.
+    The message holds a float32. Converted to float64, 0.05 would become 0.05000000074505806. This function returns the
+    shortest decimal number that rounds to the same float32.
     """
     rounded = np.float32(info.resolution)
     return float(str(rounded)) if info.resolution == rounded else info.resolution
@@ -65,7 +67,7 @@ def carries_grid(message: messages.OccupancyGrid, grid: OccupancyGrid) -> bool:
 
 
 def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> OccupancyGrid:
-    """Returns a copy of a grid whose unknown cells are treated differently by beams."""
+    """Returns a copy of a grid in which beams treat unknown cells as free or as occupied."""
     return OccupancyGrid(
         grid.cells,
         resolution=grid.resolution,

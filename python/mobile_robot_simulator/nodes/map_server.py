@@ -17,11 +17,11 @@ class MapServer(Handle):
     """Offers one map through the service GetMap and publishes it on a latched topic.
 
     Args:
-        node: Node to publish and to offer the service through.
-        grid: The map. Later changes to it are not served.
+        node: Node that publishes the map and offers the service.
+        grid: The map.
         topic: Name of the topic.
         service: Name of the service.
-        frame_id: Frame that the grid's origin is given in.
+        frame_id: Frame of the grid's origin.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class MapServer(Handle):
         self._running: Handles | None = None
 
     def start(self) -> None:
-        """Publishes the map and answers requests from now on."""
+        """Publishes the map and starts to answer requests. Has no effect if the server is running."""
         if self._running is not None:
             return
         with Handles() as handles:
@@ -72,8 +72,8 @@ class MapFileServer:
     """Serves the map of a map_server YAML file.
 
     Args:
-        node: Node to publish and to offer the service through.
-        parameters: File, names and frame.
+        node: Node that publishes the map and offers the service.
+        parameters: File, names of topic and service, and frame.
 
     Raises:
         OSError: A file cannot be read.
@@ -92,7 +92,10 @@ class MapFileServer:
         return self._parameters
 
     def set_parameters(self, **values: Any) -> None:
-        """Changes parameters by name. Loads the file again and serves its map at once.
+        """Changes parameters by name. If one has a new value, loads the file again and serves its map at once.
+
+        Args:
+            **values: New values, by the names of `MapParameters`.
 
         Raises:
             ValueError: A value is invalid, or the file contains no valid map. Nothing changes.
@@ -107,7 +110,7 @@ class MapFileServer:
                 server.start()
 
     def start(self) -> None:
-        """Publishes the map and answers requests from now on."""
+        """Publishes the map and starts to answer requests. Has no effect if the server is running."""
         self._is_running = True
         self._server.start()
 

@@ -1,4 +1,4 @@
-"""MobileRobotSimulator: the node that turns velocity commands into odometry, transforms and the clock."""
+"""MobileRobotSimulator: the node that moves a robot by velocity commands and publishes odometry, tf and the clock."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ CONSTRAINT_PARAMETERS = (
     "acceleration_limits",
     "deceleration_limits",
 )
-"""Parameters that constrain the motion. Changing one of these stops the robot, until the next command."""
+"""Parameters that constrain the motion. Changing one of these stops the robot until the next command."""
 
 MAX_COMMAND = 1e3
-"""Largest velocity accepted in a command, in each component [m/s, rad/s]. Larger ones are refused."""
+"""Limit of each component of a command [m/s, rad/s]. Commands beyond it are refused."""
 
 
 @dataclass(frozen=True)
@@ -83,12 +83,12 @@ class RobotSnapshot:
         parameters: Parameters.
         running: Publishers, subscriptions, services and timers, None while the node is stopped.
         publishers: Publishers, None before the first start.
-        footprint: Outline of the robot.
-        slip_share: Active slip, see `MobileRobotSimulator.slip`.
-        drift: Active drift of the odometry, see `MobileRobotSimulator.drift`.
-        believed_pose: Last pose published as odometry.
-        motion: Motion, with its state.
-        odometer: Odometer, with its state.
+        footprint: Outline of the robot, None if it has none.
+        slip_share: Share of the commanded motion that is lost, see `MobileRobotSimulator.slip`.
+        drift: Noise and seed of the last call of `MobileRobotSimulator.drift`.
+        believed_pose: Pose that the odometry last reported, in the odometry frame.
+        motion: The motion and its saved state.
+        odometer: The odometer and its saved state.
     """
 
     parameters: RobotParameters
@@ -103,28 +103,33 @@ class RobotSnapshot:
 
 
 class MobileRobotSimulator(Handle):
-    """A robot that follows velocity commands exactly.
+    """A simulated robot that executes velocity commands and publishes its odometry.
 
     Commands:
-        The robot holds each Twist or TwistStamped until the next one arrives, or until `velocity_timeout` has passed. The
-        pose at any time is integrated exactly from the last command, so it does not depend on the publishing rate.
+        The robot keeps the velocity of a Twist or TwistStamped until the next one arrives or `velocity_timeout` has passed.
+        Its motion is integrated exactly, so the pose does not depend on the publishing rate.
     Output:
-        Odometry, the transform odom -> base_link and the clock are published at `publish_rate`. With
-        `publish_map_transform` the node also publishes map -> odom and listens to initialpose.
+        The node publishes odometry and the transform odom -> base_link at `publish_rate`. With
+        `publish_clock` it publishes the clock at `clock_rate`, or at `publish_rate` if `clock_rate` is 0. With
+        `publish_map_transform` it also publishes map -> odom, and each message on `initialpose` moves the robot to that
+        pose.
     Services:
-        `reset` returns the robot to its start pose, `set_pose` moves it anywhere.
+        `reset` returns the robot to its start pose. `set_pose` moves it to any pose.
     Constraints:
-        With velocity and acceleration limits the robot follows commands only as fast as they allow. With a footprint it
-        collides with walls, obstacles and other robots. With `odometry_alphas` the odometry drifts and reports the drift in
-        its covariance; map -> odom compensates for it.
+        With velocity and acceleration limits the robot follows a command only within these limits. With a footprint it
+        collides with walls, obstacles and other robots. Without both, it follows commands exactly.
+    Odometry:
+        The odometry is exact by default. With `odometry_alphas` it drifts, and its covariance reports the drift. The
+        transform map -> odom then corrects the drift, so that map -> base_link stays the true pose.
     Time:
-        The robot moves on the world's time. Stamps come from the node's clock, which may differ from it.
+        The robot moves on the time of the world. Stamps come from the node's clock, which can show another time, for
+        example after a clock jump.
 
     Args:
         node: Node to publish and subscribe through.
-        parameters: Parameters; the defaults if None.
-        start_pose: First pose of the robot in the map frame; the identity if None.
-        world: World that the robot moves in. If None, the robot is alone, without walls, on the time of the node's clock.
+        parameters: Parameters. Default: `RobotParameters()`.
+        start_pose: Pose at the start and after a reset, in the map frame. Default: `Pose()`.
+        world: World that the robot moves in. If None, the robot is alone in an empty world, on the time of the node's clock.
         name: Name of the robot in contact events.
     """
 
@@ -182,7 +187,7 @@ class MobileRobotSimulator(Handle):
 
     @property
     def velocity(self) -> Velocity:
-        """True velocity of the robot now: forward, left [m/s], counter-clockwise [rad/s]."""
+        """True velocity (vx, vy, wz) now, in the robot's frame: forward and left [m/s], counter-clockwise [rad/s]."""
         return self._motion.velocity(self._world.now_ns())
 
     @property
@@ -191,9 +196,9 @@ class MobileRobotSimulator(Handle):
         return self._motion.distance(self._world.now_ns())
 
     def reset(self) -> None:
-        """Returns the robot to its start pose, standing still, with its first odometry and no distance driven.
+        """Moves the robot to its start pose and stops it. The odometry and the driven distance start again.
 
-        Active slip and drift faults continue.
+        Slip and drift that are set (`slip`, `drift`) stay in effect.
         """
         now_ns, parameters, start = self._world.now_ns(), self._parameters, self._start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
@@ -208,13 +213,17 @@ class MobileRobotSimulator(Handle):
         self._world.changed()
 
     def set_parameters(self, **values: Any) -> None:
-        """Changes parameters by name, from now on.
+        """Changes parameters by name, with immediate effect.
 
         A new `velocity_timeout` also applies to the current command, counted from now.
 
+        Args:
+            **values: New values, by the names of `RobotParameters`.
+
         Raises:
             ValueError: A value is invalid. The message names the parameter, its value and what is allowed. Nothing changes.
-            TypeError: A topic carries another message type. All but the motion is as before.
+            TypeError: A new topic name belongs to a topic of another message type. The parameters keep their old values,
+                but the motion already follows the new ones.
         """
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
@@ -236,8 +245,8 @@ class MobileRobotSimulator(Handle):
     def set_pose(self, pose: Pose) -> None:
         """Moves the robot to a pose in the map frame. The current command continues from there.
 
-        With `publish_map_transform` the odometry continues unchanged and map -> odom changes. Otherwise the odometry itself
-        jumps to the new pose.
+        With `publish_map_transform` the odometry stays as it is and map -> odom changes. Otherwise the odometry jumps to
+        the new pose.
         """
         now_ns = self._world.now_ns()
         if self._parameters.publish_map_transform:
@@ -248,7 +257,7 @@ class MobileRobotSimulator(Handle):
         self._world.changed()
 
     def slip(self, share: float) -> None:
-        """Makes the wheels slip from now on, unnoticed by the odometry.
+        """Makes the wheels slip from now on. The odometry does not notice it.
 
         Args:
             share: Share of the commanded motion that is lost, in 0..1.
@@ -257,7 +266,7 @@ class MobileRobotSimulator(Handle):
         self._motion.slip(share, self._world.now_ns())
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
-        """Makes the odometry drift from now on. Its covariance starts again at that of exact odometry.
+        """Makes the odometry drift from now on. The covariance restarts at the value for exact odometry.
 
         Args:
             noise: Noise of the odometry, None for exact odometry.
@@ -267,7 +276,7 @@ class MobileRobotSimulator(Handle):
         self._odometer = Odometer(self._motion.wheel_pose(now_ns), now_ns, noise=noise, seed=seed)
 
     def start(self) -> None:
-        """Takes commands and publishes from now on, the first time after one period. Has no effect if it is running."""
+        """Starts to follow commands and to publish, first after one period. Has no effect if the node is running."""
         if self._running is not None:
             return
         with Handles() as handles:
@@ -279,7 +288,7 @@ class MobileRobotSimulator(Handle):
             self._running = handles
 
     def stop(self) -> None:
-        """Stops the robot, which then takes no commands and publishes nothing. `start` resumes from its pose."""
+        """Stops the robot. It then ignores commands and publishes nothing. `start` resumes at its pose."""
         if self._running is not None:
             self._running.close()
             self._running = None
@@ -385,7 +394,7 @@ class MobileRobotSimulator(Handle):
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
         if not all(math.isfinite(value) and abs(value) <= MAX_COMMAND for value in velocity):
             self._node.get_logger().warning(
-                f"velocity command refused: vx, vy and wz must be finite and at most {MAX_COMMAND:g}, got {velocity}"
+                f"velocity command refused: |vx|, |vy| and |wz| must be finite and at most {MAX_COMMAND:g}, got {velocity}"
             )
             return
         self._motion.command(velocity, self._world.now_ns())
@@ -418,7 +427,7 @@ class MobileRobotSimulator(Handle):
     # --- publishing ---
 
     def _publish(self) -> None:
-        """Publishes odometry and transforms; also the clock, unless it has a timer of its own."""
+        """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
         assert self._publishers is not None
         now_ns, stamp = self._world.now_ns(), self._stamp()
         if self._parameters.clock_rate == 0.0:
@@ -438,7 +447,7 @@ class MobileRobotSimulator(Handle):
         )
 
     def _transform_messages(self, now_ns: int, odometry: Odometry) -> list[TransformStamped]:
-        """Returns odom -> base_link as in an odometry message, after map -> odom if that is published."""
+        """Returns map -> odom, if it is published, and odom -> base_link as in the odometry message."""
         position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
         odom_from_base = Transform(Vector3(position.x, position.y), orientation)
         transforms = [TransformStamped(odometry.header, self._parameters.base_link_frame, odom_from_base)]
@@ -449,7 +458,7 @@ class MobileRobotSimulator(Handle):
         return transforms
 
     def _map_from_odom(self, now_ns: int) -> Pose:
-        """Returns the pose of the odometry frame for which the odometry leads to the robot's true pose."""
+        """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
         motion = self._motion
         if motion.slipped or self._odometer.is_noisy:
             return (motion.map_pose(now_ns) * self._believed_pose.inverse()).wrapped()

@@ -1,4 +1,4 @@
-"""Transforms between frames: a small tf buffer whose lookups never wait."""
+"""Transforms between frames: a small tf buffer whose lookups extrapolate instead of waiting."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from ..physics.motion import STANDING, Velocity
 from .interface import Node, QoS
 
 MAX_EXTRAPOLATION_NS = 1_000_000_000
-"""Longest time before or after a frame's last transform for which its pose is extrapolated [ns]."""
+"""A pose is extrapolated at most this long before or after the stamp of the last transform [ns]."""
 
 
 @dataclass(frozen=True)
 class TransformSnapshot:
-    """Saved state of a `TransformBuffer`: the last transform and the last twist of each frame."""
+    """Saved state of a `TransformBuffer`: the last transforms and the last twist of each frame."""
 
     links: dict[str, _Link]
     twists: dict[str, Velocity]
 
 
 class TransformBuffer:
-    """Stores the last transform of each frame to its parent, and the twist that extrapolates it.
+    """Stores where each frame is in its parent frame, and extrapolates the frames that move.
 
-    A robot's frame moves between transforms. Frames above it (`odom` in `map`) do not move: their transforms are only
-    corrected from time to time, so the last one holds.
+    For each frame the buffer keeps the last two transforms to its parent, and the last odometry twist if there is one. The
+    robot's frame moves between two transforms, so it is extrapolated. The frames above the robot's frame (such as `odom` in
+    `map`) only receive corrections, so their last transform is valid until the next one.
     """
 
     def __init__(self) -> None:
@@ -39,9 +40,10 @@ class TransformBuffer:
         """Stores a transform.
 
         Args:
-            transform: Pose of the child frame in the header's frame. A transform with the same stamp replaces the last one.
-                One with an earlier stamp or another parent starts a new history.
-            static: True if the transform holds at all times.
+            transform: Pose of the child frame in the header's frame. If its stamp equals the last one, it replaces the last
+                transform. If its stamp is earlier or its parent is another frame, all older transforms of the child are
+                dropped.
+            static: True if the transform is valid at all times.
 
         Raises:
             ValueError: The translation or the rotation is not finite, or the rotation's quaternion is zero.
@@ -56,7 +58,7 @@ class TransformBuffer:
         self._links[child] = _Link(parent, stamp, pose, static, before and replace(before, before=None))
 
     def add_twist(self, odometry: Odometry) -> None:
-        """Stores the twist of an odometry message's child frame. A twist that is not finite counts as standing still."""
+        """Stores the twist of an odometry message's child frame. A twist that is not finite counts as zero."""
         twist = odometry.twist.twist
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
         self._twists[_without_slash(odometry.child_frame_id)] = velocity if all(map(math.isfinite, velocity)) else STANDING
@@ -64,9 +66,9 @@ class TransformBuffer:
     def lookup(self, target: str, source: str, time_ns: int) -> Pose | None:
         """Returns the pose of the source frame in the target frame, or None if the frames are not connected at that time.
 
-        A frame with odometry is extrapolated from its last transform by its last twist, for at most
-        `MAX_EXTRAPOLATION_NS`. A robot without odometry is extrapolated by its last two transforms; the first frame above
-        the source (or the target) that is not static counts as the robot's.
+        A frame with odometry is extrapolated from its last transform with its last twist. Without odometry, the first frame
+        on the way up from the source (or from the target) whose transform is not static counts as the robot's frame, and is
+        extrapolated with its last two transforms. Both are limited to `MAX_EXTRAPOLATION_NS`.
 
         Args:
             target: Frame of the result.
@@ -81,9 +83,15 @@ class TransformBuffer:
         return None
 
     def lookup_or_root(self, target: str, source: str, time_ns: int) -> Pose | None:
-        """Like `lookup`, but an unknown target frame is replaced by the root of the source frame's tree.
+        """Like `lookup`, but the root of the tree that contains the source frame replaces an unknown target frame.
 
-        Returns None if the target is known but not connected, or if the source has no parent.
+        Args:
+            target: Frame of the result.
+            source: Frame whose pose is wanted.
+            time_ns: Time of the pose [ns].
+
+        Returns:
+            The pose, or None if the target is known but not connected, or if the source has no parent.
         """
         pose = self.lookup(target, source, time_ns)
         if pose is not None or self._knows(_without_slash(target)):
@@ -103,7 +111,7 @@ class TransformBuffer:
         return frame in self._links or any(link.parent == frame for link in self._links.values())
 
     def _ancestors(self, frame: str, time_ns: int) -> dict[str, Pose]:
-        """Returns the pose of a frame in itself, in its parent, in its parent's parent, and so on."""
+        """Returns a frame's pose in itself, in its parent, in its parent's parent and so on, by the ancestor's name."""
         pose, may_move = Pose(), True
         found = {frame: pose}
         while (link := self._links.get(frame)) is not None:
@@ -129,7 +137,11 @@ class TransformListener:
         self._running: Handles | None = None
 
     def start(self, odometry_topic: str) -> None:
-        """Subscribes to the topics. Has no effect if the listener is running."""
+        """Subscribes to the topics. Has no effect if the listener is running.
+
+        Args:
+            odometry_topic: Name of the odometry topic.
+        """
         if self._running is None:
             node = self._node
             with Handles() as handles:
@@ -163,7 +175,7 @@ class TransformListener:
 
 @dataclass(frozen=True)
 class _Link:
-    """Pose of a frame in its parent at a stamp [ns], and the transform before it."""
+    """Pose of a frame in its parent at a stamp [ns], and the previous such pose."""
 
     parent: str
     stamp: int
@@ -172,9 +184,10 @@ class _Link:
     before: _Link | None
 
     def at(self, time_ns: int, twist: Velocity | None, may_move: bool) -> Pose | None:
-        """Returns the pose in the parent at a time, or None if that is too far from the stamp to extrapolate.
+        """Returns the pose in the parent at a time, or None if the time is too far from the stamp.
 
-        A frame moves if it has a twist, or if it may move and has two transforms.
+        A frame moves with its twist if it has one. Without one, it moves through its last two poses if `may_move` is true,
+        and stands still otherwise.
         """
         elapsed = time_ns - self.stamp
         if self.static or elapsed == 0 or (twist is None and not may_move):

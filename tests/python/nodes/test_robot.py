@@ -1,4 +1,4 @@
-"""MobileRobotSimulator: exact motion from commands; odometry, transforms and the clock on time."""
+"""MobileRobotSimulator: exact motion from commands, and the times and contents of what it publishes."""
 
 from __future__ import annotations
 
