@@ -271,7 +271,7 @@ class LaserScannerSimulator(Handle):
         self._node.get_logger().info(f"using a map of {width}x{height} cells of {self._grid.resolution:g} m")
 
     def _prepare(self, grid: OccupancyGrid) -> None:
-        """Builds the beam lookup tables of a new grid on all cores. Otherwise the first scan would build them on one thread."""
+        """Builds the beam lookup tables of a new grid on all cores. The first scan would build them on one thread."""
         if self._prepared_grid is not grid:
             grid.prepare()
             self._prepared_grid = grid

@@ -18,7 +18,7 @@ class MapServer(Handle):
 
     Args:
         node: Node that publishes the map and offers the service.
-        grid: The map.
+        grid: The map, copied: later changes to the grid are not served.
         topic: Name of the topic.
         service: Name of the service.
         frame_id: Frame of the grid's origin.
