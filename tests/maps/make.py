@@ -1,8 +1,8 @@
-"""Makes the maps that the tests carry: `python tests/maps/make.py`, with GraphicsMagick (`gm`) on the path.
+"""Generates the maps in this folder: `python tests/maps/make.py`. Needs GraphicsMagick (`gm`) on the path.
 
-`encodings/` holds one image of 6 x 4 pixels in every encoding that map servers meet. Its `graphicsmagick.json` holds the
-8-bit greys that GraphicsMagick reads from each: Nav2's map server reads maps with it. The other folders hold generated floor
-plans, each with a trait that real maps have and that a map reader or a ray caster can get wrong.
+`encodings/` holds one image of 6 x 4 pixels in each encoding that map files use. `graphicsmagick.json` there holds the
+8-bit greys that GraphicsMagick reads from each image; the map server of Nav2 reads maps with GraphicsMagick. The other
+folders hold generated floor plans. Each has a feature of real maps that a map reader or a ray caster can get wrong.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ GREYS = np.array(
     ],
     np.uint8,
 )
-"""Greys at and beside the thresholds of map servers: 205 is unknown, 89 and 90 are about 0.65, 206 is below 0.196."""
+"""Greys at and near the thresholds of map servers: 205 is unknown, 89 and 90 are close to 0.65, 206 is below 0.196."""
 
 
 def encodings() -> dict[str, bytes | tuple[Image.Image, dict[str, Any]]]:
-    """File names with the file's bytes, or with the image and the options that Pillow saves it with."""
+    """Returns the content of each file by name: its bytes, or an image and the options with which Pillow saves it."""
     plain = GREYS.tobytes()
     text = " ".join(map(str, GREYS.ravel()))
     wide = GREYS.astype(np.uint32)
@@ -76,7 +76,7 @@ def encodings() -> dict[str, bytes | tuple[Image.Image, dict[str, Any]]]:
 
 
 def make_encodings(folder: Path) -> None:
-    """Writes all encodings, one truncated file, and what GraphicsMagick reads."""
+    """Writes the images, one truncated image, and the greys that GraphicsMagick reads."""
     folder.mkdir(exist_ok=True)
     read = {}
     for name, content in encodings().items():
@@ -97,9 +97,12 @@ def make_map(
 ) -> None:
     """Writes a floor plan as a map.
 
-    shades: Draw free and occupied cells in several greys.
-    header: Header of a PGM file, with two %d for width and height. If None, a PNG file is written.
-    entries: Entries of the YAML file that differ from the defaults.
+    Args:
+        name: Folder of the map.
+        grid: The floor plan.
+        shades: True to draw free and occupied cells in several greys.
+        header: Header of a PGM file, with two %d for width and height. If None, a PNG file is written.
+        **entries: Entries of the YAML file that differ from the defaults.
     """
     folder = HERE / name
     folder.mkdir(exist_ok=True)
@@ -124,7 +127,7 @@ def make_map(
 
 
 def greys_of(cells: NDArray[np.int8], *, shades: bool) -> NDArray[np.uint8]:
-    """Pixels of cells, top row first: 254 free, 0 occupied, 205 unknown, or greys near these."""
+    """Returns the pixels of cells, top row first: 254 is free, 0 occupied, 205 unknown. `shades` varies the first two."""
     draw = np.random.default_rng(0).integers(0, 40, cells.shape) if shades else np.zeros(cells.shape, int)
     greys = np.select([cells == 100, cells == 0], [draw, 254 - draw // 4], 205)
     return greys[::-1].astype(np.uint8)

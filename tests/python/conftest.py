@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""Settings and fixtures of all tests."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import mobile_robot_simulator as mrs
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=60)
 settings.load_profile("repeatable")
 
-# A shell that starts `make test &` has SIGINT ignored, which processes inherit. Tests that send SIGINT need it to be heard.
+# A shell that runs `make test &` makes its child processes ignore SIGINT. Tests that send SIGINT need the default handler.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
 def post() -> mrs.OccupancyGrid:
-    """5x5 cells of 1 m of which only (2, 2) blocks."""
+    """A grid of 5x5 cells of 1 m. Only cell (2, 2) blocks."""
     cells = np.zeros((5, 5), np.int8)
     cells[2, 2] = 100
     return mrs.OccupancyGrid(cells, resolution=1.0)
@@ -28,7 +28,7 @@ def post() -> mrs.OccupancyGrid:
 
 @pytest.fixture
 def room() -> mrs.OccupancyGrid:
-    """A closed room of 20x16 m, 0.1 m cells, around the origin, with a pillar that is not in its middle."""
+    """A closed room of 20 m by 16 m around the origin, with cells of 0.1 m and a pillar away from the middle."""
     cells = np.zeros((160, 200), np.int8)
     cells[[0, -1], :] = 100
     cells[:, [0, -1]] = 100

@@ -1,4 +1,4 @@
-"""What the fast code is held against: too plain to be wrong."""
+"""Reference implementations for comparison with the fast code. They are simple enough to check by reading."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from numpy.typing import NDArray
 import mobile_robot_simulator as mrs
 
 TOLERANCE = 1e-9
-"""How far [m] a range may be from the reference before it is rounded to float32."""
+"""Largest error of a range before it is rounded to float32 [m]."""
 
 CORNER = 1e-9
-"""Rays that pass a corner of a square this near, in cells, may meet it or not."""
+"""A ray that passes a corner of a square at less than this distance [cells] may hit or miss the square."""
 
 PARALLEL = 1e-6
-"""A component of a unit vector below which a ray runs along the grid lines."""
+"""A ray is parallel to the grid lines if a component of its unit direction is smaller than this."""
 
 Ray = tuple[float, float, float]
 
 
 class Bounds(NamedTuple):
-    """The least and the greatest range that is right; they differ only for a ray through a corner."""
+    """Smallest and largest correct range of each ray. They differ only for rays through a corner."""
 
-    least: NDArray[np.float64]
-    greatest: NDArray[np.float64]
+    smallest: NDArray[np.float64]
+    largest: NDArray[np.float64]
 
     @property
-    def clear(self) -> NDArray[np.bool_]:
-        """The rays of which only one range is right."""
-        return np.abs(self.greatest - self.least) <= TOLERANCE
+    def is_unique(self) -> NDArray[np.bool_]:
+        """True for each ray with only one correct range."""
+        return np.abs(self.largest - self.smallest) <= TOLERANCE
 
 
 def blocking_squares(grid: mrs.OccupancyGrid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Left and lower edges of the blocking squares, in cells."""
+    """Left and lower edges of the blocking squares [cells]."""
     blocks = grid.cells >= grid.occupied_threshold
     if grid.unknown == "occupied":
         blocks |= grid.cells < 0
@@ -44,7 +44,7 @@ def blocking_squares(grid: mrs.OccupancyGrid) -> tuple[NDArray[np.float64], NDAr
 
 
 def ray_in_cells(grid: mrs.OccupancyGrid, ray: Ray) -> Ray:
-    """A ray of the map frame in the frame of the grid, lengths in cells."""
+    """Converts a ray from the map frame to the frame of the grid, with lengths in cells."""
     dx, dy = ray[0] - grid.origin.x, ray[1] - grid.origin.y
     cos, sin = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
     x, y = cos * dx + sin * dy, -sin * dx + cos * dy
@@ -54,7 +54,7 @@ def ray_in_cells(grid: mrs.OccupancyGrid, ray: Ray) -> Ray:
 def slab(
     low: NDArray[np.float64], side: float, start: float, step: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where a ray enters and leaves the strips from `low` to `low + side` along one axis."""
+    """Distances at which a ray enters and leaves each strip from `low` to `low + side` of one axis."""
     if step == 0.0:
         inside = (low <= start) & (start < low + side)
         return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
@@ -64,7 +64,10 @@ def slab(
 
 
 def cast(grid: mrs.OccupancyGrid, rays: NDArray[np.float64] | list[Ray], max_range: float) -> Bounds:
-    """Intersects each ray with every blocking square and takes the nearest."""
+    """Intersects each ray with every blocking square and takes the nearest.
+
+    Squares enlarged by `CORNER` give the smallest correct range, shrunk ones the largest.
+    """
     cols, rows = blocking_squares(grid)
     bounds = []
     for ray in rays:
@@ -76,16 +79,16 @@ def cast(grid: mrs.OccupancyGrid, rays: NDArray[np.float64] | list[Ray], max_ran
             x_near, x_far = slab(cols - grown, 1.0 + 2.0 * grown, x, dx)
             y_near, y_far = slab(rows - grown, 1.0 + 2.0 * grown, y, dy)
             met = (np.maximum(x_near, y_near) <= np.minimum(x_far, y_far)) & (np.minimum(x_far, y_far) >= 0.0)
-            # Rounding decides when a ray along a grid line crosses it.
+            # Rounding decides where a ray along a grid line crosses it, so such a ray enters at the enlarged square.
             enter = np.maximum(x_in if abs(dx) > PARALLEL else x_near, y_in if abs(dy) > PARALLEL else y_near)
             nearest.append(min(np.min(np.maximum(enter, 0.0)[met], initial=np.inf) * grid.resolution, max_range))
         bounds.append(nearest)
-    least, greatest = np.array(bounds).reshape(-1, 2).T
-    return Bounds(least, greatest)
+    smallest, largest = np.array(bounds).reshape(-1, 2).T
+    return Bounds(smallest, largest)
 
 
 def scanner_rays(laser: mrs.LaserScanner, pose: Ray | mrs.Pose) -> list[Ray]:
-    """The beams of a scanner on a robot, as rays of the map frame."""
+    """Beams of a scanner on a robot as rays in the map frame."""
     x, y, yaw = pose
     mount_x, mount_y, mount_yaw = laser.mount
     x += math.cos(yaw) * mount_x - math.sin(yaw) * mount_y
@@ -94,30 +97,30 @@ def scanner_rays(laser: mrs.LaserScanner, pose: Ray | mrs.Pose) -> list[Ray]:
 
 
 def assert_ranges(found: NDArray[np.float32], bounds: Bounds) -> None:
-    """Ranges are right to 1e-9 m before they are rounded to float32."""
+    """Asserts that the ranges are correct to `TOLERANCE` before they are rounded to float32."""
     assert found.dtype == np.float32
-    assert found.shape == bounds.least.shape
-    too_short = found < (bounds.least - TOLERANCE).astype(np.float32)
-    too_long = found > (bounds.greatest + TOLERANCE).astype(np.float32)
+    assert found.shape == bounds.smallest.shape
+    too_short = found < (bounds.smallest - TOLERANCE).astype(np.float32)
+    too_long = found > (bounds.largest + TOLERANCE).astype(np.float32)
     wrong = np.flatnonzero(too_short | too_long | np.isnan(found))
-    detail = [(int(i), float(found[i]), bounds.least[i], bounds.greatest[i]) for i in wrong[:5]]
-    assert not wrong.size, f"{wrong.size} of {found.size} ranges are wrong: (index, found, least, greatest) {detail}"
+    detail = [(int(i), float(found[i]), bounds.smallest[i], bounds.largest[i]) for i in wrong[:5]]
+    assert not wrong.size, f"{wrong.size} of {found.size} ranges are wrong: (index, found, smallest, largest) {detail}"
 
 
-def said(error: BaseException) -> str:
-    """All that an error says, its notes included."""
+def message_of(error: BaseException) -> str:
+    """Message of an error and its notes."""
     return "\n".join([str(error), *getattr(error, "__notes__", ())])
 
 
 def normal_cdf(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The distribution function of the standard normal."""
+    """Distribution function of the standard normal distribution."""
     return np.array([0.5 * math.erfc(-value / math.sqrt(2.0)) for value in np.ravel(x)]).reshape(np.shape(x))
 
 
 def reading_cdf(z: NDArray[np.float64], noise: mrs.BeamModel, true_range: float, max_range: float, *, hits: bool) -> NDArray:
     """Probability of a reading of at most z < max_range (Probabilistic Robotics, table 6.1, each part normalised).
 
-    The hit part of a beam that hits nothing lies at max_range.
+    If the beam hits nothing (`hits` is False), its hit part is all at max_range.
     """
     sigma, rate = noise.sigma_hit, noise.lambda_short
     total = noise.z_rand * z / max_range

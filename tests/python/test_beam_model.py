@@ -1,4 +1,4 @@
-"""beam model: readings follow Probabilistic Robotics, table 6.1, each part normalised."""
+"""beam_model: readings follow the model of Probabilistic Robotics, table 6.1, with each part normalised."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ SAMPLES_SEED = 1_234
 READINGS = 200_000
 
 FALSE_ALARM = 1e-9
-"""Probability that a right model fails one of the tests of fit."""
+"""Probability that a correct model fails one call of `assert_fits`."""
 
 
 def model(**weights: float) -> mrs.BeamModel:
-    """A model of only the parts that are named."""
+    """A model that has only the given weights; all others are 0."""
     return mrs.BeamModel(**{"z_hit": 0.0, "z_max": 0.0, **weights})
 
 
 def readings(
     noise: mrs.BeamModel, true_range: float | None, max_range: float, count: int = READINGS, seed: int = SAMPLES_SEED
 ) -> NDArray[np.float64]:
-    """Readings of one beam that ends at a wall, or at none."""
+    """Readings of one beam. It hits a wall at `true_range`, or nothing if that is None."""
     cells = np.zeros((1, 2), np.int8)
     cells[0, 1] = 0 if true_range is None else 100
-    # The wall begins at x = 1 and the beam starts that much before it.
+    # The wall starts at x = 1 m; the beam starts `true_range` before it.
     grid = mrs.OccupancyGrid(cells, resolution=1.0)
     laser = mrs.LaserScanner(fov=1.0, beam_count=1, max_range=max_range, min_range=0.0)
     poses = np.tile([1.0 - (true_range or 0.0), 0.5, 0.0], (count, 1))
@@ -44,7 +44,7 @@ def readings(
 
 
 def assert_fits(found: NDArray[np.float64], noise: mrs.BeamModel, true_range: float | None, max_range: float) -> None:
-    """Kolmogorov & Smirnov below max_range; what is left there has the mass that is left."""
+    """Asserts that readings fit the model: Kolmogorov-Smirnov test below max_range, and share of readings at max_range."""
     count = len(found)
     assert found.min() >= 0.0
     assert found.max() <= np.float32(max_range)
@@ -55,11 +55,11 @@ def assert_fits(found: NDArray[np.float64], noise: mrs.BeamModel, true_range: fl
         return reference.reading_cdf(z, noise, true_range if hits else max_range, max_range, hits=hits)
 
     expected = cdf(below)
-    # The empirical distribution just above and just below each reading; equal readings (float32) are one step.
+    # The empirical distribution just above and just below each reading. Equal float32 readings form one step.
     above, under = np.searchsorted(below, below, "right") / count, np.searchsorted(below, below, "left") / count
-    # At 0 there may be a step of the model's own.
+    # The model itself may have a step at 0.
     distance = max(np.max(above - expected, initial=0.0), np.max((expected - under)[below > 0.0], initial=0.0))
-    # Massart's inequality: P(distance > d) <= 2 exp(-2 count d²); float32 moves a reading, and its probability, a little.
+    # Massart's inequality: P(distance > d) <= 2 exp(-2 count d²). The 1e-4 allows for rounding to float32.
     critical = math.sqrt(-math.log(FALSE_ALARM / 2.0) / (2.0 * count)) + 1e-4
     assert distance < critical, f"{distance} of {critical}"
     atom = 1.0 - float(cdf(np.array([max_range]))[0])
@@ -112,7 +112,7 @@ def test_readings_of_a_true_range_of_zero_fit_the_model(weights: dict[str, float
     assert_fits(found, noise, 0.0, 30.0)
 
 
-def test_a_test_of_fit_can_fail() -> None:
+def test_the_fit_test_rejects_wrong_parameters() -> None:
     right = model(sigma_hit=0.2, lambda_short=0.5, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)
     found = readings(right, 5.0, 30.0)
     assert_fits(found, right, 5.0, 30.0)
@@ -124,8 +124,8 @@ def test_a_test_of_fit_can_fail() -> None:
             assert_fits(found, mrs.BeamModel(**{**options, **change}), 5.0, 30.0)
 
 
-def test_the_computed_check() -> None:
-    """E[z] = 8.155287 and E[short] = 1.552873, with the standard error of so many readings."""
+def test_means_equal_the_computed_values() -> None:
+    """E[z] = 8.155287 and E[short] = 1.552873. The tolerance is 6.2 standard errors of the mean."""
     noise = model(sigma_hit=0.2, lambda_short=0.5, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)
     found = readings(noise, 5.0, 30.0, 1_000_000)
     assert abs(found.mean() - 8.155287) < 6.2 * found.std() / math.sqrt(len(found))
@@ -162,14 +162,14 @@ def test_readings_of_neighbouring_beams_and_scans_are_independent() -> None:
         assert abs(products.mean()) < 7.0 * products.std() / math.sqrt(products.size / 2)
 
 
-def test_a_weight_of_zero_never_happens() -> None:
+def test_a_part_with_weight_zero_never_occurs() -> None:
     assert (readings(model(z_hit=1.0), None, 30.0) == 30.0).all()
     assert (readings(model(z_hit=1.0), 5.0, 30.0) < 30.0).all()
     assert (readings(model(z_short=0.3, z_hit=0.3), 5.0, 30.0) < 30.0).all()
     assert (readings(model(z_max=1.0), 5.0, 30.0) == 30.0).all()
 
 
-# --- likelihood -------------------------------------------------------------------------------------------------------
+# --- Likelihood ---
 
 
 def likelihood(noise: mrs.BeamModel, z: NDArray[np.float64], true_range: float, max_range: float) -> NDArray[np.float64]:
@@ -182,10 +182,10 @@ def likelihood(noise: mrs.BeamModel, z: NDArray[np.float64], true_range: float, 
 def test_the_likelihood_is_the_density(
     true_range: float, max_range: float, sigma: float, rate: float, weights: dict[str, float]
 ) -> None:
-    """Its integral is the distribution function, and with the mass at max_range it is 1."""
+    """The integral of the density is the distribution function. Together with the mass at max_range it is 1."""
     noise = model(sigma_hit=sigma, lambda_short=rate, **weights)
     true_range = float(np.float32(true_range))
-    # The density jumps at the true range: both sides get nodes of their own.
+    # The density jumps at the true range, so each side is integrated separately.
     total = 0.0
     for low, high in ((0.0, true_range), (true_range, max_range)):
         nodes = np.linspace(low, high, 20_001)
@@ -241,7 +241,7 @@ def test_extreme_parameters_have_readings(sigma: float, rate: float, true_range:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "message"),
     [
         ((np.zeros(3, np.float32), np.zeros(4, np.float32), 30.0), ValueError, "shape of readings (3,), got (4,)"),
         ((np.zeros(3), np.zeros(3, np.float32), 30.0), TypeError, "readings must have dtype float32, got float64"),
@@ -253,13 +253,13 @@ def test_extreme_parameters_have_readings(sigma: float, rate: float, true_range:
         ((np.zeros(1, np.float32), np.full(1, -1.0, np.float32), 30.0), ValueError, "true_ranges must be"),
     ],
 )
-def test_bad_likelihoods_are_refused(arguments: Any, error: type[Exception], words: str) -> None:
+def test_invalid_likelihoods_are_rejected(arguments: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
         mrs.BeamModel().likelihood(*arguments)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
-# --- the model itself -------------------------------------------------------------------------------------------------
+# --- Construction ---
 
 NAMES = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
 
@@ -279,7 +279,7 @@ def test_weights_are_scaled_to_sum_to_one() -> None:
     "weights", [(0.995, 0.0, 0.005, 0.0), (3.0, 3.0, 3.0, 1.0), (0.3, 0.2, 0.1, 0.7), (1.0, 1.0, 1.0, 0.1)]
 )
 def test_copies_are_the_same_model(duplicate: Any, weights: tuple[float, ...]) -> None:
-    """To the last bit: a process that a model is sent to must draw the same bytes."""
+    """Bit by bit, because a process that receives a copy must sample the same bytes."""
     noise = mrs.BeamModel(**dict(zip(NAMES[2:], weights, strict=True)))
     other = duplicate(noise)
     assert [getattr(other, name) for name in NAMES] == [getattr(noise, name) for name in NAMES]
@@ -287,7 +287,7 @@ def test_copies_are_the_same_model(duplicate: Any, weights: tuple[float, ...]) -
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "words"),
+    ("options", "error", "message"),
     [
         ({"sigma_hit": 0.0}, ValueError, "sigma_hit must be positive, got 0"),
         ({"sigma_hit": -0.1}, ValueError, "sigma_hit must be positive, got -0.1"),
@@ -307,10 +307,10 @@ def test_copies_are_the_same_model(duplicate: Any, weights: tuple[float, ...]) -
         ({"sigma": 0.1}, TypeError, "sigma"),
     ],
 )
-def test_bad_models_are_refused(options: dict[str, Any], error: type[Exception], words: str) -> None:
+def test_invalid_models_are_rejected(options: dict[str, Any], error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
         mrs.BeamModel(**options)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
 anything = st.one_of(
@@ -319,7 +319,7 @@ anything = st.one_of(
 
 
 @given(st.dictionaries(st.sampled_from(NAMES), anything))
-def test_no_argument_makes_a_panic(options: dict[str, Any]) -> None:
+def test_no_argument_causes_a_panic(options: dict[str, Any]) -> None:
     try:
         noise = mrs.BeamModel(**options)
     except (ValueError, TypeError):

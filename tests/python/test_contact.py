@@ -1,4 +1,4 @@
-"""contact: footprints among walls and obstacles."""
+"""contact: footprints stop at walls and obstacles, slide along them, and measure their distance."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ DISC = mrs.Shape.disc(0.5)
 AHEAD = (1.0, 0.0, 0.0)
 
 
-def test_a_robot_stops_slides_or_goes_through(post: mrs.OccupancyGrid) -> None:
-    # The one wall is the square from (2, 2) to (3, 3).
+def test_a_robot_stops_slides_or_passes_through(post: mrs.OccupancyGrid) -> None:
+    # The only wall is the square from (2, 2) to (3, 3).
     start = mrs.Pose(0.0, 2.5, 0.0)
     end, contact = mrs.advance(post, DISC, start, AHEAD, 3.0)
     assert contact is not None
@@ -32,12 +32,12 @@ def test_a_robot_stops_slides_or_goes_through(post: mrs.OccupancyGrid) -> None:
     assert end.y == pytest.approx(2.8)
 
 
-def test_without_contact_the_way_is_that_of_the_pose(post: mrs.OccupancyGrid) -> None:
+def test_without_contact_the_motion_equals_that_of_the_pose(post: mrs.OccupancyGrid) -> None:
     pose = mrs.Pose(-3.0, 1.0, 0.3)
     assert mrs.advance(post, DISC, pose, (0.4, 0.1, 0.7), 0.5) == (pose.integrate((0.4, 0.1, 0.7), 0.5), None)
 
 
-def test_robots_meet_one_another(post: mrs.OccupancyGrid) -> None:
+def test_a_robot_stops_at_another_robot(post: mrs.OccupancyGrid) -> None:
     others = [(DISC, (-5.0, 0.0, 0.0)), (mrs.Shape.rectangle(2.0, 2.0), (4.0, -5.0, 0.0))]
     end, contact = mrs.advance(post, DISC, (0.0, -5.0, 0.0), AHEAD, 9.0, obstacles=others)
     assert contact is not None
@@ -46,7 +46,7 @@ def test_robots_meet_one_another(post: mrs.OccupancyGrid) -> None:
     assert "obstacle=1" in repr(contact)
 
 
-def test_clearance_and_touch(post: mrs.OccupancyGrid) -> None:
+def test_clearance_and_touches_agree_with_hand_derived_distances(post: mrs.OccupancyGrid) -> None:
     assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=9.0) == pytest.approx(1.5)
     assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=1.0) == 1.0
     assert mrs.clearance(post, DISC, (50.0, 2.5, 0.0), limit=1e300) == pytest.approx(46.5)
@@ -55,7 +55,7 @@ def test_clearance_and_touch(post: mrs.OccupancyGrid) -> None:
     assert not mrs.touches(post, DISC, (1.4, 2.5, 0.0))
 
 
-def test_bad_steps_are_refused_by_name(post: mrs.OccupancyGrid) -> None:
+def test_invalid_steps_are_rejected(post: mrs.OccupancyGrid) -> None:
     with pytest.raises(ValueError, match="mode must be 'stop', 'slide' or 'report', got 'bounce'"):
         mrs.advance(post, DISC, (0, 0, 0), AHEAD, 1.0, mode="bounce")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="vx must be finite, got NaN"):

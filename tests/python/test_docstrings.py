@@ -32,7 +32,7 @@ def documented() -> Iterator[tuple[str, Any]]:
 
 DOCUMENTED = dict(documented())
 CALLABLE = [name for name, thing in DOCUMENTED.items() if callable(thing)]
-# Only `advance` makes contacts; nothing follows from `prepare` that an example could show.
+# Only `advance` creates contacts. `prepare` has no visible effect that an example could show.
 WITHOUT_EXAMPLE = {"Contact", "OccupancyGrid.prepare"}
 
 

@@ -1,13 +1,13 @@
-"""Every snippet of the README and of the documentation runs, and prints what stands below it.
+"""documents: every snippet of the README and the documentation runs and prints the output that the page shows.
 
-In a page, in this order and in one empty folder:
+The snippets of a page run in order, in one empty folder:
 
-- `python` blocks run one after another in one namespace. Blocks that define tests are run by pytest too.
-- a `text` block is what the block before it prints, to the letter.
+- `python` blocks share one namespace. pytest also runs the blocks that define tests.
+- a `text` block must equal the output of the block before it.
 - `sh` blocks run in bash and must succeed.
-- `<!-- skip: next "reason" -->` before a block leaves it out, with the reason.
+- `<!-- skip: next "reason" -->` before a block skips it and gives the reason.
 
-Other blocks (`console`, `yaml`, ...) are only shown.
+Other blocks (`console`, `yaml`, ...) are not run.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Page:
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_snippets_run_and_print_what_stands_below_them(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_snippets_run_and_print_the_shown_output(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = Page()
     parsers = [CodeBlockParser(language, getattr(page, language)) for language in ("python", "text", "sh")]
     document = Sybil([*parsers, SkipParser()]).parse(path)
@@ -82,12 +82,12 @@ def test_snippets_run_and_print_what_stands_below_them(path: Path, tmp_path: Pat
         try:
             example.evaluate()
         except SkipTest as reason:
-            assert len(str(reason)) > 8, f"line {example.line}: say why the snippet is left out"
+            assert len(str(reason)) > 8, f"line {example.line}: give a reason for skipping the snippet"
             page.printed = None
 
 
-def test_generated_pages_are_those_of_the_code() -> None:
+def test_generated_pages_are_up_to_date() -> None:
     script = ROOT / "docs" / "tools" / "generate_pages.py"
     code = f"import runpy; print(all(p.read_text() == t for p, t in runpy.run_path({str(script)!r})['pages']().items()))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
-    assert done.stdout.strip() == "True", "make docs writes them anew"
+    assert done.stdout.strip() == "True", "the generated pages are out of date; run docs/tools/generate_pages.py"

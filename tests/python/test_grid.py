@@ -1,4 +1,4 @@
-"""grid: cells, where they are, and what a grid refuses to be."""
+"""grid: cells, their positions in the map frame, free poses, and invalid arguments."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CELLS = np.array([[0, 100, -1], [59, 60, 1]], np.int8)
 DRAWS = 2000
 
 
-def test_a_grid_is_what_it_was_made_of() -> None:
+def test_a_grid_keeps_its_arguments() -> None:
     grid = mrs.OccupancyGrid(CELLS, resolution=0.05, origin=(1.0, -2.0, 0.3), occupied_threshold=70, unknown="occupied")
     assert grid.cells.dtype == np.int8
     assert np.array_equal(grid.cells, CELLS)
@@ -36,7 +36,7 @@ def test_defaults() -> None:
     assert (grid.origin, grid.occupied_threshold, grid.unknown) == (mrs.Pose(), 60, "free")
 
 
-def test_cells_are_copied_in_and_read_only_out() -> None:
+def test_cells_are_copied_and_read_only() -> None:
     cells = CELLS.copy()
     grid = mrs.OccupancyGrid(cells, resolution=1.0)
     cells[:] = 100
@@ -48,13 +48,13 @@ def test_cells_are_copied_in_and_read_only_out() -> None:
 @pytest.mark.parametrize(
     "view", [np.asfortranarray, lambda cells: cells[::-1, ::-1], lambda cells: np.repeat(cells, 2, 1)[:, ::2]]
 )
-def test_any_memory_layout_will_do(view: Any) -> None:
+def test_every_memory_layout_is_accepted(view: Any) -> None:
     cells = view(CELLS)
     assert np.array_equal(mrs.OccupancyGrid(cells, resolution=1.0).cells, cells)
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda grid: pickle.loads(pickle.dumps(grid))])
-def test_copies_are_the_same_grid(duplicate: Any) -> None:
+def test_copies_equal_the_grid(duplicate: Any) -> None:
     grid = mrs.OccupancyGrid(CELLS, resolution=0.1, origin=(1.0, 2.0, 0.3), occupied_threshold=10, unknown="occupied")
     other = duplicate(grid)
     assert np.array_equal(other.cells, grid.cells)
@@ -64,7 +64,7 @@ def test_copies_are_the_same_grid(duplicate: Any) -> None:
     assert np.array_equal(mrs.cast_rays(other, rays, 5.0), mrs.cast_rays(grid, rays, 5.0))
 
 
-def test_repr_says_which_map_this_is() -> None:
+def test_repr_shows_size_and_options() -> None:
     grid = mrs.OccupancyGrid(CELLS, resolution=0.05, origin=(1.0, -2.0, 0.3), occupied_threshold=70, unknown="occupied")
     assert repr(grid) == (
         "OccupancyGrid(3x2 cells, 0.05 m, origin=(1.0, -2.0, 0.3), occupied_threshold=70, unknown='occupied')"
@@ -72,7 +72,7 @@ def test_repr_says_which_map_this_is() -> None:
 
 
 @pytest.mark.parametrize("origin", [(0.0, 0.0, 0.0), (3.0, -4.0, 0.0), (1.0, 2.0, PI / 2), (-1.0, 0.5, -2.2)])
-def test_every_cell_lies_where_its_centre_is(origin: tuple[float, float, float]) -> None:
+def test_the_centre_of_every_cell_is_in_the_cell(origin: tuple[float, float, float]) -> None:
     grid = mrs.OccupancyGrid(CELLS, resolution=0.25, origin=origin)
     for row in range(2):
         for col in range(3):
@@ -97,7 +97,7 @@ def test_every_cell_lies_where_its_centre_is(origin: tuple[float, float, float])
         (1e308, -1e308, None),
     ],
 )
-def test_a_cell_has_its_lower_and_left_boundary(x: float, y: float, cell: tuple[int, int] | None) -> None:
+def test_a_cell_includes_its_lower_and_left_boundary(x: float, y: float, cell: tuple[int, int] | None) -> None:
     assert mrs.OccupancyGrid(CELLS, resolution=1.0).cell_at(x, y) == cell
 
 
@@ -124,7 +124,7 @@ def test_free_discs(post: mrs.OccupancyGrid, x: float, y: float, radius: float, 
 @pytest.mark.parametrize(
     ("x", "y", "radius"), [(math.nan, 0.0, 0.1), (0.0, math.inf, 0.1), (0.0, 0.0, math.nan), (0.0, 0.0, -1.0)]
 )
-def test_discs_that_are_none_are_refused(post: mrs.OccupancyGrid, x: float, y: float, radius: float) -> None:
+def test_invalid_discs_are_rejected(post: mrs.OccupancyGrid, x: float, y: float, radius: float) -> None:
     with pytest.raises(ValueError, match="must be"):
         post.is_free_disc(x, y, radius)
 
@@ -139,7 +139,7 @@ def test_drawn_poses_are_free_repeatable_and_spread() -> None:
     assert all(grid.is_free_disc(pose.x, pose.y, 0.2) and -PI <= pose.yaw <= PI for pose in drawn)
     places = [grid.cell_at(pose.x, pose.y) for pose in drawn]
     assert set(places) == {(row, col) for row in range(6) for col in range(1, 8) if cells[row, col] == 0}
-    # 38 places, 52.6 draws each, standard deviation 7.2: seven of them either way.
+    # 38 cells with 52.6 draws each on average; the bounds are 7 standard deviations of 7.2.
     counts = [places.count(place) for place in set(places)]
     assert 3 <= min(counts) and max(counts) <= 103
     assert abs(np.mean([pose.yaw for pose in drawn])) < 7 * 2 * PI / math.sqrt(12 * DRAWS)
@@ -156,7 +156,7 @@ def test_no_free_place_is_an_error(cells: Any, radius: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "message"),
     [
         ({"radius": -0.1, "seed": 1}, ValueError, "radius must be"),
         ({"radius": math.nan, "seed": 1}, ValueError, "radius must be"),
@@ -165,12 +165,12 @@ def test_no_free_place_is_an_error(cells: Any, radius: float) -> None:
         ({"radius": 0.1, "seed": 0.5}, TypeError, "seed must be an integer, got float"),
     ],
 )
-def test_bad_draws_are_refused(
-    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], words: str
+def test_invalid_draws_are_rejected(
+    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     with pytest.raises(error) as caught:
         post.draw_free_pose(**arguments)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
 def with_value(value: int) -> Any:
@@ -180,7 +180,7 @@ def with_value(value: int) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "message"),
     [
         ({"cells": with_value(101)}, ValueError, "cells must be in -1..100, got 101 at row 1, column 2"),
         ({"cells": with_value(-2)}, ValueError, "cells must be in -1..100, got -2 at row 1, column 2"),
@@ -214,14 +214,14 @@ def with_value(value: int) -> Any:
         ({"unknown": None}, TypeError, "unknown"),
     ],
 )
-def test_bad_input_is_refused(arguments: dict[str, Any], error: type[Exception], words: str) -> None:
+def test_invalid_input_is_rejected(arguments: dict[str, Any], error: type[Exception], message: str) -> None:
     given = {"cells": CELLS, "resolution": 1.0, **arguments}
     with pytest.raises(error) as caught:
         mrs.OccupancyGrid(given.pop("cells"), **given)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
-def test_options_go_by_name_only() -> None:
+def test_options_are_keyword_only() -> None:
     with pytest.raises(TypeError):
         mrs.OccupancyGrid(CELLS, 0.05)  # type: ignore[misc]
 
@@ -238,7 +238,7 @@ anything = st.one_of(
 
 
 @given(anything, anything, anything, anything)
-def test_no_argument_makes_a_panic(resolution: Any, origin: Any, threshold: Any, unknown: Any) -> None:
+def test_no_argument_causes_a_panic(resolution: Any, origin: Any, threshold: Any, unknown: Any) -> None:
     for options in ({"resolution": resolution}, {"origin": origin}, {"occupied_threshold": threshold}, {"unknown": unknown}):
         try:
             grid = mrs.OccupancyGrid(CELLS, **{"resolution": 0.5, **options})
@@ -248,7 +248,7 @@ def test_no_argument_makes_a_panic(resolution: Any, origin: Any, threshold: Any,
 
 
 @given(st.integers(-(2**70), 2**70), st.integers(-(2**70), 2**70))
-def test_no_cell_index_makes_a_panic(row: int, col: int) -> None:
+def test_no_cell_index_causes_a_panic(row: int, col: int) -> None:
     try:
         center = mrs.OccupancyGrid(CELLS, resolution=1.0).center(row, col)
     except (ValueError, TypeError, IndexError):

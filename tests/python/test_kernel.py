@@ -1,4 +1,4 @@
-"""The kernel that the environment names casts, with the same bytes, or the first cast says why it cannot."""
+"""kernel: every kernel gives the same bytes, an unknown one is an error, and changed cells take effect at once."""
 
 import os
 import subprocess
@@ -43,13 +43,13 @@ def test_every_kernel_gives_the_same_bytes(kernel: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["", "AVX2", "neon"])
-def test_an_unknown_kernel_is_refused_by_name(name: str) -> None:
+def test_an_unknown_kernel_is_rejected(name: str) -> None:
     message = scan(name)
     assert message.startswith("MOBILE_ROBOT_SIMULATOR_KERNEL must be one of traversal, portable")
     assert message.endswith(f'on this machine, got "{name}"\n')
 
 
-def test_cells_that_are_set_are_seen_at_once() -> None:
+def test_scans_see_changed_cells_at_once() -> None:
     grid = mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=1.0)
     laser = mrs.LaserScanner(beam_count=1, max_range=100.0)
     assert laser.scan(grid, (10.5, 10.5, 0.0)) == 100.0
@@ -72,7 +72,7 @@ def test_cells_that_are_set_are_seen_at_once() -> None:
         (-1, 0, np.zeros((1, 1), np.int8), "row must be at least 0, got -1"),
     ],
 )
-def test_bad_rectangles_are_refused_by_name(row: int, col: int, cells: np.ndarray, message: str) -> None:
+def test_invalid_rectangles_are_rejected(row: int, col: int, cells: np.ndarray, message: str) -> None:
     grid = mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=1.0)
     with pytest.raises(ValueError, match=message):
         grid.set_cells(row, col, cells)

@@ -1,4 +1,4 @@
-"""limits: acceleration, then velocity, axis by axis."""
+"""limits: each axis is limited separately, first its acceleration and then its velocity."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import mobile_robot_simulator as mrs
 LIMITS = mrs.Limits(velocity=(1.0, 0.0, 2.0), acceleration=(0.5, 1.0, math.inf), deceleration=(2.0, 1.0, 4.0))
 
 
-def test_each_axis_keeps_to_its_own_limits() -> None:
+def test_each_axis_has_its_own_limits() -> None:
     assert LIMITS.apply((1.0, 1.0, 9.0), (0.0, 0.0, 0.0), 0.5) == (0.25, 0.0, 2.0)
     assert LIMITS.apply((-1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 1.0) == (-0.375, 0.0, 0.0)
     assert mrs.Limits().apply((7.0, -3.0, 9.0), (-7.0, 0.0, 0.0), 1e-9) == (7.0, -3.0, 9.0)
@@ -25,7 +25,7 @@ def test_copies_are_equal() -> None:
     assert eval(repr(LIMITS), {"Limits": mrs.Limits, "inf": math.inf}) == LIMITS
 
 
-def test_bad_limits_are_refused_by_name() -> None:
+def test_invalid_limits_are_rejected() -> None:
     with pytest.raises(ValueError, match="velocity must be at least 0 or inf, got -1"):
         mrs.Limits(velocity=(1.0, -1.0, 1.0))
     with pytest.raises(ValueError, match="wanted must be finite, got NaN"):

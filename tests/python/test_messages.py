@@ -14,7 +14,7 @@ import pytest
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
 
-# Fields as the ROS definitions have them, in their order.
+# Fields of the ROS definitions, in the same order.
 FIELDS = {
     "Time": ("builtin_interfaces/msg/Time", "sec nanosec"),
     "Header": ("std_msgs/msg/Header", "stamp frame_id"),

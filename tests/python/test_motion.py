@@ -25,14 +25,14 @@ def move(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> list[f
 @pytest.mark.parametrize(
     ("pose", "twist", "dt", "expected"),
     [
-        # Straight on.
+        # Straight ahead.
         ((0, 0, 0), (1, 0, 0), 2.0, (2, 0, 0)),
         ((1, 2, 0), (0.5, -0.25, 0), 4.0, (3, 1, 0)),
         ((1, 2, PI / 2), (2, 1, 0), 1.5, (-0.5, 5, PI / 2)),
         ((0, 0, PI), (1, 0, 0), 1.0, (-1, 0, PI)),
         # On the spot.
         ((3, 4, 0.5), (0, 0, 2), 0.25, (3, 4, 1.0)),
-        # Quarters, halves and whole turns of a circle of radius v/ω.
+        # Quarter, half and full turns on a circle of radius v/ω.
         ((0, 0, 0), (1, 0, 1), PI / 2, (1, 1, PI / 2)),
         ((0, 0, 0), (1, 0, -1), PI / 2, (1, -1, -PI / 2)),
         ((0, 0, PI / 2), (1, 0, 1), PI / 2, (-1, 1, PI)),
@@ -40,9 +40,9 @@ def move(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> list[f
         ((0, 0, 0), (1, 0, 1), PI, (0, 2, PI)),
         ((5, -5, 1), (1, 0, 1), 2 * PI, (5, -5, 1 + 2 * PI)),
         ((5, -5, 1), (0.3, 0.4, -2), 3 * PI, (5, -5, 1 - 6 * PI)),
-        # Sideways on a circle: the centre is ahead or behind.
+        # Sideways on a circle whose centre is behind the robot.
         ((0, 0, 0), (0, 1, 1), PI / 2, (-1, 1, PI / 2)),
-        # Backwards, in space and in time.
+        # Backwards in space and backwards in time.
         ((0, 0, 0), (-1, 0, 1), PI / 2, (-1, -1, PI / 2)),
         ((1, 1, PI / 2), (1, 0, 1), -PI / 2, (0, 0, 0)),
         ((1, 2, 3), (1, 1, 1), 0.0, (1, 2, 3)),
@@ -58,7 +58,7 @@ def test_the_yaw_is_not_wrapped() -> None:
 
 @pytest.mark.parametrize("steps", [1, 4, 63, 1000])
 def test_a_full_circle_closes_in_any_number_of_steps(steps: int) -> None:
-    """v = ω = 1: at 10 Hz Euler's steps miss by 8e-4 m and the midpoint's by 7e-6, exact ones by 7e-15."""
+    """With v = ω = 1 and steps of 0.1 s, exact steps miss by 7e-15 m, Euler steps by 8e-4 m, midpoint steps by 7e-6 m."""
     pose = np.array([[0.0, 0.0, 0.0]])
     for _ in range(steps):
         pose = mrs.integrate_twist(pose, np.array([[1.0, 0.0, 1.0]]), 2 * PI / steps)
@@ -66,7 +66,7 @@ def test_a_full_circle_closes_in_any_number_of_steps(steps: int) -> None:
 
 
 def test_a_quarter_circle_in_steps_of_a_tenth_of_a_second() -> None:
-    """A full circle hides Euler's error; a quarter shows it."""
+    """The error of the Euler method is visible after a quarter circle, but not after a full one."""
     pose, twist = np.zeros((1, 3)), np.array([[1.0, 0.0, 1.0]])
     for _ in range(15):
         pose = mrs.integrate_twist(pose, twist, 0.1)
@@ -75,8 +75,8 @@ def test_a_quarter_circle_in_steps_of_a_tenth_of_a_second() -> None:
 
 
 @pytest.mark.parametrize("omega", [sign * 10.0**exponent for exponent in range(-320, 3, 7) for sign in (-1, 1)])
-def test_every_turn_rate(omega: float) -> None:
-    """The chord of the arc, written so that it loses nothing for small turns: 2·v/ω·sin(φ/2) along φ/2."""
+def test_any_turn_rate_agrees_with_the_chord(omega: float) -> None:
+    """The chord of the arc is 2·v/ω·sin(φ/2) in direction φ/2, written here so that it is accurate for small turns too."""
     dt, speed = 1.7, 0.8
     half = 0.5 * omega * dt
     chord = speed * dt * (math.sin(half) / half if abs(half) > 1e-150 else 1.0)
@@ -84,8 +84,8 @@ def test_every_turn_rate(omega: float) -> None:
     assert move((3.0, -1.0, 0.7), (speed, 0.0, omega), dt) == pytest.approx(expected, abs=2e-15 * 8)
 
 
-def by_many_small_steps(pose: NDArray[np.float64], twist: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
-    """Runge & Kutta's classic method in 2000 steps, which knows no closed form."""
+def integrate_in_small_steps(pose: NDArray[np.float64], twist: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
+    """Integrates with 2000 steps of the classic Runge-Kutta method, without a closed form."""
 
     def rate(state: NDArray[np.float64]) -> NDArray[np.float64]:
         cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
@@ -105,7 +105,7 @@ def test_random_twists_agree_with_small_steps() -> None:
     rng = np.random.default_rng(MOTION_SEED)
     poses, twists = rng.uniform(-5.0, 5.0, (200, 3)), rng.uniform(-2.0, 2.0, (200, 3))
     assert np.allclose(
-        mrs.integrate_twist(poses, twists, 1.3), by_many_small_steps(poses, twists, 1.3), rtol=0.0, atol=1e-11
+        mrs.integrate_twist(poses, twists, 1.3), integrate_in_small_steps(poses, twists, 1.3), rtol=0.0, atol=1e-11
     )
 
 
@@ -118,16 +118,16 @@ numbers = st.floats(-100.0, 100.0)
     st.floats(0.0, 5.0),
     st.floats(0.0, 5.0),
 )
-def test_two_steps_are_one(pose: tuple[float, ...], twist: tuple[float, ...], one: float, two: float) -> None:
+def test_two_steps_equal_one(pose: tuple[float, ...], twist: tuple[float, ...], one: float, two: float) -> None:
     assert move(tuple(move(pose, twist, one)), twist, two) == pytest.approx(move(pose, twist, one + two), abs=1e-9)
 
 
 @given(st.tuples(numbers, numbers, numbers), st.tuples(numbers, numbers, numbers), st.floats(-5.0, 5.0))
-def test_a_pose_and_a_batch_move_alike(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> None:
+def test_a_pose_moves_as_in_a_batch(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> None:
     assert list(mrs.Pose(*pose).integrate(twist, dt)) == move(pose, twist, dt)
 
 
-def test_a_batch_is_a_loop() -> None:
+def test_a_batch_equals_a_loop() -> None:
     rng = np.random.default_rng(MOTION_SEED)
     poses, twists = rng.normal(size=(50, 3)), rng.normal(size=(50, 3))
     before = poses.copy(), twists.copy()
@@ -141,13 +141,13 @@ def test_a_batch_is_a_loop() -> None:
 @pytest.mark.parametrize(
     "view", [np.asfortranarray, lambda rows: rows[::-1][::-1], lambda rows: np.repeat(rows, 3, axis=0)[::3]]
 )
-def test_any_memory_layout_will_do(view: Any) -> None:
+def test_every_memory_layout_is_accepted(view: Any) -> None:
     rng = np.random.default_rng(MOTION_SEED)
     poses, twists = rng.normal(size=(50, 3)), rng.normal(size=(50, 3))
     assert np.array_equal(mrs.integrate_twist(view(poses), view(twists), 0.3), mrs.integrate_twist(poses, twists, 0.3))
 
 
-def test_packed_records_are_read_right() -> None:
+def test_packed_records_are_read_correctly() -> None:
     records = np.zeros(4, [("label", "i1"), ("pose", "f8", (3,)), ("twist", "f8", (3,))])
     records["pose"], records["twist"] = np.arange(12).reshape(4, 3), np.arange(12, 24).reshape(4, 3)
     expected = mrs.integrate_twist(records["pose"].copy(), records["twist"].copy(), 0.5)
@@ -164,8 +164,8 @@ def test_a_long_time_on_a_circle_stays_on_it(dt: float) -> None:
     ("pose", "twist", "dt"),
     [((0, 0, 0), (1, 0, 1e308), 1e308), ((1e308, 0, 0), (1e308, 0, 0), 1.0), ((0, 0, 1.7e308), (0, 0, 1.7e308), 1.0)],
 )
-def test_what_overflows_is_an_error(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> None:
-    """Never a pose that is not finite."""
+def test_an_overflow_is_an_error(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> None:
+    """An overflow must not return a pose that is not finite."""
     with pytest.raises(ValueError, match="finite"):
         move(pose, twist, dt)
     with pytest.raises(ValueError, match="finite"):
@@ -176,7 +176,7 @@ ONE = np.zeros((1, 3))
 
 
 @pytest.mark.parametrize(
-    ("poses", "twists", "dt", "error", "words"),
+    ("poses", "twists", "dt", "error", "message"),
     [
         (np.zeros((2, 3)), ONE, 0.1, ValueError, "twists must have 2 elements, got 1"),
         (np.zeros(3), ONE, 0.1, ValueError, "poses must have shape (N, 3), got (3,)"),
@@ -192,7 +192,7 @@ ONE = np.zeros((1, 3))
         (ONE, ONE, None, TypeError, "dt"),
     ],
 )
-def test_bad_input_is_refused(poses: Any, twists: Any, dt: Any, error: type[Exception], words: str) -> None:
+def test_invalid_input_is_rejected(poses: Any, twists: Any, dt: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
         mrs.integrate_twist(poses, twists, dt)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)

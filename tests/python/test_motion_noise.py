@@ -1,4 +1,4 @@
-"""motion_noise: drifting odometry, and the covariance that says by how much."""
+"""motion_noise: samples of drifting odometry, and their covariance."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ def test_a_step_without_noise_is_exact() -> None:
     assert not mrs.MotionNoise().propagate(np.zeros((3, 3)), pose, TWIST, 0.1).any()
 
 
-def test_draws_are_named_by_seed_and_index() -> None:
+def test_seed_and_index_determine_a_sample() -> None:
     draws = {tuple(NOISE.sample((0, 0, 0), TWIST, 0.1, seed=seed, index=index)) for seed in (1, 2) for index in (0, 1)}
     assert len(draws) == 4
     assert tuple(NOISE.sample((0, 0, 0), TWIST, 0.1, seed=1, index=0)) in draws
 
 
-def test_samples_are_spread_as_the_covariance_says() -> None:
+def test_the_spread_of_samples_agrees_with_the_covariance() -> None:
     draws = 4000
     end = mrs.Pose().integrate(TWIST, 0.5)
     covariance = NOISE.propagate(np.zeros((3, 3)), (0, 0, 0), TWIST, 0.5)
     samples = np.array([tuple(NOISE.sample((0, 0, 0), TWIST, 0.5, seed=3, index=index)) for index in range(draws)])
     errors = samples - np.array(tuple(end))
     squared = np.einsum("ni,ij,nj->n", errors, np.linalg.inv(covariance), errors)
-    # On average 3, give or take √(6/n).
+    # The mean of a chi-squared variable with 3 degrees of freedom is 3; its standard error here is √(6 / draws).
     assert squared.mean() == pytest.approx(3.0, abs=4 * math.sqrt(6 / draws))
     assert np.array_equal(covariance, covariance.T)
 
@@ -44,7 +44,7 @@ def test_copies_are_equal() -> None:
     assert NOISE.alpha == (0.02, 0.01, 0.005, 0.01, 0.002, 0.003)
 
 
-def test_bad_input_is_refused_by_name() -> None:
+def test_invalid_input_is_rejected() -> None:
     with pytest.raises(ValueError, match="alpha4 must be at least 0, got -1"):
         mrs.MotionNoise(alpha4=-1.0)
     with pytest.raises(ValueError, match=r"covariance must have shape \(3, 3\), got \(6, 6\)"):

@@ -1,4 +1,4 @@
-"""obstacles: scans, batches of scans and rays see obstacles together with the cells."""
+"""obstacles: scans, batches of scans and rays see obstacles and cells together."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_scans_batches_and_rays_see_the_same_obstacles(room: mrs.OccupancyGrid) 
     obstacles = [(DISC, (-2.0, 0.0, 1.0)), (mrs.Shape.rectangle(1.0, 1.0), mrs.Pose(0.0, 3.0, 0.0))]
     pose = mrs.Pose(0.0, 0.0, 0.0)
     ranges = scanner.scan(room, pose, obstacles=obstacles)
-    # Beam 0 looks backwards, beam 6 to the left.
+    # Beam 0 points backwards, beam 6 points to the left.
     assert (ranges[0], ranges[6]) == pytest.approx((1.5, 2.5), abs=1e-6)
     alone = scanner.scan(room, pose)
     assert np.array_equal(np.delete(ranges, [0, 6]), np.delete(alone, [0, 6]))
@@ -32,7 +32,7 @@ def test_a_scanner_inside_an_obstacle_reads_zero(room: mrs.OccupancyGrid) -> Non
     assert not ranges.any()
 
 
-def test_no_obstacles_change_nothing(room: mrs.OccupancyGrid) -> None:
+def test_an_empty_list_of_obstacles_changes_nothing(room: mrs.OccupancyGrid) -> None:
     scanner = mrs.LaserScanner()
     assert np.array_equal(scanner.scan(room, (0, 0, 0), obstacles=()), scanner.scan(room, (0, 0, 0)))
 

@@ -25,7 +25,7 @@ print(*sorted({set(HEAVY)!r} & set(sys.modules)))
 
 
 def test_the_core_loads_nothing_that_it_does_not_need() -> None:
-    """A parameter model or a plot costs more to import than a million beams cost to cast."""
+    """Importing pydantic or Matplotlib takes longer than casting a million beams."""
     ran = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, timeout=60, check=False)
     assert (ran.returncode, ran.stdout.strip()) == (0, ""), ran.stderr
 
@@ -74,7 +74,7 @@ def test_the_package_offers_names_to_build_with_and_submodules() -> None:
 
 @pytest.mark.parametrize("name", SUBMODULES)
 def test_a_submodule_is_reached_by_attribute_and_by_import(name: str) -> None:
-    """In a fresh interpreter each: an import elsewhere would set the attribute."""
+    """Uses a fresh interpreter for each name, because an import elsewhere would set the attribute."""
     module = f"mobile_robot_simulator.{name}"
     for code in (
         f"import mobile_robot_simulator as mrs; print(mrs.{name}.__name__)",

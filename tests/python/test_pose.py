@@ -1,4 +1,4 @@
-"""pose: frames compose, invert and unpack."""
+"""pose: poses compose, invert, convert and unpack like three numbers."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def test_a_pose_is_three_numbers() -> None:
 
 
 @pytest.mark.parametrize("index", [3, -4])
-def test_there_is_no_fourth_number(index: int) -> None:
+def test_an_index_out_of_range_is_an_error(index: int) -> None:
     with pytest.raises(IndexError):
         mrs.Pose()[index]
 
 
-def test_numbers_count_from_the_end_too() -> None:
+def test_negative_indices_count_from_the_end() -> None:
     assert mrs.Pose(1.0, 2.0, 3.0)[-1] == 3.0
 
 
@@ -70,7 +70,7 @@ def test_wrapped_yaw_is_above_minus_pi_and_at_most_pi(yaw: float, wrapped: float
 
 
 @pytest.mark.parametrize("yaw", [-3.1, -PI / 2, 0.0, 0.3, PI / 2, PI])
-def test_quaternions_go_there_and_back(yaw: float) -> None:
+def test_quaternions_convert_there_and_back(yaw: float) -> None:
     z, w = mrs.Pose(0.0, 0.0, yaw).quaternion
     assert (z, w) == pytest.approx((math.sin(yaw / 2), math.cos(yaw / 2)), abs=1e-15)
     for length in (1.0, 1e-3, 7.0):
@@ -78,8 +78,8 @@ def test_quaternions_go_there_and_back(yaw: float) -> None:
         assert close(back, mrs.Pose(1.0, 2.0, yaw), 1e-14)
 
 
-def test_roll_and_pitch_are_passed_over() -> None:
-    # Yaw 0.4, then a roll of 0.2 about the body's x.
+def test_roll_and_pitch_are_ignored() -> None:
+    # A yaw of 0.4, followed by a roll of 0.2 about the x axis of the body.
     yaw, roll = 0.4, 0.2
     cz, sz, cx, sx = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(roll / 2), math.sin(roll / 2)
     pose = mrs.Pose.from_quaternion(0.0, 0.0, qx=cz * sx, qy=sz * sx, qz=sz * cx, qw=cz * cx)
@@ -98,11 +98,11 @@ def test_interpolation_stays_on_the_arc(fraction: float) -> None:
     assert close(found, start.integrate(twist, fraction), 1e-12)
 
 
-def test_interpolation_turns_the_short_way() -> None:
+def test_interpolation_turns_by_the_smaller_angle() -> None:
     assert close(mrs.Pose(0.0, 0.0, 3.0).interpolate((0.0, 0.0, -3.0), 0.5), mrs.Pose(0.0, 0.0, PI), 1e-12)
 
 
-def test_equal_poses_are_equal_and_hash_alike() -> None:
+def test_poses_with_equal_numbers_are_equal_and_have_equal_hashes() -> None:
     assert mrs.Pose(1.0, 2.0, 3.0) == mrs.Pose(1.0, 2.0, 3.0) != mrs.Pose(1.0, 2.0, 3.5)
     assert len({mrs.Pose(1.0, 2.0, 3.0), mrs.Pose(1.0, 2.0, 3.0)}) == 1
     assert mrs.Pose(0.0, 0.0, 0.0) == mrs.Pose(-0.0, 0.0, 0.0)
@@ -115,7 +115,7 @@ def test_copies_are_equal(duplicate: Any) -> None:
     assert tuple(duplicate(pose)) == tuple(pose)
 
 
-def test_repr_is_what_makes_it() -> None:
+def test_repr_evaluates_to_the_pose() -> None:
     pose = mrs.Pose(0.1, -2.0, 1e-7)
     assert eval(repr(pose), {"Pose": mrs.Pose}) == pose
     assert repr(mrs.Pose(1.0, 2.0, 0.5)) == "Pose(1.0, 2.0, 0.5)"
@@ -132,7 +132,7 @@ def test_three_numbers_are_a_pose(pose: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "error", "words"),
+    ("make", "error", "message"),
     [
         (lambda: mrs.Pose(math.nan), ValueError, "x must be finite, got NaN"),
         (lambda: mrs.Pose(0.0, math.inf), ValueError, "y must be finite, got inf"),
@@ -150,14 +150,14 @@ def test_three_numbers_are_a_pose(pose: Any) -> None:
         (lambda: mrs.Pose.from_quaternion(0.0, 0.0, qx=0.0, qy=0.0, qz=math.nan, qw=1.0), ValueError, "quaternion"),
     ],
 )
-def test_bad_input_is_refused(make: Any, error: Any, words: str) -> None:
+def test_invalid_input_is_rejected(make: Any, error: Any, message: str) -> None:
     with pytest.raises(error) as caught:
         make()
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
-def test_composition_never_makes_a_pose_that_is_not_finite() -> None:
-    """Every pose is finite, whichever way it was made."""
+def test_composition_and_inverse_never_return_a_pose_that_is_not_finite() -> None:
+    """Operations that overflow must raise an error instead."""
     huge = mrs.Pose(1e308, 1e308, 1.7e308)
     for make in (lambda: huge * huge, lambda: mrs.Pose(1.7e308, 1.7e308, 0.8).inverse()):
         try:
@@ -167,7 +167,7 @@ def test_composition_never_makes_a_pose_that_is_not_finite() -> None:
         assert all(map(math.isfinite, pose))
 
 
-def test_numpy_takes_poses_for_rows_of_numbers():
+def test_numpy_reads_poses_as_rows_of_numbers():
     pose = mrs.Pose(1.0, 2.0, 0.5)
     assert np.array(pose).dtype == np.float64 and np.array_equal(np.array(pose), [1.0, 2.0, 0.5])
     assert np.array_equal(np.array([pose, pose.inverse()]), [tuple(pose), tuple(pose.inverse())])

@@ -23,7 +23,7 @@ PI = math.pi
 
 
 def grid_of(text: str, **options: Any) -> mrs.OccupancyGrid:
-    """A grid as it is drawn, top row first: # blocks, ? is unknown."""
+    """A grid from a drawing with the top row first: # blocks, . is free, ? is unknown."""
     rows = [line.strip() for line in text.strip().splitlines()][::-1]
     cells = np.array([[{"#": 100, ".": 0, "?": -1}[cell] for cell in row] for row in rows], np.int8)
     return mrs.OccupancyGrid(cells, **{"resolution": 1.0, **options})
@@ -34,7 +34,7 @@ def cast_one(grid: mrs.OccupancyGrid, x: float, y: float, angle: float, max_rang
 
 
 def rays_around(grid: mrs.OccupancyGrid, count: int, seed: int, margin: float = 0.25) -> NDArray[np.float64]:
-    """Rays from on and around a grid, some along its axes."""
+    """Rays that start on and around a grid. Every eighth ray is parallel to an axis of the grid."""
     rng = np.random.default_rng(seed)
     height, width = grid.shape
     size = np.array([width, height]) * grid.resolution
@@ -47,8 +47,8 @@ def rays_around(grid: mrs.OccupancyGrid, count: int, seed: int, margin: float = 
     return np.column_stack([x, y, angles])
 
 
-# The worked values of Amanatides & Woo's traversal on 5x5 cells of 1 m, only (2, 2) blocking.
-WORKED = [
+# Ranges derived by hand from the traversal of Amanatides and Woo, on 5x5 cells of 1 m. Only cell (2, 2) blocks.
+HAND_DERIVED = [
     (0.5, 2.5, 0.0, 1.5),
     (0.5, 0.5, PI / 4, np.float32(1.5 * math.sqrt(2.0))),
     (2.5, 2.5, 1.0, 0.0),
@@ -60,19 +60,19 @@ WORKED = [
 ]
 
 
-@pytest.mark.parametrize(("x", "y", "angle", "expected"), WORKED)
-def test_worked_values(post: mrs.OccupancyGrid, x: float, y: float, angle: float, expected: float) -> None:
+@pytest.mark.parametrize(("x", "y", "angle", "expected"), HAND_DERIVED)
+def test_hand_derived_ranges(post: mrs.OccupancyGrid, x: float, y: float, angle: float, expected: float) -> None:
     assert cast_one(post, x, y, angle) == expected
 
 
-@pytest.mark.parametrize(("x", "y", "angle", "expected"), WORKED)
-def test_the_reference_passes_the_worked_values_too(
+@pytest.mark.parametrize(("x", "y", "angle", "expected"), HAND_DERIVED)
+def test_the_reference_gives_the_hand_derived_ranges_too(
     post: mrs.OccupancyGrid, x: float, y: float, angle: float, expected: float
 ) -> None:
     reference.assert_ranges(np.array([expected], np.float32), reference.cast(post, [(x, y, angle)], 50.0))
 
 
-def test_the_reference_refuses_what_is_wrong(post: mrs.OccupancyGrid) -> None:
+def test_the_reference_rejects_wrong_ranges(post: mrs.OccupancyGrid) -> None:
     bounds = reference.cast(post, [(0.5, 2.5, 0.0)], 50.0)
     for wrong in (1.4999, 1.5001, 50.0, math.nan):
         with pytest.raises(AssertionError):
@@ -82,26 +82,26 @@ def test_the_reference_refuses_what_is_wrong(post: mrs.OccupancyGrid) -> None:
 @pytest.mark.parametrize(
     ("x", "y", "angle", "expected"),
     [
-        # On the lower and left boundary of the post: its own.
+        # On the lower and left boundary of the post, which belong to the post.
         (2.0, 2.0, 0.0, 0.0),
         (2.0, 2.5, 0.0, 0.0),
         (2.5, 2.0, 1.0, 0.0),
-        # On its upper and right boundary: the neighbour's.
+        # On its upper and right boundary, which belong to the neighbours.
         (3.0, 2.5, 0.0, 50.0),
         (2.5, 3.0, PI / 2, 50.0),
-        # Looking back at it from there.
+        # From the upper and right boundary towards the post.
         (3.0, 2.5, PI, 0.0),
         (2.5, 3.0, -PI / 2, 0.0),
-        # Along its boundaries, upwards.
+        # Upwards along its left and right boundary.
         (2.0, 0.5, PI / 2, 1.5),
         (3.0, 0.5, PI / 2, 50.0),
-        # On the grid's own boundaries.
+        # On the boundary of the grid.
         (0.0, 2.5, 0.0, 2.0),
         (5.0, 2.5, PI, 2.0),
         (2.5, 0.0, PI / 2, 2.0),
         (2.5, 5.0, -PI / 2, 2.0),
         (5.0, 2.5, 0.0, 50.0),
-        # Just past the grid.
+        # Along the boundary, outside the grid.
         (0.5, 5.0, 0.0, 50.0),
         (-1.0, 5.0, 0.0, 50.0),
         (-1.0, 0.0, 0.0, 50.0),
@@ -118,7 +118,7 @@ def test_a_range_is_never_minus_zero(post: mrs.OccupancyGrid, x: float, y: float
 
 
 @pytest.mark.parametrize("angle", [0.0, -0.0])
-def test_both_signs_of_zero_are_alike(post: mrs.OccupancyGrid, angle: float) -> None:
+def test_both_signs_of_zero_give_the_same_range(post: mrs.OccupancyGrid, angle: float) -> None:
     assert cast_one(post, 0.5, 2.0, angle) == 1.5
     assert cast_one(post, 0.5, 3.0, angle) == 50.0
 
@@ -132,7 +132,7 @@ def test_a_hit_just_within_max_range_counts(post: mrs.OccupancyGrid) -> None:
     assert cast_one(post, 0.5, 2.5, 0.0, 1.5 + 2**-20) == 1.5
 
 
-def test_hits_however_near_are_hits(post: mrs.OccupancyGrid) -> None:
+def test_a_very_near_hit_counts(post: mrs.OccupancyGrid) -> None:
     assert cast_one(post, 2.0 - 2**-30, 2.5, 0.0) == 2**-30
 
 
@@ -150,7 +150,7 @@ def test_hits_however_near_are_hits(post: mrs.OccupancyGrid) -> None:
         (0, 60, "occupied", False),
     ],
 )
-def test_what_blocks(value: int, threshold: int, unknown: str, blocks: bool) -> None:
+def test_the_threshold_and_unknown_decide_what_blocks(value: int, threshold: int, unknown: str, blocks: bool) -> None:
     cells = np.array([[0, 0, value]], np.int8)
     grid = mrs.OccupancyGrid(cells, resolution=1.0, occupied_threshold=threshold, unknown=unknown)
     assert cast_one(grid, 0.5, 0.5, 0.0) == (1.5 if blocks else 50.0)
@@ -158,7 +158,7 @@ def test_what_blocks(value: int, threshold: int, unknown: str, blocks: bool) -> 
 
 @pytest.mark.parametrize("size", [2, 3, 9, 40])
 def test_diagonal_walls_never_leak(size: int) -> None:
-    """Rays aimed at the very points where two cells of a diagonal wall touch."""
+    """The rays point exactly at the corners where two cells of a diagonal wall touch."""
     rng = np.random.default_rng(RAYS_SEED)
     for cells in (np.eye(size, dtype=np.int8) * 100, np.eye(size, dtype=np.int8)[::-1] * 100):
         grid = mrs.OccupancyGrid(np.ascontiguousarray(cells), resolution=1.0)
@@ -174,8 +174,8 @@ def test_diagonal_walls_never_leak(size: int) -> None:
             assert (ranges <= np.hypot(x - starts[:, 0], y - starts[:, 1]) + 1e-5).all()
 
 
-def test_through_a_corner_either_side_cell_is_right() -> None:
-    """At 45° sine and cosine differ in the last bit; one of the two cells beside the corner is visited."""
+def test_a_ray_through_a_corner_may_visit_either_neighbour() -> None:
+    """At 45° the sine and the cosine differ in the last bit, so the ray visits one of the two cells beside the corner."""
     assert cast_one(grid_of("#.\n.#"), 0.5, 0.5, PI / 4) == np.float32(math.sqrt(0.5))
     for drawn in ("#.\n..", "..\n.#"):
         assert cast_one(grid_of(drawn), 0.5, 0.5, PI / 4) in (np.float32(math.sqrt(0.5)), 50.0)
@@ -216,13 +216,13 @@ def test_random_rays_agree_with_the_reference(
     reference.assert_ranges(mrs.cast_rays(grid, rays, 4.0), reference.cast(grid, rays, 4.0))
 
 
-def test_a_grid_far_away_loses_nothing_but_precision() -> None:
-    """5,000 km out a float64 knows a metre to 1e-9: a graze may become a miss, and nothing else changes."""
+def test_a_grid_far_from_the_origin_loses_only_precision() -> None:
+    """At 5,000 km, a float64 resolves 1e-9 m. Only rays that graze a cell may miss it."""
     cells = SHAPES["sparse"](np.random.default_rng(RAYS_SEED)).astype(np.int8) * 100
     grid = mrs.OccupancyGrid(cells, resolution=0.05, origin=(4e5, -5e6, -2.5))
     rays = rays_around(grid, 1000, RAYS_SEED)
     found, bounds = mrs.cast_rays(grid, rays, 4.0), reference.cast(grid, rays, 4.0)
-    assert ((found >= bounds.least - 1e-6) & (found <= bounds.greatest + 1e-6)).mean() > 0.995
+    assert ((found >= bounds.smallest - 1e-6) & (found <= bounds.largest + 1e-6)).mean() > 0.995
 
 
 @given(
@@ -267,13 +267,13 @@ def test_whole_maps_agree_with_the_reference(path: Path) -> None:
     grid = mrs.load_map(path)
     rays = rays_around(grid, 60, RAYS_SEED, margin=0.1)
     bounds = reference.cast(grid, rays, 30.0)
-    assert bounds.clear.mean() > 0.9
+    assert bounds.is_unique.mean() > 0.9
     reference.assert_ranges(mrs.cast_rays(grid, rays, 30.0), bounds)
 
 
 @pytest.fixture
 def clutter() -> mrs.OccupancyGrid:
-    """Cells and coordinates whose sums are exact in float64."""
+    """Random cells of 0.25 m. Sums of their coordinates are exact in float64."""
     cells = (np.random.default_rng(RAYS_SEED).random((37, 53)) < 0.06).astype(np.int8) * 100
     return mrs.OccupancyGrid(cells, resolution=0.25)
 
@@ -292,13 +292,13 @@ def test_a_shift_by_whole_cells_changes_no_byte(clutter: mrs.OccupancyGrid, cell
     assert np.array_equal(mrs.cast_rays(moved, rays + shift, 9.0), mrs.cast_rays(clutter, rays, 9.0))
 
 
-def share_alike(left: NDArray[np.float32], right: NDArray[np.float32]) -> float:
-    """Rays whose ranges agree; those through corners may not."""
+def share_of_equal(left: NDArray[np.float32], right: NDArray[np.float32]) -> float:
+    """Share of rays with equal ranges. Rays through corners may differ."""
     return float(np.isclose(left, right, rtol=1e-6, atol=1e-6).mean())
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])
-def test_quarter_turns(clutter: mrs.OccupancyGrid, turns: int) -> None:
+def test_quarter_turns_keep_the_ranges(clutter: mrs.OccupancyGrid, turns: int) -> None:
     rays = rays_around(clutter, 2000, RAYS_SEED)
     height, width = np.array(clutter.shape) * clutter.resolution
     x, y, angle = rays.T
@@ -306,15 +306,15 @@ def test_quarter_turns(clutter: mrs.OccupancyGrid, turns: int) -> None:
         x, y, angle, width, height = height - y, x, angle + PI / 2, height, width
     turned = mrs.OccupancyGrid(np.ascontiguousarray(np.rot90(clutter.cells, -turns)), resolution=clutter.resolution)
     found = mrs.cast_rays(turned, np.column_stack([x, y, angle]), 9.0)
-    assert share_alike(found, mrs.cast_rays(clutter, rays, 9.0)) > 0.999
+    assert share_of_equal(found, mrs.cast_rays(clutter, rays, 9.0)) > 0.999
 
 
-def test_mirror(clutter: mrs.OccupancyGrid) -> None:
+def test_a_mirror_image_has_the_same_ranges(clutter: mrs.OccupancyGrid) -> None:
     rays = rays_around(clutter, 2000, RAYS_SEED)
     mirrored = mrs.OccupancyGrid(np.ascontiguousarray(clutter.cells[:, ::-1]), resolution=clutter.resolution)
     width = clutter.shape[1] * clutter.resolution
     flipped = np.column_stack([width - rays[:, 0], rays[:, 1], PI - rays[:, 2]])
-    assert share_alike(mrs.cast_rays(mirrored, flipped, 9.0), mrs.cast_rays(clutter, rays, 9.0)) > 0.999
+    assert share_of_equal(mrs.cast_rays(mirrored, flipped, 9.0), mrs.cast_rays(clutter, rays, 9.0)) > 0.999
 
 
 def test_a_scaled_world_has_scaled_ranges(clutter: mrs.OccupancyGrid) -> None:
@@ -324,7 +324,7 @@ def test_a_scaled_world_has_scaled_ranges(clutter: mrs.OccupancyGrid) -> None:
     assert np.array_equal(mrs.cast_rays(doubled, twice, 18.0), 2.0 * mrs.cast_rays(clutter, rays, 9.0))
 
 
-def test_a_wall_more_never_lengthens_a_range(clutter: mrs.OccupancyGrid) -> None:
+def test_more_walls_never_lengthen_a_range(clutter: mrs.OccupancyGrid) -> None:
     rng = np.random.default_rng(WALLS_SEED)
     rays = rays_around(clutter, 3000, RAYS_SEED)
     before = mrs.cast_rays(clutter, rays, 9.0)
@@ -355,7 +355,7 @@ def test_a_longer_max_range_changes_no_hit(clutter: mrs.OccupancyGrid) -> None:
         (5e-324, 2.5, 5e-324, 2.0),
     ],
 )
-def test_huge_and_tiny_numbers_work(
+def test_huge_and_tiny_coordinates_give_valid_ranges(
     post: mrs.OccupancyGrid, x: float, y: float, angle: float, expected: float | None
 ) -> None:
     found = cast_one(post, x, y, angle, 2e9)
@@ -364,14 +364,14 @@ def test_huge_and_tiny_numbers_work(
         assert found == np.float32(expected)
 
 
-def test_headings_that_overflow_when_added_are_refused_or_cast(post: mrs.OccupancyGrid) -> None:
+def test_a_heading_that_overflows_gives_a_valid_range(post: mrs.OccupancyGrid) -> None:
     far = mrs.OccupancyGrid(post.cells, resolution=1.0, origin=(0.0, 0.0, -1.7e308))
     found = cast_one(far, 0.5, 2.5, 1.7e308)
     assert 0.0 <= found <= 50.0
 
 
 @pytest.mark.parametrize("shape", [(3, 65_535), (65_535, 3)])
-def test_the_widest_grids(shape: tuple[int, int]) -> None:
+def test_the_widest_grids_agree_with_the_reference(shape: tuple[int, int]) -> None:
     cells = np.zeros(shape, np.int8)
     cells[-1, -1] = 100
     grid = mrs.OccupancyGrid(cells, resolution=0.5)
@@ -384,7 +384,7 @@ def test_the_widest_grids(shape: tuple[int, int]) -> None:
     reference.assert_ranges(mrs.cast_rays(grid, rays, 1e6), reference.cast(grid, rays, 1e6))
 
 
-def test_free_squares_beyond_a_byte_are_no_horizon() -> None:
+def test_free_boxes_of_more_than_255_cells_agree_with_the_reference() -> None:
     cells = np.zeros((700, 700), np.int8)
     cells[:, -1] = 100
     grid = mrs.OccupancyGrid(cells, resolution=1.0)
@@ -392,16 +392,16 @@ def test_free_squares_beyond_a_byte_are_no_horizon() -> None:
     reference.assert_ranges(mrs.cast_rays(grid, rays, 1000.0), reference.cast(grid, rays, 1000.0))
 
 
-# --- arrays in, arrays out --------------------------------------------------------------------------------------------
+# --- Array arguments ---
 
 
-def test_no_rays_have_no_ranges(post: mrs.OccupancyGrid) -> None:
+def test_no_rays_give_no_ranges(post: mrs.OccupancyGrid) -> None:
     ranges = mrs.cast_rays(post, np.zeros((0, 3)), 9.0)
     assert (ranges.shape, ranges.dtype) == ((0,), np.float32)
 
 
 def packed(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same rows as a field of packed records: their stride is no multiple of 8 bytes."""
+    """The same rows as a field of packed records. Their stride is not a multiple of 8 bytes."""
     records = np.zeros(len(rows), [("row", "f8", (rows.shape[1],)), ("label", "i1")])
     records["row"] = rows
     return records["row"]
@@ -425,7 +425,7 @@ def unaligned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     ],
     ids=["fortran", "reversed", "strided", "flipped columns", "columns of a wider array", "packed records", "unaligned"],
 )
-def test_every_memory_layout_is_read_right(clutter: mrs.OccupancyGrid, view: Callable[[Any], Any]) -> None:
+def test_every_memory_layout_is_read_correctly(clutter: mrs.OccupancyGrid, view: Callable[[Any], Any]) -> None:
     rays = rays_around(clutter, 100, RAYS_SEED)
     assert np.array_equal(mrs.cast_rays(clutter, view(rays), 9.0), mrs.cast_rays(clutter, rays, 9.0))
 
@@ -449,7 +449,7 @@ LOCKED.flags.writeable = False
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "message"),
     [
         ({"rays": np.zeros((2, 2))}, ValueError, "rays must have shape (N, 3), got (2, 2)"),
         ({"rays": np.zeros(3)}, ValueError, "rays must have shape (N, 3), got (3,)"),
@@ -485,23 +485,23 @@ LOCKED.flags.writeable = False
         ({"grid": None}, TypeError, "grid"),
     ],
 )
-def test_bad_input_is_refused(
-    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], words: str
+def test_invalid_input_is_rejected(
+    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     given = {"grid": post, "rays": ONE, "max_range": 9.0, **arguments}
     grid, rays, max_range = given.pop("grid"), given.pop("rays"), given.pop("max_range")
     with pytest.raises(error) as caught:
         mrs.cast_rays(grid, rays, max_range, **given)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
-def test_a_max_range_beyond_float32_is_no_infinite_range(post: mrs.OccupancyGrid) -> None:
-    """Ranges leave as float32: a maximum that it can't hold has to be refused."""
+def test_a_max_range_above_float32_is_rejected(post: mrs.OccupancyGrid) -> None:
+    """Ranges are returned as float32, where such a maximum would become infinite."""
     with pytest.raises(ValueError, match="max_range"):
         cast_one(post, 0.5, 3.5, 0.0, 1e39)
 
 
-def test_refused_input_leaves_out_alone(post: mrs.OccupancyGrid) -> None:
+def test_invalid_input_leaves_out_unchanged(post: mrs.OccupancyGrid) -> None:
     out = np.full(2, -7.0, np.float32)
     with pytest.raises(ValueError, match="finite"):
         mrs.cast_rays(post, np.array([[0.5, 2.5, 0.0], [math.nan, 0.0, 0.0]]), 9.0, out=out)

@@ -1,4 +1,4 @@
-"""The README's examples do what it says."""
+"""readme: the examples of the README print the output that it shows."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
-def test_the_examples_print_what_stands_below_them() -> None:
+def test_the_examples_print_the_shown_output() -> None:
     names: dict[str, Any] = {}
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):

@@ -1,4 +1,4 @@
-"""scanner: beams, one scan, batches of scans, and the marks that messages carry."""
+"""scanner: beams, single scans, batches of scans, and the marking of invalid ranges."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ NOISY = mrs.BeamModel(sigma_hit=0.05, lambda_short=0.5, z_hit=0.6, z_short=0.2, 
 
 
 def poses_in(grid: mrs.OccupancyGrid, count: int, seed: int = POSES_SEED) -> NDArray[np.float64]:
-    """Poses on and around a grid that is not turned."""
+    """Random poses on and around a grid whose origin has yaw 0."""
     rng = np.random.default_rng(seed)
     size = np.array(grid.shape[::-1]) * grid.resolution
     positions = np.array([grid.origin.x, grid.origin.y]) + rng.uniform(-0.1, 1.1, (count, 2)) * size
     return np.column_stack([positions, rng.uniform(-7.0, 7.0, count)])
 
 
-# --- beams ------------------------------------------------------------------------------------------------------------
+# --- Beams ---
 
 
 def test_defaults_are_roughly_a_sick_s300() -> None:
@@ -83,7 +83,7 @@ def test_no_beam_of_a_full_circle_is_repeated(beam_count: int) -> None:
 
 
 @pytest.mark.parametrize("fov", [0.1, 4.71, 2 * PI])
-def test_a_single_beam_looks_ahead(post: mrs.OccupancyGrid, fov: float) -> None:
+def test_a_single_beam_points_ahead(post: mrs.OccupancyGrid, fov: float) -> None:
     laser = mrs.LaserScanner(fov=fov, beam_count=1)
     assert laser.angles.tolist() == [0.0]
     assert laser.scan(post, (0.5, 2.5, 0.0)).tolist() == [1.5]
@@ -91,12 +91,12 @@ def test_a_single_beam_looks_ahead(post: mrs.OccupancyGrid, fov: float) -> None:
 
 @pytest.mark.parametrize("fov", [0.5, 4.71, 6.0])
 @pytest.mark.parametrize("beam_count", [2, 181, 541])
-def test_slam_toolbox_counts_the_beams_right(fov: float, beam_count: int) -> None:
+def test_slam_toolbox_counts_the_beams_correctly(fov: float, beam_count: int) -> None:
     laser = mrs.LaserScanner(fov=fov, beam_count=beam_count)
     assert round((laser.angle_max - laser.angle_min) / laser.angle_increment) + 1 == beam_count
 
 
-# --- ranges -----------------------------------------------------------------------------------------------------------
+# --- Ranges ---
 
 
 def test_beams_go_counter_clockwise(post: mrs.OccupancyGrid) -> None:
@@ -115,7 +115,7 @@ def test_the_mount_moves_and_turns_the_beams(post: mrs.OccupancyGrid) -> None:
     assert aside.scan(post, (4.5, 2.5, PI / 2)).tolist() == [0.0]
 
 
-def test_in_a_wall_all_ranges_are_zero(post: mrs.OccupancyGrid) -> None:
+def test_all_ranges_in_a_wall_are_zero(post: mrs.OccupancyGrid) -> None:
     assert not mrs.LaserScanner(fov=2 * PI, beam_count=64).scan(post, (2.5, 2.5, 0.3)).any()
 
 
@@ -162,7 +162,7 @@ def test_a_turned_world_gives_the_same_scan(room: mrs.OccupancyGrid) -> None:
         assert same.mean() > 0.99
 
 
-def test_a_scan_is_its_rays(room: mrs.OccupancyGrid) -> None:
+def test_a_scan_equals_the_cast_rays(room: mrs.OccupancyGrid) -> None:
     laser = mrs.LaserScanner(beam_count=181, mount=(0.2, 0.1, 0.3))
     pose = (1.0, -2.0, 0.4)
     rays = np.array(reference.scanner_rays(laser, pose))
@@ -172,7 +172,7 @@ def test_a_scan_is_its_rays(room: mrs.OccupancyGrid) -> None:
 @pytest.mark.parametrize(
     "pose", [(1e300, 0.0, 0.0), (0.0, -1.7e308, 3.0), (0.0, 0.0, 1.7e308), (1.7e308, 1.7e308, -1.7e308)]
 )
-def test_huge_poses_are_scanned(room: mrs.OccupancyGrid, pose: tuple[float, float, float]) -> None:
+def test_scans_from_huge_poses_are_valid(room: mrs.OccupancyGrid, pose: tuple[float, float, float]) -> None:
     for mount in ((0.0, 0.0, 0.0), (1e308, -1e308, 1.7e308)):
         laser = mrs.LaserScanner(beam_count=31, mount=mount)
         for noise in (None, NOISY):
@@ -180,11 +180,11 @@ def test_huge_poses_are_scanned(room: mrs.OccupancyGrid, pose: tuple[float, floa
             assert ((ranges >= 0.0) & (ranges <= 30.0)).all()
 
 
-# --- batches ----------------------------------------------------------------------------------------------------------
+# --- Batches ---
 
 
 @pytest.mark.parametrize("mount", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.5)])
-def test_a_batch_is_a_loop(room: mrs.OccupancyGrid, mount: tuple[float, float, float]) -> None:
+def test_a_batch_equals_a_loop(room: mrs.OccupancyGrid, mount: tuple[float, float, float]) -> None:
     laser = mrs.LaserScanner(beam_count=101, mount=mount)
     poses = poses_in(room, 64)
     batch = laser.scan_batch(room, poses)
@@ -192,7 +192,7 @@ def test_a_batch_is_a_loop(room: mrs.OccupancyGrid, mount: tuple[float, float, f
     assert np.array_equal(batch, [laser.scan(room, tuple(pose)) for pose in poses.tolist()])
 
 
-def test_no_poses_have_no_scans(room: mrs.OccupancyGrid) -> None:
+def test_no_poses_give_no_scans(room: mrs.OccupancyGrid) -> None:
     ranges = mrs.LaserScanner(beam_count=7).scan_batch(room, np.zeros((0, 3)), noise=NOISY)
     assert (ranges.shape, ranges.dtype) == ((0, 7), np.float32)
 
@@ -212,7 +212,7 @@ def test_threads_and_chunks_change_no_byte(
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_nothing_but_seed_and_index_names_a_stream(room: mrs.OccupancyGrid) -> None:
+def test_only_seed_and_index_determine_the_noise(room: mrs.OccupancyGrid) -> None:
     laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 8)
     batch = laser.scan_batch(room, poses, noise=NOISY, seed=NOISE_SEED)
     others = poses.copy()
@@ -224,22 +224,22 @@ def test_nothing_but_seed_and_index_names_a_stream(room: mrs.OccupancyGrid) -> N
 @pytest.mark.parametrize(
     "change", [{"seed": NOISE_SEED + 1}, {"first_index": 1}, {"seed": 2**64 - 1}, {"first_index": 2**64 - 1}]
 )
-def test_another_seed_or_index_is_another_stream(room: mrs.OccupancyGrid, change: dict[str, int]) -> None:
+def test_another_seed_or_index_gives_other_noise(room: mrs.OccupancyGrid, change: dict[str, int]) -> None:
     laser, pose = mrs.LaserScanner(beam_count=200), np.zeros((1, 3))
     one = laser.scan_batch(room, pose, noise=NOISY, **{"seed": NOISE_SEED, "first_index": 0})
     other = laser.scan_batch(room, pose, noise=NOISY, **{"seed": NOISE_SEED, "first_index": 0, **change})
     assert (one != other).mean() > 0.7
 
 
-def test_seed_and_index_are_zero_unless_given(room: mrs.OccupancyGrid) -> None:
+def test_seed_and_index_default_to_zero(room: mrs.OccupancyGrid) -> None:
     laser, pose = mrs.LaserScanner(beam_count=50), np.zeros((1, 3))
     plain = laser.scan_batch(room, pose, noise=NOISY)
     assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=0, first_index=0))
     assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=np.uint64(0), first_index=None))
 
 
-def test_python_goes_on_during_a_batch(room: mrs.OccupancyGrid) -> None:
-    """Another thread's steps while a batch runs lie closer together than the batch is long."""
+def test_other_python_threads_run_during_a_batch(room: mrs.OccupancyGrid) -> None:
+    """While a batch runs, another thread is never blocked for half of the duration of the batch."""
     laser, poses = mrs.LaserScanner(beam_count=541), poses_in(room, 8_000)
     span: list[float] = []
 
@@ -259,7 +259,7 @@ def test_python_goes_on_during_a_batch(room: mrs.OccupancyGrid) -> None:
     assert max(np.diff([begin, *(step for step in steps if begin < step < end), end])) < 0.5 * (end - begin)
 
 
-def test_many_threads_may_scan_one_grid_at_first_use() -> None:
+def test_threads_can_share_a_grid_from_its_first_scan() -> None:
     cells = (np.random.default_rng(POSES_SEED).random((300, 300)) < 0.02).astype(np.int8) * 100
     laser, barrier = mrs.LaserScanner(beam_count=91), threading.Barrier(4)
 
@@ -309,13 +309,13 @@ print("done")
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 @pytest.mark.parametrize("way", ["fork", "pool"])
-def test_a_forked_process_scans_too(way: str) -> None:
-    """The child of a process that used threads has none of them."""
+def test_a_forked_process_can_scan(way: str) -> None:
+    """A forked process does not inherit the worker threads of its parent."""
     done = subprocess.run([sys.executable, "-c", FORK, way], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (0, "done\n"), done.stderr
 
 
-# --- out --------------------------------------------------------------------------------------------------------------
+# --- Out ---
 
 
 def test_out_is_written_in_place_and_returned(room: mrs.OccupancyGrid) -> None:
@@ -327,14 +327,14 @@ def test_out_is_written_in_place_and_returned(room: mrs.OccupancyGrid) -> None:
     assert (whole[[0, -1]] == -7.0).all()
 
 
-def test_out_may_be_given_again(room: mrs.OccupancyGrid) -> None:
+def test_out_can_be_used_again(room: mrs.OccupancyGrid) -> None:
     laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 12)
     out = np.empty((12, 31), np.float32)
     first = laser.scan_batch(room, poses, noise=NOISY, out=out).copy()
     assert np.array_equal(laser.scan_batch(room, poses, noise=NOISY, out=out), first)
 
 
-def test_out_may_not_lie_over_the_poses(room: mrs.OccupancyGrid) -> None:
+def test_out_must_not_overlap_the_poses(room: mrs.OccupancyGrid) -> None:
     laser, poses = mrs.LaserScanner(beam_count=6), poses_in(room, 40)
     kept = poses.copy()
     with pytest.raises(ValueError, match="or one that is already in use"):
@@ -343,7 +343,7 @@ def test_out_may_not_lie_over_the_poses(room: mrs.OccupancyGrid) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2, None])
-def test_the_last_of_many_rays_is_checked_before_any_is_cast(room: mrs.OccupancyGrid, threads: int | None) -> None:
+def test_all_rays_are_checked_before_any_is_cast(room: mrs.OccupancyGrid, threads: int | None) -> None:
     rays = np.tile(poses_in(room, 100), (100, 1))
     rays[-1, 1] = np.inf
     out = np.full(10_000, -7.0, np.float32)
@@ -352,13 +352,13 @@ def test_the_last_of_many_rays_is_checked_before_any_is_cast(room: mrs.Occupancy
     assert (out == -7.0).all()
 
 
-def test_rays_are_read_where_they_are(room: mrs.OccupancyGrid) -> None:
+def test_rays_are_not_copied(room: mrs.OccupancyGrid) -> None:
     resource = pytest.importorskip("resource")
     rays = np.tile(poses_in(room, 1000), (1000, 1))
     out = mrs.cast_rays(room, rays, 9.0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     mrs.cast_rays(room, rays, 9.0, out=out)
-    # A copy would need 5859 pages of 4 KiB.
+    # A copy would cause 5859 page faults, one for each page of 4 KiB.
     assert resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before < 1000
 
 
@@ -368,7 +368,7 @@ def locked(array: NDArray[Any]) -> NDArray[Any]:
 
 
 @pytest.mark.parametrize(
-    ("out", "error", "words"),
+    ("out", "error", "message"),
     [
         (np.zeros((2, 5), np.float32), ValueError, "out must have shape (2, 4), got (2, 5)"),
         (np.zeros((4, 2), np.float32), ValueError, "out must have shape (2, 4), got (4, 2)"),
@@ -387,24 +387,24 @@ def locked(array: NDArray[Any]) -> NDArray[Any]:
         (bytearray(32), TypeError, "out must be a NumPy array of float32, got bytearray"),
     ],
 )
-def test_bad_outs_are_refused(post: mrs.OccupancyGrid, out: Any, error: type[Exception], words: str) -> None:
+def test_invalid_outs_are_rejected(post: mrs.OccupancyGrid, out: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
         mrs.LaserScanner(beam_count=4).scan_batch(post, np.zeros((2, 3)), out=out)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
-def test_refused_poses_leave_out_alone(post: mrs.OccupancyGrid) -> None:
+def test_invalid_poses_leave_out_unchanged(post: mrs.OccupancyGrid) -> None:
     out = np.full((2, 4), -7.0, np.float32)
     with pytest.raises(ValueError, match="finite"):
         mrs.LaserScanner(beam_count=4).scan_batch(post, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, math.nan]]), out=out)
     assert (out == -7.0).all()
 
 
-# --- marks and points -------------------------------------------------------------------------------------------------
+# --- Invalid ranges and end points ---
 
 
 @pytest.mark.parametrize(("no_return", "missing"), [("inf", math.inf), ("max", 30.0)])
-def test_marks_of_rep_117(no_return: str, missing: float) -> None:
+def test_invalid_ranges_are_marked_as_in_rep_117(no_return: str, missing: float) -> None:
     laser = mrs.LaserScanner(min_range=0.5)
     readings = np.array([0.0, 0.25, np.nextafter(np.float32(0.5), np.float32(0)), 0.5, 1.0, 29.5, 30.0], np.float32)
     marked = laser.mark_invalid(readings, no_return=no_return)
@@ -413,13 +413,13 @@ def test_marks_of_rep_117(no_return: str, missing: float) -> None:
     assert readings[0] == 0.0
 
 
-def test_a_missing_return_is_infinite_unless_told() -> None:
+def test_a_missing_return_is_infinite_by_default() -> None:
     laser = mrs.LaserScanner(max_range=0.3, min_range=0.1)
     readings = np.array([[0.1, 0.3], [0.3, 0.2]], np.float32)
     assert np.array_equal(laser.mark_invalid(readings), np.array([[0.1, np.inf], [np.inf, 0.2]], np.float32))
 
 
-def test_scans_marked_have_a_range_or_an_infinity(room: mrs.OccupancyGrid) -> None:
+def test_marked_scans_have_a_range_or_an_infinity(room: mrs.OccupancyGrid) -> None:
     laser = mrs.LaserScanner(min_range=1.0, max_range=7.0)
     ranges = laser.scan_batch(room, poses_in(room, 50), noise=NOISY)
     marked = laser.mark_invalid(ranges)
@@ -428,7 +428,7 @@ def test_scans_marked_have_a_range_or_an_infinity(room: mrs.OccupancyGrid) -> No
     assert np.isposinf(marked).any() and np.isneginf(marked).any() and np.isfinite(marked).any()
 
 
-def test_every_memory_layout_is_marked_right() -> None:
+def test_every_memory_layout_is_marked_correctly() -> None:
     laser = mrs.LaserScanner(min_range=0.5)
     readings = np.random.default_rng(1).uniform(0.0, 30.0, (4, 6)).astype(np.float32)
     records = np.zeros(4, [("label", "i1"), ("ranges", "f4", (6,))])
@@ -437,7 +437,7 @@ def test_every_memory_layout_is_marked_right() -> None:
         assert np.array_equal(laser.mark_invalid(view), laser.mark_invalid(readings))
 
 
-def test_end_points_lie_where_the_beams_end(post: mrs.OccupancyGrid) -> None:
+def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> None:
     laser = mrs.LaserScanner(fov=PI, beam_count=3, max_range=9.0, mount=(0.5, 0.0, 0.0))
     ranges = laser.scan(post, (2.5, 0.0, PI / 2))
     assert laser.end_points((2.5, 0.0, PI / 2), ranges) == pytest.approx(np.array([[2.5, 2.0]]))
@@ -447,11 +447,11 @@ def test_end_points_lie_where_the_beams_end(post: mrs.OccupancyGrid) -> None:
         assert laser.end_points((0.0, 0.0, 0.0), nothing).shape == (0, 2)
 
 
-# --- what is refused --------------------------------------------------------------------------------------------------
+# --- Invalid arguments ---
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "words"),
+    ("options", "error", "message"),
     [
         ({"fov": 0.0}, ValueError, "fov must be in (0, 2π], got 0"),
         ({"fov": -1.0}, ValueError, "fov must be in (0, 2π], got -1"),
@@ -483,14 +483,14 @@ def test_end_points_lie_where_the_beams_end(post: mrs.OccupancyGrid) -> None:
         ({"beams": 5}, TypeError, "beams"),
     ],
 )
-def test_bad_scanners_are_refused(options: dict[str, Any], error: type[Exception], words: str) -> None:
+def test_invalid_scanners_are_rejected(options: dict[str, Any], error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
         mrs.LaserScanner(**options)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "message"),
     [
         ({"poses": np.zeros((2, 4))}, ValueError, "poses must have shape (N, 3), got (2, 4)"),
         ({"poses": np.zeros((3, 7))}, ValueError, "poses must have shape (N, 3), got (3, 7)"),
@@ -512,17 +512,17 @@ def test_bad_scanners_are_refused(options: dict[str, Any], error: type[Exception
         ({"grid": np.zeros((3, 3), np.int8)}, TypeError, "grid"),
     ],
 )
-def test_bad_batches_are_refused(
-    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], words: str
+def test_invalid_batches_are_rejected(
+    post: mrs.OccupancyGrid, arguments: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     given = {"grid": post, "poses": np.zeros((1, 3)), **arguments}
     with pytest.raises(error) as caught:
         mrs.LaserScanner(beam_count=4).scan_batch(given.pop("grid"), given.pop("poses"), **given)
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("pose", "error", "words"),
+    ("pose", "error", "message"),
     [
         ((0.0, 0.0, math.nan), ValueError, "yaw must be finite, got NaN"),
         ((math.inf, 0.0, 0.0), ValueError, "x must be finite, got inf"),
@@ -532,18 +532,18 @@ def test_bad_batches_are_refused(
         (None, TypeError, "three numbers"),
     ],
 )
-def test_bad_poses_are_refused(post: mrs.OccupancyGrid, pose: Any, error: type[Exception], words: str) -> None:
+def test_invalid_poses_are_rejected(post: mrs.OccupancyGrid, pose: Any, error: type[Exception], message: str) -> None:
     for call in (
         lambda: mrs.LaserScanner().scan(post, pose),
         lambda: mrs.LaserScanner().end_points(pose, np.zeros(541, np.float32)),
     ):
         with pytest.raises(error) as caught:
             call()
-        assert words in reference.said(caught.value)
+        assert message in reference.message_of(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("call", "error", "words"),
+    ("call", "error", "message"),
     [
         (lambda laser: laser.mark_invalid(np.zeros(541)), TypeError, "readings must have dtype float32, got float64"),
         (lambda laser: laser.mark_invalid([0.0]), TypeError, "readings must be a NumPy array of float32, got list"),
@@ -564,14 +564,16 @@ def test_bad_poses_are_refused(post: mrs.OccupancyGrid, pose: Any, error: type[E
         ),
     ],
 )
-def test_bad_readings_are_refused(call: Callable[[mrs.LaserScanner], Any], error: type[Exception], words: str) -> None:
+def test_invalid_readings_are_rejected(
+    call: Callable[[mrs.LaserScanner], Any], error: type[Exception], message: str
+) -> None:
     with pytest.raises(error) as caught:
         call(mrs.LaserScanner())
-    assert words in reference.said(caught.value)
+    assert message in reference.message_of(caught.value)
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda laser: pickle.loads(pickle.dumps(laser))])
-def test_copies_are_the_same_scanner(room: mrs.OccupancyGrid, duplicate: Any) -> None:
+def test_copies_equal_the_scanner(room: mrs.OccupancyGrid, duplicate: Any) -> None:
     laser = mrs.LaserScanner(fov=1.1, beam_count=17, min_range=0.2, max_range=7.3, mount=(0.1, 0.2, 0.3))
     other = duplicate(laser)
     for name in ("fov", "beam_count", "min_range", "max_range", "mount", "angle_min", "angle_increment"):
@@ -602,7 +604,7 @@ anything = st.one_of(
     batch=st.dictionaries(st.sampled_from(["noise", "seed", "first_index", "threads", "out"]), anything),
     poses=anything,
 )
-def test_no_argument_makes_a_panic(options: dict[str, Any], batch: dict[str, Any], poses: Any) -> None:
+def test_no_argument_causes_a_panic(options: dict[str, Any], batch: dict[str, Any], poses: Any) -> None:
     grid = mrs.OccupancyGrid(np.eye(4, dtype=np.int8) * 100, resolution=0.5)
     try:
         laser = mrs.LaserScanner(**{"beam_count": 4, **options})

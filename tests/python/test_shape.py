@@ -18,7 +18,7 @@ SHAPES = [
 ]
 
 
-def test_shapes_say_what_they_are() -> None:
+def test_shapes_have_radius_reach_points_and_area() -> None:
     disc, rectangle, angle = SHAPES
     assert (disc.radius, disc.reach, disc.points.shape) == (0.3, 0.3, (0, 2))
     assert rectangle.radius is None
@@ -29,7 +29,7 @@ def test_shapes_say_what_they_are() -> None:
     assert eval(repr(angle), {"Shape": mrs.Shape}) == angle
 
 
-def test_corners_may_come_either_way_round_and_as_an_array() -> None:
+def test_corners_can_have_either_order_and_be_an_array() -> None:
     corners = np.array([[0, 0], [0, 1], [1, 0]])
     assert mrs.Shape.polygon(corners).area == mrs.Shape.polygon(corners[::-1].astype(np.float64)).area == 0.5
 
@@ -53,6 +53,6 @@ def test_copies_are_equal(shape: mrs.Shape) -> None:
         (lambda: mrs.Shape.polygon("abc"), TypeError, r"points must be an \(N, 2\) array or number pairs, got str"),
     ],
 )
-def test_bad_shapes_are_refused_by_name(make, error, message) -> None:  # type: ignore[no-untyped-def]
+def test_invalid_shapes_are_rejected(make, error, message) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(error, match=message):
         make()

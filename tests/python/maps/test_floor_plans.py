@@ -16,7 +16,7 @@ from mobile_robot_simulator.maps.floor_plans.connectivity import fill_unreachabl
 SEEDS = range(6)
 ODD_SIZES = [((8.0, 8.0), 0.05), ((8.0, 40.0), 0.1), ((60.0, 9.0), 0.1), ((23.37, 17.91), 0.07), ((70.0, 60.0), 0.2)]
 
-# SHA-256 of the cells of seed 1 at the default size, first ten digits. They must not change: users' tests depend on them.
+# First ten digits of the SHA-256 of the cells, for seed 1 and the default size. Tests of users depend on these cells.
 SUMS = {
     "office": "f9f8bab77e",
     "corridor": "11337446c0",
@@ -45,7 +45,7 @@ def components_of(free: NDArray[np.bool_]) -> list[int]:
 
 
 def sizes_of(free: NDArray[np.bool_]) -> list[int]:
-    """The same from `label`, which is faster and is tested against `components_of` below."""
+    """The same sizes from `label`, which is faster. A test below compares it with `components_of`."""
     return sorted(filter(None, np.bincount(label(free)[free]).tolist()), reverse=True)
 
 
@@ -115,7 +115,7 @@ def test_walls_are_two_cells_thick(kind: str) -> None:
         cells = floor_plan(kind, seed=3, resolution=resolution).cells
         for lines in (cells, cells.T):
             thin = (lines[:, 1:-1] != 0) & (lines[:, :-2] == 0) & (lines[:, 2:] == 0)
-            # The tips of two round pillars.
+            # The only exceptions are the tips of two round pillars.
             assert thin.sum() <= (4 if kind == "office" else 0)
 
 
@@ -123,7 +123,7 @@ def test_an_office_has_rooms_furniture_and_missing_corners() -> None:
     offices = [floor_plan("office", seed=seed).cells for seed in range(12)]
     assert any((cells == -1).any() for cells in offices)
     assert any((cells == -1).sum() == 0 for cells in offices)
-    # Where only places wider than a door count, the rooms are separate components.
+    # Doors are too narrow for this radius, so each room is a component of its own.
     assert all(len([part for part in sizes_of(room_for(cells, 13)) if part > 100]) >= 10 for cells in offices[:4])
 
 

@@ -36,7 +36,7 @@ ENTRIES = {
 
 
 def write_yaml(folder: Path, /, **entries: str | None) -> Path:
-    """YAML text of a map with the given entries; None leaves an entry out."""
+    """Writes the YAML file of a map and returns its path. Entries that are None are omitted."""
     path = folder / "map.yaml"
     lines = [f"{key}: {text}\n" for key, text in {**ENTRIES, **entries}.items() if text is not None]
     path.write_text("".join(lines))
@@ -44,7 +44,7 @@ def write_yaml(folder: Path, /, **entries: str | None) -> Path:
 
 
 def write_map(folder: Path, image: bytes, /, **entries: str | None) -> Path:
-    """Path of a map's YAML file, written next to its image."""
+    """Writes an image and the YAML file of a map, and returns the path of the YAML file."""
     (folder / "map.pgm").write_bytes(image)
     return write_yaml(folder, **entries)
 
@@ -73,7 +73,7 @@ def cells_of(path: Path) -> list[list[int]]:
 
 
 def greys_of(folder: Path, image: bytes) -> list[list[int]]:
-    """Greys of an image up to 100, top row first, as mode raw reads them."""
+    """Greys of an image, top row first, read with mode raw. All must be at most 100."""
     return cells_of(write_map(folder, image, mode="raw"))[::-1]
 
 
@@ -161,7 +161,7 @@ def test_grey_colours_keep_their_grey(tmp_path: Path) -> None:
 
 # --- Encodings ---
 
-SAMPLES = bytes([0, 50, 100, 10, 35, 9])  # 10 is a line feed, 35 a number sign, 9 a tab
+SAMPLES = bytes([0, 50, 100, 10, 35, 9])  # in ASCII, 10 is a line feed, 35 a number sign, 9 a tab
 SAMPLES_THRICE = bytes(sample for sample in SAMPLES for _ in range(3))
 GREYS = [[0, 50, 100], [10, 35, 9]]
 
@@ -527,15 +527,15 @@ def test_saved_greys_equal_those_of_map_saver_bottom_row_last(tmp_path: Path) ->
     assert (tmp_path / "map.pgm").read_bytes() == b"P5\n2 2\n255\n" + bytes([0, 254, 205, 254])
 
 
-def saved(folder: Path, value: int) -> dict[str, bytes]:
-    """Content of all files in a folder after saving a map of one cell there."""
+def save_one_cell(folder: Path, value: int) -> dict[str, bytes]:
+    """Saves a map of one cell in a folder and returns the contents of all files there by name."""
     mrs.save_map(mrs.OccupancyGrid(np.array([[value]], np.int8), resolution=1.0), folder / "map.yaml")
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def test_saving_replaces_an_older_map(tmp_path: Path) -> None:
-    saved(tmp_path, 100)
-    assert set(saved(tmp_path, 7)) == {"map.pgm", "map.yaml"}
+    save_one_cell(tmp_path, 100)
+    assert set(save_one_cell(tmp_path, 7)) == {"map.pgm", "map.yaml"}
     assert cells_of(tmp_path / "map.yaml") == [[7]]
 
 
@@ -543,7 +543,7 @@ def test_saving_replaces_an_older_map(tmp_path: Path) -> None:
 def test_a_failed_save_keeps_the_old_map_and_leaves_no_temporary_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
 ) -> None:
-    before = saved(tmp_path, 100)
+    before = save_one_cell(tmp_path, 100)
     write_bytes = Path.write_bytes
 
     def write_half(path: Path, data: bytes) -> int:
@@ -555,7 +555,7 @@ def test_a_failed_save_keeps_the_old_map_and_leaves_no_temporary_file(
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", write_half)
         with pytest.raises(OSError, match="the disk is full"):
-            saved(tmp_path, 7)
+            save_one_cell(tmp_path, 7)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
@@ -568,7 +568,7 @@ def test_the_image_is_replaced_before_the_yaml(tmp_path: Path, monkeypatch: pyte
         replace(source, target)
 
     monkeypatch.setattr(os, "replace", noting)
-    saved(tmp_path, 0)
+    save_one_cell(tmp_path, 0)
     assert replaced == ["map.pgm", "map.yaml"]
 
 
@@ -593,7 +593,7 @@ TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # pixels (0, 0), (1, 0
 
 
 def expected_cell(mode: str, grey: int, opaque: bool) -> int:
-    """Reference: the cell of one pixel with the thresholds 0.65 and 0.196."""
+    """Reference for the cell value of one pixel, with thresholds 0.65 and 0.196."""
     if mode == "raw":
         return grey if grey <= 100 else -1
     if not opaque:
@@ -608,19 +608,19 @@ def expected_cell(mode: str, grey: int, opaque: bool) -> int:
 
 @pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
 @pytest.mark.parametrize("name", ENCODED)
-def test_odd_encodings_load_as_graphicsmagick_reads_them(tmp_path: Path, name: str, mode: str) -> None:
+def test_all_encodings_load_as_graphicsmagick_reads_them(tmp_path: Path, name: str, mode: str) -> None:
     greys = np.array(ENCODED[name])
     clear = [(0, 0), (1, 0), (2, 3)] if name in TRANSPARENT else []
     expected = [[expected_cell(mode, int(greys[row, col]), (row, col) not in clear) for col in range(6)] for row in range(4)]
     shutil.copy(CARRIED_MAPS / "encodings" / name, tmp_path / name)
     cells = mrs.load_map(write_yaml(tmp_path, image=name, mode=mode)).cells
-    if name == "jpg_l.jpg" and mode == "raw":  # decoders of JPEG may differ by a level
+    if name == "jpg_l.jpg" and mode == "raw":  # JPEG decoders may differ by one level
         assert np.abs(cells - np.array(expected[::-1])).max() <= 1
     else:
         assert cells.tolist() == expected[::-1]
 
 
-def test_the_truncated_encoding_is_refused_and_none_is_forgotten(tmp_path: Path) -> None:
+def test_the_truncated_encoding_is_rejected_and_every_file_has_a_test(tmp_path: Path) -> None:
     folder = CARRIED_MAPS / "encodings"
     assert {path.name for path in folder.iterdir()} == {*ENCODED, "p5_truncated.pgm", "graphicsmagick.json"}
     path = write_yaml(tmp_path, image=str(folder.resolve() / "p5_truncated.pgm"))
@@ -640,7 +640,7 @@ CARRIED: Expected = {
     "warehouse_grey_is_free": ((240, 320), 0.05, (0.0, 0.0, 0.0), (0, 66840, 9960)),
 }
 
-# Height and width, resolution, origin; unknown, free and occupied cells counted in GraphicsMagick's pixels.
+# Values as in `summary`, counted in the pixels that GraphicsMagick reads.
 REAL: Expected = {
     "f1_berlin/map.yaml": ((600, 600), 0.05, (-11.60654, -26.520793, 0.0), (0, 107954, 252046)),
     "flatland_conestogo/map.yaml": ((505, 1310), 0.05, (-16.6, -6.65, 0.0), (147748, 495587, 18215)),
@@ -664,8 +664,8 @@ REAL: Expected = {
 }
 
 
-def counted(path: Path) -> tuple[Any, ...]:
-    """Height and width, resolution, origin; numbers of unknown, free and occupied cells."""
+def summary(path: Path) -> tuple[Any, ...]:
+    """Shape, resolution and origin of a map, and its numbers of unknown, free and occupied cells."""
     grid = mrs.load_map(path)
     counts = tuple(int(np.count_nonzero(grid.cells == value)) for value in (-1, 0, 100))
     return grid.shape, grid.resolution, tuple(grid.origin), counts
@@ -673,21 +673,21 @@ def counted(path: Path) -> tuple[Any, ...]:
 
 @pytest.mark.parametrize("name", CARRIED)
 def test_carried_maps_load(name: str) -> None:
-    assert counted(CARRIED_MAPS / name / "map.yaml") == CARRIED[name]
+    assert summary(CARRIED_MAPS / name / "map.yaml") == CARRIED[name]
 
 
-def test_no_carried_map_is_forgotten() -> None:
+def test_every_carried_map_has_a_test() -> None:
     assert {path.parent.name for path in CARRIED_MAPS.glob("*/map.yaml")} == set(CARRIED)
 
 
 @needs_real_maps
 @pytest.mark.parametrize("name", REAL)
 def test_real_maps_load(name: str) -> None:
-    assert counted(SHARED_MAPS / name) == REAL[name]
+    assert summary(SHARED_MAPS / name) == REAL[name]
 
 
 @needs_real_maps
-def test_no_real_map_is_forgotten() -> None:
+def test_every_real_map_has_a_test() -> None:
     assert {str(path.relative_to(SHARED_MAPS)) for path in SHARED_MAPS.glob("*/*.yaml")} == set(REAL)
 
 

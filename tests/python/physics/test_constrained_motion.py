@@ -1,4 +1,4 @@
-"""constrained_motion: walls, obstacles and limits act on a robot; without them its motion is that of Motion."""
+"""constrained_motion: walls, obstacles and limits act on a robot. Without them, it moves exactly as with `Motion`."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_modes_slide_and_report_at_a_wall():
 
 
 def test_the_contact_time_agrees_with_a_check_of_poses_around_it():
-    """10 microseconds before the contact the footprint touches nothing, 10 microseconds after it does."""
+    """The footprint is free 10 microseconds before the contact and touches something 10 microseconds after it."""
     shape = [[0.5, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.5, -0.2]]
     rng = np.random.default_rng(SEED)
     outline = mrs.Shape.polygon(shape)
@@ -98,7 +98,7 @@ def test_reading_between_steps_changes_nothing():
 
 
 def test_ground_truth_is_consistent_between_two_steps():
-    """The robot starts 0.509 m from a disc, so that the contact is inside a step."""
+    """The robot starts 0.509 m from a disc, so that the contact falls between two steps."""
     sim = simulation((10.0, 10.0, 0.0), robot_radius=0.3)
     sim.add_obstacle(mrs.Shape.disc(0.3), (11.109, 10.0, 0.0))
     drive(sim, 1.0)
@@ -130,7 +130,7 @@ def test_limits_bound_velocity_and_acceleration():
 @pytest.mark.parametrize("limits", [{}, {"acceleration_limits": (2.0, 2.0, 2.0)}])
 @pytest.mark.parametrize("map_transform", [True, False])
 def test_the_velocity_of_a_sliding_robot_matches_its_motion(limits, map_transform):
-    """At 0.4 rad into the lower wall, the speed along the wall is the cosine of the commanded speed."""
+    """The robot drives into the lower wall at 0.4 rad. Its speed along the wall is the commanded speed times cos 0.4."""
     start = (4.0, 0.6, -0.4)
     sim = simulation(start, robot_radius=0.3, contact="slide", publish_map_transform=map_transform, **limits)
     drive(sim, 0.5)

@@ -1,4 +1,4 @@
-"""motion: commands are integrated exactly and can be read at any time; snapshots restore everything."""
+"""motion: commands are integrated exactly, the state can be read at any time, and snapshots restore everything."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def driving(timeout: float = 0.0) -> Motion:
 
 def test_poses_are_exact_at_any_time_and_in_both_frames() -> None:
     motion = driving()
-    motion.command((math.pi / 2, 0.0, math.pi / 2), SECOND)  # A quarter of a circle of radius 1 m.
+    motion.command((math.pi / 2, 0.0, math.pi / 2), SECOND)  # A quarter circle with a radius of 1 m.
     assert tuple(motion.pose(2 * SECOND)) == pytest.approx((3.0, 3.0, math.pi / 2))
     assert tuple(motion.map_pose(2 * SECOND)) == pytest.approx((13.0, 3.0, math.pi / 2))
     assert tuple(motion.map_pose_at(SECOND // 2)) == pytest.approx((11.5, 2.0, 0.0))

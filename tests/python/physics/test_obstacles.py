@@ -1,4 +1,4 @@
-"""obstacles: an Obstacle is where its trajectory says, scanners see it there, and robots collide with it."""
+"""obstacles: an obstacle follows its trajectory, scanners see it, and robots collide with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""odometer: exact without noise; with noise, repeatable drift and a covariance that grows."""
+"""odometer: exact without noise; with noise, the drift is repeatable and the covariance grows."""
 
 from __future__ import annotations
 

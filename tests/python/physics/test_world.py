@@ -1,4 +1,4 @@
-"""world: several robots see and touch each other, and everything repeats after a restore."""
+"""world: robots see and touch each other, and a restored simulation repeats exactly."""
 
 from __future__ import annotations
 
