@@ -1,4 +1,4 @@
-//! Batches: the threads that share them, and the check of their rows.
+//! Batches: sharing the work between threads, and checking that all rows are finite.
 
 use std::collections::BTreeMap;
 use std::num::NonZero;
@@ -20,13 +20,15 @@ static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeM
 /// Smallest batch, in elements, that is shared between threads.
 const MIN_SHARED: usize = 4096;
 
-/// Rows that one thread checks at a time.
+/// Number of rows that one thread checks at a time.
 const ROWS_PER_CHECK: usize = 4096;
 
-/// Calls `work(index, chunk)` for each chunk of `length` elements, on `threads` threads (default: all cores).
+/// Calls `work(index, chunk)` for each chunk of `length` elements, on `threads` threads (default: all cores). The last chunk
+/// may be shorter.
 ///
 /// # Errors
-/// If `threads` is 0 or more than 1024, or if the system cannot start them.
+/// - [`Error::Count`]: `threads` is 0 or more than 1024.
+/// - [`Error::Threads`]: the system could not start the threads.
 pub fn for_each_chunk<T: Send>(
     threads: Option<usize>,
     elements: &mut [T],
@@ -42,7 +44,7 @@ pub fn for_each_chunk<T: Send>(
     Ok(())
 }
 
-/// True if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).
+/// Returns true if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).
 ///
 /// # Errors
 /// Those of [`for_each_chunk`].
@@ -61,9 +63,10 @@ pub fn all_chunks<T: Sync>(
 /// Checks that every row is finite, on `threads` threads (default: all cores).
 ///
 /// # Errors
-/// [`Error::Row`] names the first row that is not finite. Those of [`for_each_chunk`].
+/// - [`Error::Row`]: names the first row that is not finite.
+/// - Those of [`for_each_chunk`].
 pub fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>) -> Result<(), Error> {
-    // This loop has no early exit, so that it vectorises. The row at fault is searched for only if there is one.
+    // This loop has no early exit, so the compiler can vectorise it. The bad row is searched for only if there is one.
     let are_finite = |rows: &[[f64; 3]]| rows.as_flattened().iter().fold(true, |all, number| all & number.is_finite());
     if all_chunks(threads, rows, ROWS_PER_CHECK, are_finite)? {
         return Ok(());
@@ -73,12 +76,12 @@ pub fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>)
     Err(Error::Row { name, row, value: rows[row] })
 }
 
-/// Number of threads that work on a batch of this many elements.
+/// Returns the number of threads that work on a batch of this many elements.
 ///
 /// # Errors
-/// If `threads` is 0 or more than 1024.
+/// [`Error::Count`]: `threads` is 0 or more than 1024.
 pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Error> {
-    /// Read once, because the system reads several files to find it.
+    /// Number of cores. Determined once, because the system reads several files for it.
     static CORES: LazyLock<usize> =
         LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
     if let Some(count @ (0 | 1025..)) = threads {
@@ -87,14 +90,15 @@ pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Er
     Ok(if elements < MIN_SHARED { 1 } else { threads.unwrap_or_else(|| *CORES) })
 }
 
-/// True on a thread of a pool.
+/// Returns true if the calling thread belongs to a pool.
 ///
-/// Such a thread takes up other work of its pool while it waits, so it must not wait for that work in turn.
+/// While a pool thread waits for other threads, it may run another task of its pool. If that task needs the result that the
+/// thread is still computing, neither can continue: a deadlock.
 pub fn is_pool_thread() -> bool {
     rayon::current_thread_index().is_some()
 }
 
-/// The pool that works on a batch of this many elements; `None` if the calling thread does.
+/// Returns the pool that works on a batch of this many elements; `None` if the calling thread does the work.
 fn pool_for(threads: Option<usize>, elements: usize) -> Result<Option<Arc<ThreadPool>>, Error> {
     match thread_count(threads, elements)? {
         1 => Ok(None),

@@ -1,4 +1,4 @@
-//! Free boxes: how far a ray may jump from a cell without looking at the cells on its way.
+//! Free boxes: how far a ray may jump from a cell without a check of the cells on its way.
 
 mod pages;
 mod sector;
@@ -14,8 +14,8 @@ use pages::Pages;
 ///
 /// A free box holds no blocking cell. It has the cell in its near corner, extends `length` cells along the major axis of the
 /// sector, and half as many cells, rounded up, along the minor axis. Its length is the largest even number possible, or 1 if
-/// the cell is free and the next one along the major axis is not. Blocking cells have length 0. So has a border, one cell
-/// wide, around the grid; it stops rays that leave the grid.
+/// the cell is free and the next one along the major axis is not. Blocking cells have length 0. A border of length 0, one
+/// cell wide, surrounds the grid and stops rays that leave it.
 ///
 /// ```text
 ///      .  .  .  #  .  .  .  .     The free box of the cell o in sector 0 has length 6 and breadth 3. A ray from o into this
@@ -201,10 +201,10 @@ impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
     }
 }
 
-/// Computes the lengths of one row of a plane after the other. Holds its work space.
+/// Computes the lengths of a plane row by row. Holds the buffers for this.
 #[derive(Default)]
 struct RowFiller {
-    /// Lengths of the row as known so far, with 0 for 1; then those of up to two cells past its end.
+    /// Lengths of the row so far, with 0 in place of 1, then those of up to two cells past its end.
     lengths: Vec<u8>,
     /// The same after the next step.
     next: Vec<u8>,
@@ -213,10 +213,11 @@ struct RowFiller {
 impl RowFiller {
     /// Computes the first `count` lengths of a row.
     ///
-    /// `line` holds 0 for each blocking and another number for each free cell of the row, and the final lengths of the cells
-    /// past `count`. `next_row` holds the final lengths of the next row. The row is computed from the lengths of cells
-    /// ahead, by dynamic programming: a box at (col, row) that is 2 longer and 1 broader than a box of length L is covered
-    /// by the first two cells of its row and by three boxes of length L.
+    /// At the start, `line` holds 0 for each blocking cell of the row and another number for each free one; from index
+    /// `count` on it holds final lengths. `next_row` holds the final lengths of the next row.
+    ///
+    /// Method: dynamic programming. A box at (col, row) that is 2 longer and 1 broader than a box of length L is covered by
+    /// the first two cells of its row and by three boxes of length L, which start at cells ahead.
     ///
     /// ```text
     ///     row + 1    A  A  C  C      L = 2: a box of length 4 and breadth 2 is covered by the boxes A, B and C and the
@@ -235,8 +236,8 @@ impl RowFiller {
         self.lengths.extend(from_next_row.zip(are_free).map(|(length, are_free)| if are_free { length } else { 0 }));
         self.lengths.extend(line[count..].iter().take(2).map(|&length| covering(length)));
         debug_assert!(self.lengths.len() >= count, "a row lacks cells past its end or in the next row");
-        // The third box is in the same row: length[col] <= length[col + 2] + 2. One cell after the other, each would wait
-        // for the one before it. Instead the bound is applied at distances 2, 4, 8 and so on, for the whole row at a time.
+        // The third box is in the same row: length[col] <= length[col + 2] + 2. In a loop over the cells, each cell would
+        // have to wait for the previous one. Instead the bound is applied to the whole row at distances 2, 4, 8 and so on.
         self.next.resize(self.lengths.len(), 0);
         let cells = self.lengths.len();
         for distance in [2, 4, 8, 16, 32, 64, 128].into_iter().take_while(|&distance| distance < cells) {

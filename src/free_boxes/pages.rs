@@ -1,10 +1,10 @@
-//! Memory for large tables that are read at random.
+//! Memory for large tables that are read in random order.
 
 use std::ops::{Deref, DerefMut};
 
 use memmap2::MmapMut;
 
-/// A byte array that starts as zeros. A large one is in huge pages, if the system has them.
+/// A byte array that starts as zeros. A large array uses huge pages if the system has them.
 ///
 /// If a table does not fit in the caches, looking up the address of a page costs as much as reading the byte. With huge
 /// pages there are few addresses to look up.

@@ -1,4 +1,4 @@
-//! The eight sectors of 45° that directions fall into, and the mirroring that makes them all alike.
+//! The eight sectors of 45° that directions fall into, and the mirroring that turns each of them into sector 0.
 
 use std::ops::Range;
 
@@ -29,19 +29,19 @@ impl Sector {
     /// Number of sectors.
     pub const COUNT: usize = 8;
 
-    /// Sector of a direction. Both zeros count as positive, and a diagonal has x as its major axis.
+    /// Returns the sector of a direction. 0.0 and -0.0 count as positive, and a diagonal has x as its major axis.
     #[inline(always)]
     #[must_use]
     pub fn of(direction: DVec2) -> Self {
         Self { x: Mirror::of(direction.x), y: Mirror::of(direction.y), is_steep: direction.y.abs() > direction.x.abs() }
     }
 
-    /// All sectors, by number.
+    /// Iterates over all sectors in the order of their numbers.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..Self::COUNT).map(Self::numbered)
     }
 
-    /// The sector with this number.
+    /// Returns the sector with this number.
     ///
     /// # Panics
     /// If the number is not less than [`COUNT`](Self::COUNT).
@@ -52,35 +52,35 @@ impl Sector {
         Self { x: Mirror(bit(0)), y: Mirror(bit(1)), is_steep: bit(2) }
     }
 
-    /// Number of the sector, less than [`COUNT`](Self::COUNT).
+    /// Returns the number of the sector, less than [`COUNT`](Self::COUNT).
     #[inline(always)]
     #[must_use]
     pub fn number(self) -> u32 {
         u32::from(self.x.0) | u32::from(self.y.0) << 1 | u32::from(self.is_steep) << 2
     }
 
-    /// How the x axis is mirrored.
+    /// Returns the mirror of the x axis.
     #[inline(always)]
     #[must_use]
     pub fn x(self) -> Mirror {
         self.x
     }
 
-    /// How the y axis is mirrored.
+    /// Returns the mirror of the y axis.
     #[inline(always)]
     #[must_use]
     pub fn y(self) -> Mirror {
         self.y
     }
 
-    /// True if the major axis is y.
+    /// Returns true if the major axis is y.
     #[inline(always)]
     #[must_use]
     pub fn is_steep(self) -> bool {
         self.is_steep
     }
 
-    /// Turns a pair in the order (x, y) into the order (major, minor), and back.
+    /// Converts a pair from the order (x, y) to the order (major, minor), or back.
     #[inline(always)]
     #[must_use]
     pub fn order<T>(self, x: T, y: T) -> (T, T) {
@@ -91,60 +91,62 @@ impl Sector {
 /// Whether one axis of a sector is mirrored, so that rays of the sector move up it.
 ///
 /// Coordinates and cells count from the lower end of the grid; mirrored cells count from its upper end, and mirrored
-/// coordinates are negated.
+/// coordinates are negated. The near line of a cell is the grid line at which rays of the sector enter the cell. They leave
+/// it at its far line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mirror(bool);
 
 impl Mirror {
-    /// The mirror for rays with this component of the direction.
+    /// Returns the mirror for rays whose direction has this component along the axis.
     #[inline(always)]
     #[must_use]
     pub fn of(component: f64) -> Self {
         Self(component < 0.0)
     }
 
-    /// True if the axis is mirrored.
+    /// Returns true if the axis is mirrored.
     #[inline(always)]
     #[must_use]
     pub fn is_on(self) -> bool {
         self.0
     }
 
-    /// The number of a cell of an axis with `size` cells, mirrored.
+    /// Returns the mirrored number of a cell, on an axis with `size` cells.
     #[inline(always)]
     #[must_use]
     pub fn cell(self, cell: i32, size: i32) -> i32 {
         if self.0 { size - 1 - cell } else { cell }
     }
 
-    /// A range of cells of an axis with `size` cells, mirrored.
+    /// Returns the mirrored range of a range of cells, on an axis with `size` cells.
     #[must_use]
     pub fn range(self, range: &Range<usize>, size: usize) -> Range<usize> {
         if self.0 { size - range.end..size - range.start } else { range.clone() }
     }
 
-    /// A coordinate, or a component of a direction, mirrored.
+    /// Returns the mirrored coordinate, or the mirrored component of a direction.
     #[inline(always)]
     #[must_use]
     pub fn coordinate(self, coordinate: f64) -> f64 {
         if self.0 { -coordinate } else { coordinate }
     }
 
-    /// The mirrored coordinate of the near line of a cell: the one that the ray crosses to enter the cell.
+    /// Returns the mirrored coordinate of the near line of a cell. The cell itself is not mirrored.
     #[inline(always)]
     #[must_use]
     pub fn near_line(self, cell: i32) -> f64 {
         if self.0 { -1.0 - f64::from(cell) } else { f64::from(cell) }
     }
 
-    /// The coordinate, not mirrored, of the near line of a cell.
+    /// Returns the coordinate of the near line of a cell. Neither is mirrored.
     #[inline(always)]
     #[must_use]
     pub fn entry_line(self, cell: i32) -> i32 {
         cell + i32::from(self.0)
     }
 
-    /// Distance along the axis from `origin`, in cell `cell`, to the far line of the cell.
+    /// Returns the distance along the axis from `origin`, a coordinate inside `cell`, to the far line of that cell. Neither
+    /// argument is mirrored.
     #[inline(always)]
     #[must_use]
     pub fn to_far_line(self, origin: f64, cell: i32) -> f64 {
@@ -152,14 +154,15 @@ impl Mirror {
         if self.0 { origin - cell } else { (cell + 1.0) - origin }
     }
 
-    /// The cell, not mirrored, that is `count` cells ahead of a cell.
+    /// Returns the cell that a ray reaches when it moves `count` cells along the axis. Neither cell is mirrored.
     #[inline(always)]
     #[must_use]
     pub fn ahead(self, cell: i32, count: i32) -> i32 {
         if self.0 { cell - count } else { cell + count }
     }
 
-    /// Number of cells from a cell, that cell included, to the end of an axis with `size` cells.
+    /// Returns the number of cells from a cell, which counts too, to the end of the axis in the direction of the rays. The
+    /// axis has `size` cells.
     #[inline(always)]
     #[must_use]
     pub fn cells_left(self, cell: i32, size: i32) -> i32 {

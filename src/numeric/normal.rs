@@ -12,7 +12,7 @@ use super::elementary::{ln32, sin_cos32};
 /// They are made from two words of random bits and the two upper bits of a third word, `quadrant`. As coordinates they are a
 /// point at a random angle, at a distance whose square is exponentially distributed (Box & Muller 1958).
 ///
-/// Limits: no number is beyond ±6.6, where one in 10¹⁰ should be, and one pair in 2²⁵ is (0, 0).
+/// Limits: no number is beyond ±6.67, although about one in 4 · 10¹⁰ should be, and one pair in 2²⁵ is (0, 0).
 #[inline(always)]
 #[must_use]
 pub fn pair([first, second]: [u32; 2], quadrant: u32) -> (f32, f32) {
@@ -69,7 +69,7 @@ mod tests {
             let off = numbers.iter().enumerate().map(|(index, &x)| (cdf(x) - index as f64 / COUNT as f64).abs());
             let off = off.fold(0.0, f64::max);
             assert!(off < 2.5 / (COUNT as f64).sqrt(), "number {which} is off by {off}");
-            // The share of a normal distribution beyond ±4 is 1 in 15,787.
+            // In a normal distribution, 1 number in 15,787 is beyond ±4.
             let beyond = |limit: f64| numbers.iter().filter(|x| x.abs() > limit).count() as f64;
             assert!((beyond(4.0) - COUNT as f64 / 15_787.0).abs() < 40.0, "{} are beyond 4", beyond(4.0));
         }

@@ -4,7 +4,7 @@ use super::source::RayGroup;
 use crate::free_boxes::{FreeBoxes, Sector};
 use crate::numeric::{GROUP, Group};
 
-/// Rays in a block: one scan of 1081 beams, or two of 541.
+/// Largest number of rays in a block: enough for one scan of 1081 beams, or two of 541.
 pub const BLOCK: usize = 1088;
 
 /// Length of a [`Column`]. The last vectors may reach past the end of the block.
@@ -15,7 +15,7 @@ pub type Column<T> = [T; CAPACITY];
 
 /// One axis of the rays of a block, in float32.
 ///
-/// Cells are numbered from the second cell of a ray on, so a ray starts in cell -1.
+/// Cells are numbered along the axis: the ray starts in cell -1, and the next cell is 0.
 #[repr(C, align(64))]
 pub struct Axis32 {
     /// Cell the ray is in.
@@ -46,13 +46,13 @@ pub struct Block {
     pub minor: Axis32,
     /// Index, in the lengths of the free boxes, of cell 0 along both axes.
     pub base: Column<i32>,
-    /// Distance in the lengths from one row of the sector's plane to the next.
+    /// Number of lengths in one row of the sector's plane.
     pub stride: Column<i32>,
     /// Number of the ray.
     pub number: Column<i32>,
     /// Numbers of the rays that have ended, in the order in which they ended.
     pub ended: Column<i32>,
-    /// Last cells of those rays, counted from the first cell: the major number plus 65536 times the minor one.
+    /// Last cells of those rays, one number each: `major + 65536 · minor`, with cells numbered from the first cell, 0.
     pub ended_in: Column<i32>,
     /// The same cells, ordered by the number of the ray.
     pub cells: Column<i32>,
@@ -63,7 +63,7 @@ pub struct Block {
 impl Axis32 {
     const EMPTY: Self = Self { cell: [0.0; CAPACITY], slope: [0.0; CAPACITY], intercept: [0.0; CAPACITY] };
 
-    /// Sets a ray at its start. `first` and `first_of_other` are the distances to the far lines of its first cell.
+    /// Places a ray at its start. `first` and `first_of_other` are the distances to the far lines of its first cell.
     #[inline(always)]
     fn set(&mut self, at: usize, slope: f32, first: f32, first_of_other: f32) {
         self.cell[at] = -1.0;
@@ -73,7 +73,7 @@ impl Axis32 {
 }
 
 impl Block {
-    /// A block without rays.
+    /// Returns a block without rays.
     #[must_use]
     pub fn new() -> Box<Self> {
         let zero = [0; CAPACITY];
@@ -116,7 +116,7 @@ impl Block {
         }
     }
 
-    /// Index, in the lengths of the free boxes, of the first cell of a ray.
+    /// Returns the index, in the lengths of the free boxes, of the first cell of a ray.
     #[inline(always)]
     #[must_use]
     pub fn start(&self, at: usize) -> usize {
@@ -125,7 +125,7 @@ impl Block {
     }
 }
 
-/// True if an int32 can hold every index into the lengths of the free boxes.
+/// Returns true if an int32 can hold every index into the lengths of the free boxes.
 pub fn fits(free_boxes: &FreeBoxes) -> bool {
     i32::try_from(free_boxes.lengths().len()).is_ok()
 }

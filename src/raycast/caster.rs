@@ -1,4 +1,4 @@
-//! Casting of scans and of unrelated rays, from poses in the map frame to ranges in metres.
+//! Casting of scans and of unrelated rays: from poses in the map frame to ranges in metres.
 
 use std::cell::RefCell;
 use std::slice;
@@ -43,19 +43,22 @@ pub struct Caster<'grid> {
     grid: &'grid OccupancyGrid,
     kernel: Kernel,
     max_range: f64,
-    /// Distance in cells from which on a hit is out of range.
+    /// Distance \[cells\] at which a kernel may stop following a ray: any hit beyond it is out of range.
     limit: f64,
 }
 
-/// Rays that one thread casts at a time.
+/// Number of rays that one thread casts at a time.
 const CHUNK: usize = 1024;
 const _: () = assert!(CHUNK.is_multiple_of(GROUP) && CHUNK <= block::BLOCK);
 
 impl<'grid> Caster<'grid> {
-    /// A caster over `grid` up to `max_range` metres.
+    /// Returns a caster for rays over `grid`. A ray without a hit within `max_range` metres has no return.
+    ///
+    /// `max_range` must be positive and at most `f32::MAX`; this is not checked here.
     #[must_use]
     pub fn new(grid: &'grid OccupancyGrid, max_range: f64, kernel: Kernel) -> Self {
-        // One cell more than the maximum range: whether a hit is in range is decided by the range in metres alone.
+        // One cell longer than the maximum range, so that rounding cannot drop a hit that is in range. The comparison in
+        // metres, by `InMetres`, decides which hits are in range.
         let limit = max_range / grid.resolution() + 1.0;
         Self { grid, kernel, max_range, limit }
     }
@@ -70,21 +73,22 @@ impl<'grid> Caster<'grid> {
     /// Sends ranges in metres to the sink, group by group; infinite for no return within the maximum range.
     ///
     /// # Panics
-    /// If the sink casts.
+    /// If the sink itself starts a cast.
     pub(super) fn cast(&self, source: impl Source, sink: impl Sink) {
         thread_local! {
             static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
         }
-        // Before the block is borrowed: while it builds the free boxes, this thread may take up another cast.
+        // This comes before the block is borrowed: while the free boxes are built, this thread may run another cast.
         self.prepare(None);
         let sink = InMetres { resolution: self.grid.resolution(), max_range: self.max_range, sink };
         BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
 
-    /// Number of fans to cast together on one thread, out of `fans` fans of `groups` groups each on `threads` threads.
+    /// Returns the number of fans to cast together on one thread, for a batch of `fans` fans with `groups` groups each that
+    /// `threads` threads share.
     #[must_use]
     pub(crate) fn fans_per_cast(&self, fans: usize, groups: usize, threads: usize) -> usize {
-        // Each thread gets at least this many casts, so that slow ones even out.
+        // Each thread gets at least this many casts, so that all threads finish at about the same time.
         const CASTS_PER_THREAD: usize = 8;
         if self.kernel == Kernel::Traversal {
             return 1;
@@ -95,7 +99,7 @@ impl<'grid> Caster<'grid> {
     /// Casts fans that may start off the grid; sends ranges to the sink like [`cast`](Self::cast), fan by fan.
     ///
     /// # Panics
-    /// If the sink casts, or if several fans together do not fit into a block.
+    /// If the sink itself starts a cast, or if several fans together do not fit into a block.
     pub(crate) fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) {
         if fans.are_on_grid() && fans.are_alike(self.grid, self.kernel.break_even_length()) {
             return self.cast(fans, sink);

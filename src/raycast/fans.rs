@@ -1,4 +1,4 @@
-//! Fans: rays with one origin each, as the beams of a scan are.
+//! Fans: a fan is a set of rays with the same origin, such as the beams of a scan.
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ use crate::grid::{Cell, OccupancyGrid};
 use crate::numeric::Group;
 use crate::pose::Pose;
 
-/// Fans that have the same directions in their own frames: the scans of one scanner.
+/// Fans with the same ray directions, each in its own frame: the scans of one scanner.
 #[derive(Debug, Clone, Copy)]
 pub struct Fans<'a> {
     /// Start of each fan; at least one.
@@ -34,7 +34,7 @@ pub struct Start {
 }
 
 impl Start {
-    /// The start at a pose in the frame of the grid \[m\].
+    /// Returns the start at a pose in the frame of the grid \[m\].
     #[must_use]
     pub fn new(grid: &OccupancyGrid, pose: Pose) -> Self {
         let origin = grid.in_cells(pose.position);
@@ -43,19 +43,19 @@ impl Start {
         Self { origin, cell, heading: DVec2::new(cos, sin) }
     }
 
-    /// True if all free boxes of the start cell are at most `length` cells long.
+    /// Returns true if all free boxes of the start cell are at most `length` cells long.
     fn is_cluttered(&self, grid: &OccupancyGrid, length: i32) -> bool {
         let (col, row) = self.cell.unwrap_or_default();
         let is_short = |length| Sector::all().all(|sector| grid.free_boxes().length(col, row, sector) <= length);
-        // Neighbouring cells are checked first: a traversal reads them next. The boxes of the eight sectors lie far apart in
-        // memory, and waiting for them takes 3 % of a scan whose beams all end at once.
+        // The neighbours are checked first, because a traversal would read them next anyway. The boxes of the eight sectors
+        // lie far apart in memory: reading them takes 3 % of a scan whose beams never leave their start cell.
         let is_enclosed = length > 0 && is_enclosed(grid, (col, row));
         debug_assert!(!is_enclosed || is_short(1), "{:?} is enclosed, but has a long free box", self.cell);
         is_enclosed || is_short(length)
     }
 }
 
-/// True if each of the four neighbours of a cell blocks or is off the grid, so that no ray leaves the cell.
+/// Returns true if each of the four neighbours of a cell blocks or is off the grid, so that no ray leaves the cell.
 fn is_enclosed(grid: &OccupancyGrid, (col, row): (i32, i32)) -> bool {
     let stops = |col: i32, row: i32| match (usize::try_from(col), usize::try_from(row)) {
         (Ok(col), Ok(row)) if col < grid.width() && row < grid.height() => grid.is_blocking(Cell { col, row }),
@@ -68,16 +68,17 @@ impl Fans<'_> {
     /// Largest number of fans that gain from being cast together.
     pub const MAX: usize = 8;
 
-    /// True if all fans start on the grid and have finite directions.
+    /// Returns true if all fans start on the grid and have finite directions.
     #[must_use]
     pub fn are_on_grid(&self) -> bool {
         self.starts.iter().all(|start| start.cell.is_some() && start.heading.is_finite())
     }
 
-    /// True if [`Source::is_cluttered`] is the same for each of the fans.
+    /// Returns true if [`Source::is_cluttered`] gives the same answer for each of the fans.
     #[must_use]
     pub fn are_alike(&self, grid: &OccupancyGrid, length: i32) -> bool {
-        // Only a start in a blocking cell has boxes of length 0, and then all rays end at once, however they are cast.
+        // Free boxes of length 0 exist only in blocking cells. Rays that start there end there, so the method of casting
+        // them does not matter.
         if self.count < SAMPLES || self.starts.len() == 1 || length == 0 {
             return true;
         }
@@ -110,7 +111,7 @@ impl Source for Fans<'_> {
     }
 }
 
-/// One group of the rays of a fan.
+/// One group of rays of a fan.
 struct FanGroup<'a> {
     origin: DVec2,
     cell: (i32, i32),

@@ -1,7 +1,7 @@
-//! Ray casting: from a ray to the boundary at which it enters the first blocking cell.
+//! Ray casting: finds the boundary at which a ray enters the first blocking cell.
 //!
-//! [`Kernel::Traversal`] is the specification. The other kernels jump over the free space of
-//! the grid and give the same bytes.
+//! [`Kernel::Traversal`] is the specification. The other kernels jump over the free space of the grid and give the same
+//! bytes.
 
 mod block;
 mod caster;

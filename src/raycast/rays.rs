@@ -73,7 +73,8 @@ impl RayColumns {
         Self { x: zero, y: zero, dx: [1.0; GROUP], dy: zero, gap: [f64::INFINITY; GROUP], col: [0; GROUP], row: [0; GROUP] }
     };
 
-    /// The columns of the origins (x, y) and of the directions (x, y). Call [`start`](Self::start) after filling them.
+    /// Returns the columns x and y of the origins, then x and y of the directions. After filling them, call
+    /// [`start`](Self::start).
     #[inline(always)]
     pub fn origins_and_directions(&mut self) -> [&mut Group; 4] {
         [&mut self.x, &mut self.y, &mut self.dx, &mut self.dy]
@@ -119,10 +120,10 @@ impl RayGroup for &RayColumns {
     }
 }
 
-/// Floor of a number in [0, 2³¹), in a form that vectorises.
+/// Returns the floor of a number in [0, 2³¹), in a form that the compiler can vectorise.
 #[inline(always)]
 fn floor(number: f64) -> i32 {
-    // From 2⁵² on every float64 is whole, so adding 2⁵² rounds to the nearest integer and leaves it in the lowest bits.
+    // A float64 of 2⁵² or more is whole, so adding 2⁵² rounds to the nearest integer and leaves it in the lowest bits.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     let nearest = (number + WHOLE) - WHOLE;
     let floor = if nearest > number { nearest - 1.0 } else { nearest };

@@ -17,7 +17,7 @@ impl<F: FnMut(usize, &Group)> Sink for F {
     }
 }
 
-/// Converts distances in cells to ranges in metres, infinite from the maximum range on.
+/// Converts distances in cells to ranges in metres; a range of `max_range` or more becomes infinite.
 pub struct InMetres<S> {
     pub resolution: f64,
     pub max_range: f64,

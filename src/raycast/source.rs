@@ -13,21 +13,22 @@ pub trait Source: Copy {
     /// True if many rays start in the same cell.
     const SHARES_START_CELLS: bool;
 
-    /// Number of fans.
+    /// Returns the number of fans.
     fn fans(&self) -> usize {
         1
     }
 
-    /// Number of rays in a fan.
+    /// Returns the number of rays in a fan.
     fn count(&self) -> usize;
 
-    /// Rays of one group of a fan. Entries past the last ray are padding.
+    /// Returns the rays of one group of a fan. Entries past the last ray are padding.
     fn group(&self, fan: usize, group: usize) -> impl RayGroup;
 
-    /// True if every sampled ray starts where free boxes are at most `length` cells long. Always false for a few rays.
+    /// Returns true if every sampled ray starts where free boxes are at most `length` cells long. Always false for fewer
+    /// than [`SAMPLES`] rays.
     fn is_cluttered(&self, grid: &OccupancyGrid, length: i32) -> bool;
 
-    /// Input of the next cast. Kernels may prefetch it.
+    /// Returns the input of the next cast, which a kernel may prefetch.
     fn upcoming(&self) -> &[[f64; 3]] {
         &[]
     }
@@ -35,6 +36,6 @@ pub trait Source: Copy {
 
 /// The rays of a group, by their slots in it.
 pub trait RayGroup {
-    /// The ray in a slot.
+    /// Returns the ray in a slot.
     fn ray(&self, slot: usize) -> Ray;
 }

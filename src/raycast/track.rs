@@ -1,4 +1,4 @@
-//! A ray as the jump loops follow it: along the axes of its sector, with cells numbered from its first cell on.
+//! A ray in the form that the jump loops need: along the axes of its sector, with cells numbered from its first cell, 0.
 
 use super::Ray;
 use crate::free_boxes::{FreeBoxes, Mirror, Sector, breadth};
@@ -29,7 +29,7 @@ pub struct Track {
     pub sector: Sector,
 }
 
-/// A crossing nearer than this to a grid line is decided as the plain traversal decides it.
+/// If a crossing is nearer than this to a grid line \[cells\], the cell is chosen by the comparison of the plain traversal.
 ///
 /// Rounding moves a crossing by less than 1e-10 cells on the largest grid, so a crossing farther away is unambiguous.
 const NEAR_TIE: f64 = 1e-6;
@@ -46,19 +46,19 @@ impl Axis {
         }
     }
 
-    /// Distance from the ray's origin to the near line of a cell; the same bits as in the plain traversal.
+    /// Returns the distance from the ray's origin to the near line of a cell; the same bits as in the plain traversal.
     #[inline(always)]
     #[must_use]
     pub fn distance(&self, cell: i32) -> f64 {
         ((self.start + f64::from(cell)) - self.origin) * self.inverse
     }
 
-    /// The cell that the ray is in at `distance`, given that it was in cell `from` before.
+    /// Returns the cell that the ray is in at `distance`, given that it was in cell `from` before.
     ///
     /// `is_crossed` decides, from the distance to a grid line, whether the plain traversal would have crossed the line.
     #[inline(always)]
     fn cell_at(&self, distance: f64, from: i32, is_crossed: impl Fn(f64) -> bool) -> i32 {
-        // Negative only by rounding, so truncation equals the floor except near a tie.
+        // `at` is negative only by rounding, so truncation equals the floor, except near a tie.
         let at = (self.origin - self.start) + distance * self.direction;
         let cell = at as i32;
         let beyond = at - f64::from(cell);
@@ -73,7 +73,7 @@ impl Axis {
 }
 
 impl Track {
-    /// The track of a ray.
+    /// Returns the track of a ray.
     #[inline(always)]
     #[must_use]
     pub fn new(free_boxes: &FreeBoxes, ray: &Ray) -> Self {
@@ -84,17 +84,18 @@ impl Track {
         Self { major, minor, sector }
     }
 
-    /// The cell that the ray enters when it leaves the free box of this length at a cell; the same cell as in the plain
-    /// traversal.
+    /// Returns the cell that the ray enters when it leaves the free box at cell `(major, minor)`, which is `length` cells
+    /// long; the same cell as in the plain traversal.
     ///
-    /// A ray leaves a box through one of its two far sides. The number of that line is exact. The distance to it is computed
-    /// from the ray's origin, as in the traversal. The cell along the other axis is the one that contains the crossing.
+    /// A ray leaves a box through one of its two far sides. The grid line of that side is known exactly, and the distance to
+    /// it is computed from the ray's origin, as in the traversal. The cell along the other axis is the one that contains the
+    /// crossing.
     #[inline(always)]
     #[must_use]
     pub fn step(&self, (major, minor): (i32, i32), length: i32) -> (i32, i32) {
         let (far_major, far_minor) = (major + length, minor + breadth(length));
         let (to_major, to_minor) = (self.major.distance(far_major), self.minor.distance(far_minor));
-        // If both lines are at the same distance, the traversal crosses the row's line first.
+        // If both lines are at the same distance, the traversal crosses the line between two rows first.
         let steep = self.sector.is_steep();
         if to_major < to_minor || (steep && to_major == to_minor) {
             let is_crossed = |to_line| to_line < to_major || (!steep && to_line == to_major);
@@ -105,10 +106,11 @@ impl Track {
         }
     }
 
-    /// Distance from the origin of the ray, which may be off the grid, to the boundary at which it enters a cell; infinite
-    /// if that cell is off the grid.
+    /// Returns the distance from the start of the ray, which may be off the grid, to the boundary at which it enters a cell;
+    /// infinite if that cell is off the grid.
     ///
-    /// The ray enters the cell at the farther of its two near lines. In the first cell both lines are behind the origin.
+    /// The ray enters the cell at the farther of its two near lines. The near lines of the first cell are at or behind the
+    /// ray's origin, so the ray enters this cell at its origin.
     #[inline(always)]
     #[must_use]
     pub fn distance(&self, ray: &Ray, (major, minor): (i32, i32)) -> f64 {
@@ -117,13 +119,13 @@ impl Track {
     }
 }
 
-/// The larger number; `b` if `a` is NaN, which is the distance to a line that the ray runs along.
+/// Returns the larger number; `b` if `a` is NaN, which is the distance to a line that the ray runs along.
 #[inline(always)]
 fn farther(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// [`Track::distance`] without a track, in a form that vectorises.
+/// Returns the same as [`Track::distance`], without a track, in a form that the compiler can vectorise.
 #[inline(always)]
 pub fn distance(free_boxes: &FreeBoxes, ray: &Ray, (major, minor): (i32, i32)) -> f64 {
     let sector = Sector::of(ray.direction);

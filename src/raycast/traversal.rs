@@ -7,7 +7,8 @@ use crate::grid::{Cell, OccupancyGrid};
 /// infinite if there is none within `limit`.
 ///
 /// The method is that of Amanatides & Woo 1987, sec. 2, with one difference: the distance of a crossing is computed from the
-/// origin of the ray, not summed up. A ray through a corner crosses the row's boundary first, so the path is 4-connected:
+/// origin of the ray, not summed up. A ray through a corner crosses the boundary between two rows first, so the path is
+/// 4-connected:
 ///
 /// ```text
 ///     +-----+-----+

@@ -24,7 +24,7 @@ impl Avx2 {
     }
 }
 
-/// For each mask of lanes: the lanes with a bit set, moved to the front.
+/// For each mask of lanes: the indices of the lanes whose bit is set, then zeros.
 static COMPACTIONS: [[i32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut bits = 0;

@@ -1,6 +1,6 @@
-//! The vector operations that the march needs from an instruction set.
+//! The vector operations that the jump loop in `march` needs from an instruction set.
 
-/// Work that is compiled with the instruction set of a kernel.
+/// Work that is compiled for the instruction set of a kernel.
 pub trait Work {
     /// Does the work.
     ///
@@ -9,15 +9,17 @@ pub trait Work {
     fn run(self);
 }
 
-/// An instruction set, by its vectors. A value of such a type is proof that the processor has it.
+/// The vectors of one instruction set, and the operations on them.
 ///
-/// Operations may round in any way: the march decides nothing on these numbers that rounding could change.
+/// A type that implements this trait can be created only if the processor has the instruction set, so a value of the type
+/// proves that the operations are safe to use. The operations may round in any way, because the jump loop never relies on
+/// a result that rounding could change.
 pub trait Lanes: Copy {
     /// Number of lanes of a vector.
     const COUNT: usize;
     /// Steps that a ray makes in one pass over the block.
     const STEPS_PER_PASS: usize = 2;
-    /// Number of vectors that are stepped side by side, so that none waits for another: 2 or 3.
+    /// Number of vectors that take their steps in turn, 2 or 3: the processor works on one while another waits for memory.
     const IN_FLIGHT: usize = 3;
     /// A vector of float32.
     type Float: Copy;
@@ -28,7 +30,7 @@ pub trait Lanes: Copy {
     /// A permutation of lanes that moves selected lanes to the front.
     type Compaction: Copy;
 
-    /// Runs work with the instruction set enabled, in a function of its own.
+    /// Runs work in a separate function that is compiled for the instruction set.
     fn with_features(self, work: impl Work);
     /// The number in every lane.
     fn splat(self, number: f32) -> Self::Float;
@@ -36,7 +38,7 @@ pub trait Lanes: Copy {
     fn splat_int(self, number: i32) -> Self::Int;
     /// a + b.
     fn add(self, a: Self::Float, b: Self::Float) -> Self::Float;
-    /// a · b + c.
+    /// a · b + c, rounded once or twice.
     fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     /// The floor of a.
     fn floor(self, a: Self::Float) -> Self::Float;
@@ -54,7 +56,7 @@ pub trait Lanes: Copy {
     fn multiply_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// 65536 · a + b.
     fn pack(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// The unsigned bytes at these indices; any byte for an index past the end.
+    /// The unsigned bytes at these indices; an unspecified byte for an index past the end.
     fn gather(self, bytes: &[u8], indices: Self::Int) -> Self::Int;
     /// Lanes of the mask with a < b.
     fn is_less(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;
@@ -78,9 +80,9 @@ pub trait Lanes: Copy {
     fn load_int(self, numbers: &[i32], at: usize) -> Self::Int;
     /// The permutation that moves the lanes with a bit set to the front, in their order.
     fn compaction(self, bits: u32) -> Self::Compaction;
-    /// Writes the selected lanes from index `at` on. The rest of a whole vector may be overwritten with anything.
+    /// Writes the selected lanes from index `at` on. May overwrite the rest, up to the length of a vector, with any values.
     fn store_compacted(self, compaction: Self::Compaction, numbers: &mut [f32], at: usize, a: Self::Float);
-    /// Writes the selected lanes from index `at` on. The rest of a whole vector may be overwritten with anything.
+    /// Writes the selected lanes from index `at` on. May overwrite the rest, up to the length of a vector, with any values.
     fn store_int_compacted(self, compaction: Self::Compaction, numbers: &mut [i32], at: usize, a: Self::Int);
     /// Writes a vector from index `at` on.
     fn store_int(self, numbers: &mut [i32], at: usize, a: Self::Int);

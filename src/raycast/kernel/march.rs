@@ -14,11 +14,12 @@
 //!     send the distances to the sink
 //! ```
 //!
-//! Rays end at different times. Moving the active ones up after every pass keeps the lanes busy, and within a pass no vector
-//! waits for another.
+//! Rays end at different times. Moving the active rays to the front after every pass keeps all lanes busy. Within a pass, a
+//! vector does not wait for the others.
 //!
-//! A step in float32 is right unless the ray passes near a corner of a cell, by a bound on the rounding errors. Near a
-//! corner [`Track::step`] decides, in float64. So the last cell of each ray is exact, and its distance is computed once.
+//! A step in float32 finds the right cell unless the ray passes near a corner of a cell; [`TIE_PER_CELL`] bounds the
+//! rounding errors. Near a corner, [`Track::step`] decides in float64. So the last cell of each ray is exact. The distance
+//! of a ray is computed once, from its last cell.
 
 use std::array::from_fn;
 
@@ -32,29 +33,31 @@ use crate::raycast::sink::Sink;
 use crate::raycast::source::{RayGroup, Source};
 use crate::raycast::track::{Track, distance};
 
-/// Distance to a grid line, for each cell moved along the major axis, below which float32 does not decide a crossing.
+/// Bound on the error of a crossing computed in float32 \[cells\], for each cell moved along the major axis. A crossing that
+/// is nearer than its bound to a grid line is a tie, which float64 decides.
 ///
 /// A computed crossing is off by at most 7 rounding errors, each of 2⁻²⁴ of the distance moved: 3 in the slope, 1 in the
-/// start of the ray within its first cell, and 1 each in a product, a difference and a sum. If the wrong one of the two far
-/// lines is taken for the first, the errors of both add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the distance. The bound is
-/// twice as large, for safety.
+/// start of the ray within its first cell, and 1 each in a product, a difference and a sum. If rounding swaps the order of
+/// the two far lines, the errors of both crossings add up, to less than 16 · 2⁻²⁴ = 2⁻²⁰ of the distance. The bound is twice
+/// as large, for safety.
 ///
-/// NaN is not decided in float32 either. It is 0 · ∞, for a ray along a grid line whose other component float32 rounds to 0.
+/// A crossing that is NaN counts as a tie too. It comes from 0 · ∞: the ray starts on a grid line, and its component across
+/// this line is 0 in float32.
 const TIE_PER_CELL: f32 = 1.0 / 524_288.0;
 
-/// The constant part of the same distance.
+/// Constant part of the same bound \[cells\].
 ///
-/// It covers the rounding of the start within the first cell, 2⁻²⁴ along each axis, and the way through that cell, with a
-/// wide margin.
+/// It covers two errors with a wide margin: the rounding of the start within the first cell (2⁻²⁴ along each axis), and the
+/// error from the distance moved in the first cell, which is not counted above.
 const TIE: f32 = 1.0 / 262_144.0;
 
-/// Cache lines of upcoming rays that are prefetched for each group of vectors.
+/// Number of cache lines of upcoming rays that are prefetched for each group of vectors.
 ///
-/// With this number most lines are there after one pass over a block, and all after a second pass with half the rays; and
-/// other reads do not have to wait.
+/// With this number, most lines are in the cache after one pass over a block, and all after a second pass with half of the
+/// rays. The prefetches do not delay other reads.
 const LINES_PER_PREFETCH: usize = 12;
 
-/// Size of the free boxes in bytes from which on they are assumed not to be in a cache.
+/// If the free boxes have more bytes than this, they are assumed not to be in a cache.
 const UNCACHED: usize = 1 << 24;
 
 /// Sends each group's hit distances \[cells\] to the sink, fan by fan; infinite if a ray hits nothing. Beyond `limit` the
@@ -67,13 +70,13 @@ pub fn cast<L: Lanes, S: Source>(
     block: &mut Block,
     sink: &mut impl Sink,
 ) {
-    // No ray moves farther than this on the grid. In float32 it still differs from one cell less.
+    // No ray moves farther than this on the grid. The sum is below 2²⁴, so it is exact in float32.
     let limit = limit.min((free_boxes.width() + free_boxes.height()) as f64) as f32;
     let (fans, groups) = (source.fans(), source.count().div_ceil(GROUP));
     assert!(fans <= 1 || fans * groups <= BLOCK / GROUP, "{fans} fans of {groups} groups do not fit into a block");
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
         let rays_per_fan = (source.count() - first_group * GROUP).min(BLOCK);
-        // Two functions, one after the other: each has all registers to itself.
+        // Two functions that are not inlined: each has all registers to itself.
         lanes.with_features(Trace { march: March { lanes, free_boxes, source, first_group, rays_per_fan, limit }, block });
         let distances = &block.distances[..fans * rays_per_fan.div_ceil(GROUP)];
         lanes.with_features(SendDistances { first_group, distances, sink });
@@ -123,7 +126,7 @@ struct March<'a, L, S> {
 
 /// A vector of rays.
 struct Vector<L: Lanes> {
-    /// Place of the first of them in the block.
+    /// Place of its first ray in the block.
     at: usize,
     /// Rays that have not ended.
     active: L::Mask,
@@ -139,8 +142,8 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     fn trace(&self, block: &mut Block) {
         let Self { free_boxes, source, first_group, rays_per_fan, .. } = *self;
         let (fans, groups) = (source.fans(), rays_per_fan.div_ceil(GROUP));
-        // The minima change nothing: they show the compiler that no index is past the block, so that it leaves out its
-        // checks.
+        // Each `min` leaves its number unchanged. It tells the compiler that no index is past the end of the block, so the
+        // compiler leaves out the bounds checks.
         let first_place = |fan: usize, group: usize| (fan * rays_per_fan + group * GROUP).min(BLOCK);
         let count = (fans * rays_per_fan).min(BLOCK);
         for fan in 0..fans {
@@ -190,7 +193,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let mut active = count;
         let (mut ended, mut prefetched) = (0, 0);
         while active > 0 {
-            // The last vectors run until all of their rays have ended: there is nothing to move up.
+            // The last vectors run until all of their rays have ended: no other rays could fill their free lanes.
             let steps = if active > IN_FLIGHT * L::COUNT { L::STEPS_PER_PASS } else { usize::MAX };
             let mut kept = 0;
             for at in (0..active).step_by(IN_FLIGHT * L::COUNT) {
@@ -203,8 +206,8 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                     if step >= L::STEPS_PER_PASS && vectors.iter().all(|rays| self.lanes.bits(rays.active) == 0) {
                         break;
                     }
-                    // Each vector has a name here: the compiler keeps an array that it loops over in memory, not in
-                    // registers.
+                    // Each vector has its own name here: in a loop over the array, the compiler would keep the vectors in
+                    // memory instead of registers.
                     match vectors.as_mut_slice() {
                         [a, b] => {
                             *a = self.step(lengths, block, a);
@@ -233,13 +236,13 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         Vector { at, active, major: self.lanes.load(&block.major.cell, at), minor: self.lanes.load(&block.minor.cell, at) }
     }
 
-    /// Stores the numbers and cells of the rays that have ended, of those that were active before, from place `to` on.
-    /// Returns how many there are.
+    /// Stores the numbers and cells of the rays in `started` that are no longer active, from place `to` on. Returns how many
+    /// rays these are.
     #[inline(always)]
     fn store_ended(&self, block: &mut Block, to: usize, rays: &Vector<L>, started: L::Mask) -> usize {
         let lanes = self.lanes;
         let bits = lanes.bits(lanes.and_not(started, rays.active));
-        // The block numbers cells from the second one on, from -1.
+        // The first cell of a ray has number -1 in the block, and 0 in the result.
         let from_first = |cell| lanes.add_int(lanes.to_int(cell), lanes.splat_int(1));
         let cell = lanes.pack(from_first(rays.minor), from_first(rays.major));
         let number = lanes.load_int(&block.number, rays.at);
@@ -249,7 +252,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         bits.count_ones() as usize
     }
 
-    /// Moves the active rays up to place `to`, which is at or before their own. Returns how many there are.
+    /// Moves the active rays to place `to`, which is at or before their current place. Returns how many rays these are.
     #[inline(always)]
     fn move_up(&self, block: &mut Block, to: usize, rays: &Vector<L>) -> usize {
         let lanes = self.lanes;
@@ -313,7 +316,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         self.source.group(fan, self.first_group + number / GROUP).ray(number % GROUP)
     }
 
-    /// Returns the index in the lengths of the first cell of a ray of the block.
+    /// Returns the index, in the lengths of the free boxes, of the first cell of a ray of the block.
     fn first_index(&self, at: usize) -> usize {
         let ray = self.ray(at);
         self.free_boxes.index(ray.col, ray.row, Sector::of(ray.direction))
@@ -330,7 +333,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         })
     }
 
-    /// Returns true if the rays in the mask have indices in the lengths.
+    /// Returns true if the indices of the rays in the mask are indices of free boxes.
     fn are_on_grid(&self, active: L::Mask, indices: L::Int) -> bool {
         let mut list = [0; 16];
         self.lanes.store_int(&mut list, 0, indices);
@@ -364,7 +367,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             let lane = ties.trailing_zeros() as usize;
             ties &= ties - 1;
             let ray = self.ray(block.number[rays.at + lane] as usize);
-            // The block numbers cells from the second one on, a track from the first one on.
+            // The first cell of a ray has number -1 in the block, and 0 in a track.
             let now = (now_major[lane] as i32 + 1, now_minor[lane] as i32 + 1);
             let next = Track::new(self.free_boxes, &ray).step(now, length[lane] as i32);
             major[lane] = (next.0 - 1) as f32;

@@ -1,4 +1,7 @@
-//! Kernels: the jump loop for each instruction set. All of them give the same bytes as the plain traversal.
+//! Kernels: methods of casting rays. All of them give the same bytes.
+//!
+//! The plain traversal is the specification. Each of the others runs a jump loop, compiled for one instruction set: a ray
+//! jumps from free box to free box until it enters a blocking cell.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -98,8 +101,8 @@ impl Kernel {
         work.run();
     }
 
-    /// Returns the length up to which jumping over boxes is no faster than traversing them, measured on grids whose cells
-    /// block at random.
+    /// Returns the length of free boxes \[cells\] up to which jumps are no faster than the plain traversal. Measured on
+    /// grids whose cells block at random.
     pub(super) fn break_even_length(self) -> i32 {
         match self {
             Self::Traversal | Self::Portable => 6,
@@ -132,8 +135,7 @@ impl Kernel {
 /// value is unspecified but larger than it.
 ///
 /// In clutter, where jumps gain nothing, every kernel uses the plain traversal. A kernel that this machine cannot run is
-/// replaced by the portable one. A grid that is too large for int32 indices is cast
-/// one ray at a time.
+/// replaced by the portable one. On a grid that is too large for int32 indices, rays are cast one at a time.
 pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
     if kernel == Kernel::Traversal || source.is_cluttered(grid, kernel.break_even_length()) {
         return kernel.with_features(Traverse { grid, source, limit, sink });

@@ -1,4 +1,4 @@
-//! Any processor: arrays of 8 numbers, in loops that the compiler vectorises or at least runs in parallel.
+//! Any processor: arrays of 8 numbers, in loops that the compiler can vectorise.
 #![allow(unsafe_code, reason = "conversions to integers that do not saturate")]
 
 use super::lanes::{Lanes, Work};
@@ -15,7 +15,7 @@ fn each<T>(of: impl Fn(usize) -> T) -> [T; COUNT] {
     std::array::from_fn(of)
 }
 
-/// Returns 32 bits that are all `set`, or all not.
+/// Returns 32 bits: all 1 if `set` is true, else all 0.
 #[inline(always)]
 fn all_bits(set: bool) -> u32 {
     if set { u32::MAX } else { 0 }
@@ -24,16 +24,16 @@ fn all_bits(set: bool) -> u32 {
 /// Truncates a number to an int32.
 #[inline(always)]
 fn truncate(a: f32) -> i32 {
-    // Numbers of cells are at most about 65536. Other numbers (NaN, infinity, padding) become 0, and their results are not
-    // used.
+    // Cell numbers are at most about 65536. Other numbers (NaN, infinity, padding) become 0; their results are not used.
     let a = if a < 1e9 { a } else { 0.0 };
     let a = if a > -1e9 { a } else { 0.0 };
     // SAFETY: the number is finite and fits in an int32.
     unsafe { a.to_int_unchecked() }
 }
 
-/// Writes the lanes with a bit set from index `at` on, without branches: each lane is written, and the next one overwrites
-/// it unless its bit is set.
+/// Writes the lanes whose bit is set, one after the other from index `at` on.
+///
+/// There are no branches: every lane is written, and the next lane overwrites it if its bit is not set.
 #[inline(always)]
 fn store_selected<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
     let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("room for a whole vector");
@@ -80,7 +80,7 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn floor(self, a: [f32; COUNT]) -> [f32; COUNT] {
-        // The lowest cell is -1.
+        // No cell number is below -1, so the sum is not negative and truncation is the floor.
         each(|lane| (truncate(a[lane] + 1.0) - 1) as f32)
     }
 

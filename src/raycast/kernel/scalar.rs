@@ -1,4 +1,4 @@
-//! The jump loop over single rays, in float64: for grids whose free boxes have too many bytes for int32 indices.
+//! The jump loop for one ray at a time, in float64. It serves grids whose free boxes have too many bytes for int32 indices.
 
 use crate::free_boxes::FreeBoxes;
 use crate::raycast::Ray;

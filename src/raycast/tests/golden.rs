@@ -50,7 +50,7 @@ fn a_start_in_or_on_the_edge_of_a_wall() {
         expect(&grid, (1.5, 0.5), angle, 0.0);
     }
     expect(&grid, (1.0, 0.5), 0.0, 0.0);
-    // The far edge of the wall belongs to the next cell: a beam back hits at once, a beam away never.
+    // The far edge of the wall belongs to the next cell: a beam back into the wall has range 0, a beam away never hits.
     expect(&grid, (2.0, 0.5), PI, 0.0);
     expect(&grid, (2.0, 0.5), 0.0, NONE);
 }
@@ -65,7 +65,7 @@ fn walls_that_touch_at_a_corner_do_not_leak() {
          .....",
     );
     for step in 0..50 {
-        // Perpendicular to the wall, through its corners and beside them.
+        // The rays are perpendicular to the diagonal wall. Some pass through its corners, the others beside them.
         let offset = f64::from(step) / 25.0 - 1.0;
         let start = DVec2::new(0.5 + offset, 0.5 - offset) + DVec2::new(0.5, 0.5);
         for angle in [FRAC_PI_4, FRAC_PI_4 + 1e-9, FRAC_PI_4 - 1e-9] {
@@ -136,7 +136,7 @@ fn rays_from_far_or_from_nan_end() {
     }
 }
 
-/// Rays on a grid line that leave it by less than float32 can resolve: 0 · ∞ in the march.
+/// Rays that start on a grid line and leave it at an angle too small for float32: 0 · ∞ in the march.
 #[test]
 fn rays_almost_along_a_grid_line() {
     let grid = drawn_grid(

@@ -1,4 +1,4 @@
-//! Methods to find the distance of a hit, in cells; infinite for no hit. And checks that they agree.
+//! Methods that find the distance of a hit in cells, infinite for no hit, and checks that the methods agree.
 
 use std::sync::Once;
 
@@ -15,7 +15,7 @@ pub type Start = (DVec2, DVec2);
 /// Maximum range. No ray of these tests is as long.
 const FAR: f64 = 1e12;
 
-/// Kernels that this machine can run, the plain traversal first.
+/// Returns the kernels that this machine can run, the plain traversal first.
 ///
 /// Prints once which ones are skipped.
 pub fn kernels() -> impl Iterator<Item = Kernel> {
@@ -28,7 +28,7 @@ pub fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.into_iter().filter(|kernel| kernel.is_available())
 }
 
-/// Distances of rays to the first blocking cell.
+/// Returns the distance of each ray to the first blocking cell.
 pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f64> {
     let mut groups = vec![RayColumns::MISSES; starts.len().div_ceil(GROUP)];
     for (index, &(origin, direction)) in starts.iter().enumerate() {
@@ -82,8 +82,10 @@ pub fn by_every_square(grid: &OccupancyGrid, (origin, direction): Start) -> (f64
     (crossed, touched)
 }
 
-/// Distances at which a ray enters and leaves a cell along one axis. The cell is larger by `margin`; a negative margin,
-/// which makes it smaller, applies only if the ray moves along the axis.
+/// Returns the distances at which a ray enters and leaves a cell along one axis.
+///
+/// The cell is enlarged by `margin` on both sides. A negative margin makes it smaller, but only if the ray moves along the
+/// axis.
 fn slab(origin: f64, direction: f64, cell: f64, margin: f64) -> (f64, f64) {
     let margin = if direction.abs() > 1e-300 { margin } else { margin.max(0.0) };
     let (low, high) = (cell - margin, cell + 1.0 + margin);
@@ -129,7 +131,7 @@ pub fn check_all(grid: &OccupancyGrid, starts: &[Start]) {
     }
 }
 
-/// A grid at the origin with cells of 1 m; `blocking` is row by row from the bottom.
+/// Returns a grid at the origin with cells of 1 m; `blocking` is row by row from the bottom.
 pub fn unit_grid(blocking: &[bool], width: usize) -> OccupancyGrid {
     let cells = blocking.iter().map(|&blocks| if blocks { 100 } else { 0 }).collect();
     let (origin, occupied_threshold) = (Pose::default(), OCCUPIED_THRESHOLD);
@@ -137,14 +139,14 @@ pub fn unit_grid(blocking: &[bool], width: usize) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a grid of free and occupied cells")
 }
 
-/// A grid from a drawing, top row first; `#` blocks.
+/// Returns the grid of a drawing, top row first; `#` blocks.
 pub fn drawn_grid(drawing: &str) -> OccupancyGrid {
     let rows: Vec<&str> = drawing.split_whitespace().rev().collect();
     let blocking: Vec<bool> = rows.iter().flat_map(|row| row.bytes().map(|byte| byte == b'#')).collect();
     unit_grid(&blocking, rows[0].len())
 }
 
-/// The unit vector in the direction of an angle.
+/// Returns the unit vector in the direction of an angle.
 pub fn toward(angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
     DVec2::new(cos, sin)
