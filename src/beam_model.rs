@@ -239,14 +239,14 @@ impl BeamModel {
 /// Each beam has 64 random bits:
 ///
 /// ```text
-///  63            32 31     30 29      24 23                        0
-/// +----------------+---------+----------+---------------------------+
-/// |     normal     | quarter |  unused  | choice: part of the model |
-/// +----------------+---------+----------+---------------------------+
+///  63            32 31      30 29      24 23                        0
+/// +----------------+----------+----------+---------------------------+
+/// |     normal     | quadrant |  unused  | choice: part of the model |
+/// +----------------+----------+----------+---------------------------+
 /// ```
 ///
 /// Beams `i` and `i + GROUP / 2` of a group share one pair of normal numbers: it is made of the 32 `normal` bits of both
-/// beams and the 2 `quarter` bits of beam `i`. These bits decide nearly every reading. The others (a short or random
+/// beams and the 2 `quadrant` bits of beam `i`. These bits decide nearly every reading. The others (a short or random
 /// reading, a hit that has to be drawn again, a choice on the boundary between two parts) are drawn from a separate stream
 /// for the beam.
 #[derive(Debug, Clone, Copy)]
@@ -310,7 +310,8 @@ impl<'a> Sampler<'a> {
         readings
     }
 
-    /// Returns a reading made of the 64 bits alone, and whether these bits decide it. If not, the reading is meaningless.
+    /// Returns the reading that the random bits give without the beam's stream, and whether they decide it. If not, the
+    /// reading is meaningless.
     #[inline(always)]
     fn reading_from_bits(&self, range: f64, low: u32, normal: f32) -> (f64, bool) {
         let reading = range + self.model.options.sigma_hit * f64::from(normal);

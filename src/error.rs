@@ -100,7 +100,7 @@ pub enum Error {
         /// Radius of the robot in metres.
         radius: f64,
     },
-    /// A name that is no kernel, or a kernel that this machine cannot run.
+    /// A name that is not the name of a kernel, or a kernel that this machine cannot run.
     #[error("MOBILE_ROBOT_SIMULATOR_KERNEL must be one of {available} on this machine, got {value:?}")]
     Kernel {
         /// The name given.

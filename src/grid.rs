@@ -12,13 +12,13 @@ use crate::free_boxes::FreeBoxes;
 use crate::pose::Pose;
 use crate::random;
 
-/// What unknown cells are to beams.
+/// How unknown cells act on beams and robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unknown {
-    /// Free: beams pass.
+    /// Free: beams and robots pass.
     #[default]
     Free,
-    /// Occupied: beams stop.
+    /// Occupied: beams and robots are blocked.
     Occupied,
 }
 
@@ -38,13 +38,13 @@ pub struct GridOptions {
     pub resolution: f64,
     /// Pose of the lower-left corner of cell (0, 0) in the map frame, yaw included.
     pub origin: Pose,
-    /// Smallest value of a cell that blocks beams, 1 to 100.
+    /// Smallest value of a cell that blocks beams and robots, 1 to 100.
     pub occupied_threshold: i8,
     /// Whether unknown cells are free or occupied.
     pub unknown: Unknown,
 }
 
-/// Occupancy of the plane in square cells, like `nav_msgs/OccupancyGrid`.
+/// A map of square cells, each with an occupancy, like `nav_msgs/OccupancyGrid`.
 ///
 /// The origin is the pose of the grid's frame in the map frame. The frame of the grid has its x axis along the columns and
 /// its y axis along the rows, in metres; "cells from the corner" are the same coordinates in cells.
@@ -89,7 +89,7 @@ pub struct OccupancyGrid {
     free_boxes: OnceLock<FreeBoxes>,
 }
 
-/// Default of [`GridOptions::occupied_threshold`].
+/// Usual value of [`GridOptions::occupied_threshold`].
 pub const OCCUPIED_THRESHOLD: i8 = 60;
 
 /// Largest number of columns and of rows.
@@ -171,9 +171,10 @@ impl OccupancyGrid {
         self.options.resolution
     }
 
-    /// Builds the free boxes, which the fast kernels need, unless they exist; on `threads` threads (default: all cores).
+    /// Builds the free boxes on `threads` threads (default: all cores), if they are not built yet.
     ///
-    /// Otherwise the first cast builds them. They take 8 bytes for each cell.
+    /// All kernels except the plain traversal need them. Without this call, the first cast builds them. They take 8 bytes
+    /// per cell.
     pub fn prepare(&self, threads: Option<usize>) {
         self.free_boxes_by(threads);
     }
@@ -185,7 +186,8 @@ impl OccupancyGrid {
 
     fn free_boxes_by(&self, threads: Option<usize>) -> &FreeBoxes {
         let blocks = |&value: &i8| self.options.blocks(value);
-        // A pool thread must not wait for other threads here: it could take up work that needs these free boxes, a deadlock.
+        // A pool thread must not wait for other threads here. While it waits, it could start a task that needs these free
+        // boxes: a deadlock.
         let threads = if is_pool_thread() { Some(1) } else { threads };
         self.free_boxes.get_or_init(|| FreeBoxes::new(&self.cells, self.width, threads, blocks))
     }
@@ -203,7 +205,8 @@ impl OccupancyGrid {
     /// # Errors
     /// The grid is unchanged after an error.
     ///
-    /// - [`Error::Count`], [`Error::Length`]: no values, or a number that is not a multiple of `width`.
+    /// - [`Error::Count`]: there are no values, or `width` is 0.
+    /// - [`Error::Length`]: the number of values is not a multiple of `width`.
     /// - [`Error::OffGrid`]: the rectangle is not on the grid.
     /// - [`Error::Cell`]: a value outside -1 to 100.
     pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
@@ -285,7 +288,7 @@ impl OccupancyGrid {
         self.options.origin.transform_point((cell.corner() + 0.5) * self.resolution())
     }
 
-    /// Returns true if a cell blocks beams.
+    /// Returns true if a cell blocks beams and robots.
     ///
     /// # Panics
     /// If the cell is not on the grid.
@@ -322,10 +325,10 @@ impl OccupancyGrid {
         })
     }
 
-    /// Draws a random pose at which a disc of this radius \[m\] is free, from the centres of the cells that are known to be
-    /// free.
+    /// Returns a random pose at which a disc of this radius \[m\] overlaps no blocking cell.
     ///
-    /// The pose depends only on the grid, the radius and `seed`, and is the same on every machine.
+    /// The position is the centre of a known free cell, and all suitable cells are equally likely. The yaw is uniform over
+    /// [-π, π). The pose depends only on the grid, the radius and `seed`, and is the same on every machine.
     ///
     /// # Errors
     /// - [`Error::NoFreePlace`]: there is no such cell.
@@ -352,12 +355,12 @@ impl OccupancyGrid {
         self.cell_around(at).is_some_and(|cell| self.is_blocking(cell))
     }
 
-    /// Returns true if a cell is on the grid and blocks beams.
+    /// Returns true if a cell is on the grid and blocks beams and robots.
     pub(crate) fn blocks(&self, Cell { col, row }: Cell) -> bool {
         col < self.width && row < self.height && self.options.blocks(self.cells[row * self.width + col])
     }
 
-    /// Returns true if one of these cells of a row blocks beams.
+    /// Returns true if one of these cells of a row blocks beams and robots.
     pub(crate) fn has_blocking(&self, row: usize, cols: Range<usize>) -> bool {
         self.cells[row * self.width..][cols].iter().any(|&value| self.options.blocks(value))
     }
@@ -371,7 +374,7 @@ impl Cell {
 }
 
 impl GridOptions {
-    /// Returns true if a cell with this value blocks beams.
+    /// Returns true if a cell with this value blocks beams and robots.
     #[must_use]
     pub fn blocks(&self, value: i8) -> bool {
         // No branches, so that loops over cells vectorise.

@@ -1,4 +1,4 @@
-//! Random numbers that depend on a seed and an index alone, and are the same on every machine.
+//! Random numbers that depend only on a seed and an index, and are the same on every machine.
 //!
 //! [`stream`] gives a stream of numbers for one scan or one odometry step. [`BeamBits`] gives each beam of a scan its own 64
 //! bits, which can be computed in any order and on any thread.

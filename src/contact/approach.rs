@@ -192,15 +192,15 @@ impl Footprint {
     }
 }
 
-/// How soon one end of a side can cross the line that separates the side from a piece.
+/// How soon one end of a side of the footprint can cross the line that separates the side from a piece of the world.
 struct Approach {
-    /// Time before which it cannot cross \[s\], infinite if it cannot within the horizon.
+    /// Time \[s\] before which the end cannot cross the line; infinite if it cannot cross it within the horizon.
     wait: f64,
-    /// Current distance between side and piece \[m\].
+    /// Distance between the side and the piece now \[m\].
     gap: f64,
-    /// Speed of this end towards the piece \[m/s\].
+    /// Speed at which the end of the side moves towards the piece \[m/s\].
     speed: f64,
-    /// The contact that this would be.
+    /// The contact that results if the side meets the piece.
     hit: Hit,
 }
 
@@ -223,9 +223,11 @@ struct Search {
 }
 
 impl Pair<'_> {
-    /// Returns the gap \[m\], the contact it would be, and the signed distance of the separating line from the origin \[m\].
+    /// Returns the gap \[m\], the contact that closing it would give, and the place of the separating line: its signed
+    /// distance \[m\] from the grid's corner along `toward`.
     ///
-    /// The line is perpendicular to `toward`. It is moved back by both radii, so that the skeleton may not cross it.
+    /// The line is perpendicular to `toward`. It is moved back by both radii: while the skeleton does not cross it, there is
+    /// no contact.
     fn nearest(&self) -> (f64, Hit, f64) {
         let nearest = self.blocker.piece.nearest(self.side);
         let toward = (nearest.other - nearest.own).normalize_or_zero();

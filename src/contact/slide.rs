@@ -12,7 +12,7 @@ use crate::world::World;
 /// Largest number of contacts handled in one step. After one more the footprint stands still for the rest of the step.
 const MAX_CONTACTS: usize = 8;
 
-/// Returns the pose after `duration` seconds of a path, in the frame of the grid; the footprint slides from `first` on.
+/// Returns the pose, in the frame of the grid, after `duration` seconds of a path with the first contact `first`.
 ///
 /// After each contact the footprint moves on a straight line, at the allowed twist nearest to the wanted one.
 ///

@@ -69,7 +69,8 @@ impl Limits {
     /// Returns the velocity after `dt` seconds of a robot that moves at `current` and is commanded to move at `wanted`.
     ///
     /// An axis that changes its direction first slows down to 0 at the deceleration limit, then uses the remaining time to
-    /// speed up at the acceleration limit. A speed above the velocity limit becomes the limit at once.
+    /// speed up at the acceleration limit. A speed above the velocity limit drops to the limit
+    /// immediately.
     ///
     /// # Errors
     /// [`Error::Number`] if a velocity is not finite, or `dt` is negative or not finite.
@@ -104,9 +105,9 @@ fn velocity_after(dt: f64, wanted: f64, current: f64, acceleration: f64, deceler
     if slowed < 0.0 || goal <= 0.0 {
         return sign * slowed;
     }
-    let left = if start < 0.0 { dt + start / deceleration } else { dt };
+    let remaining = if start < 0.0 { dt + start / deceleration } else { dt };
     // An infinite acceleration times a remaining time of 0 would be NaN.
-    let gained = if left > 0.0 { acceleration * left } else { 0.0 };
+    let gained = if remaining > 0.0 { acceleration * remaining } else { 0.0 };
     sign * (slowed + gained).min(goal)
 }
 

@@ -34,10 +34,10 @@ impl Twist {
         [self.linear.x, self.linear.y, self.angular]
     }
 
-    /// Returns the twist itself if all of it is finite.
+    /// Returns the twist unchanged if vx, vy and wz are finite.
     ///
     /// # Errors
-    /// [`Error::Number`] names the first component that is not finite.
+    /// [`Error::Number`], which names the first component that is not finite.
     pub fn checked(self) -> Result<Self, Error> {
         check_finite("vx", self.linear.x)?;
         check_finite("vy", self.linear.y)?;
@@ -87,11 +87,12 @@ pub fn integrate(pose: Pose, twist: Twist, duration: f64) -> Pose {
     Pose { position: pose.position + step, yaw: pose.yaw + turn }
 }
 
-/// Returns the position that a robot at the origin reaches under a constant twist, and its derivative by the turn rate.
+/// Returns the position \[m\] that a robot at the origin reaches under a constant twist, and the derivative of this position
+/// with respect to the turn rate.
 pub(crate) fn arc(linear: DVec2, angular: f64, duration: f64) -> (DVec2, DVec2) {
     let half = 0.5 * angular * duration;
     let step = rotate(linear, half) * duration;
-    // The derivative of Δt · sinc(φ/2) · R(φ/2) · v by ω, where d(φ/2) = Δt/2 · dω.
+    // The derivative of Δt · sinc(φ/2) · R(φ/2) · v with respect to ω, where d(φ/2) = Δt/2 · dω.
     let by_turn = (step * sinc_slope(half) + step.perp() * sinc(half)) * (0.5 * duration);
     (step * sinc(half), by_turn)
 }

@@ -19,8 +19,8 @@ use crate::random;
 /// | turn rate ω | `α3·v² + α4·ω²` |
 /// | rate γ of the rotation at the end | `α5·v² + α6·ω²` |
 ///
-/// The speed is the length of the linear velocity, along its direction; forward for a robot that turns in place. The book
-/// has no robot that moves sideways: for one that does, v is taken along its direction of travel.
+/// v is the length of the linear velocity. The book has no robot that moves sideways; here the error of v acts along the
+/// direction of travel, or forward if the robot turns in place.
 ///
 /// The variances are per step, as in the book: a path has less noise if it is split into more steps.
 ///
@@ -94,7 +94,7 @@ impl MotionNoise {
     /// Returns the covariance of (x, y, yaw) \[m, m, rad\] after a step, given that before the step: `F·P·Fᵀ + V·M·Vᵀ`.
     ///
     /// - P is `covariance`, in the frame in which `pose` is given.
-    /// - F is the derivative of the arc by the pose, V its derivative by (v, ω, γ); both are exact.
+    /// - F and V are the exact derivatives of the arc: F with respect to the pose, V with respect to (v, ω, γ).
     /// - M is the diagonal matrix of the variances in [`MotionNoise`].
     /// - `pose` is the pose at the start of the step: the true pose, or the one the robot believes in.
     ///
@@ -135,7 +135,7 @@ impl MotionNoise {
 /// Combined with the seed, so that odometry and scans with the same seed use different streams: "odometry" in ASCII.
 const ODOMETRY: u64 = 0x6f64_6f6d_6574_7279;
 
-/// Returns the unit vector along the linear velocity, x forward if that is 0.
+/// Returns the unit vector along the linear velocity; the x axis if the velocity is 0.
 fn direction(twist: Twist) -> DVec2 {
     twist.linear.try_normalize().unwrap_or(DVec2::X)
 }
