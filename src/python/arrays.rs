@@ -1,4 +1,4 @@
-//! The conversion of NumPy arrays to core values, with errors that say what was needed and what was given.
+//! Conversion of NumPy arrays to core values, with errors that say what was needed and what was given.
 
 use std::ops::Deref;
 
@@ -102,7 +102,7 @@ pub fn fill<'py>(
     Ok(out)
 }
 
-/// True if all elements are aligned in memory. Fields of packed records are not.
+/// Returns true if all elements are aligned in memory. Fields of packed records are not.
 fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> PyResult<bool> {
     array.getattr("flags")?.getattr("aligned")?.extract()
 }

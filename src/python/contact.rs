@@ -30,7 +30,7 @@ impl Contact {
         self.0.normal.into()
     }
 
-    /// Share of the step before the contact, 0 to 1.
+    /// Time of the contact as a fraction of the step, from 0 to 1.
     #[getter]
     fn fraction(&self) -> f64 {
         self.0.fraction
@@ -141,8 +141,8 @@ pub fn clearance(
 /// - "report": The robot passes through everything; the contact is only reported.
 ///
 /// A robot that overlaps something at the start has a contact with fraction 0. It then moves with a smaller footprint: the
-/// largest copy, scaled about its origin, that overlaps nothing. It can move away, along or out, but not deeper. A robot
-/// whose origin is inside a wall or obstacle moves freely.
+/// largest copy, scaled about its origin, that overlaps nothing. It can move out or along the wall or obstacle, but not
+/// deeper. A robot whose origin is inside a wall or obstacle moves freely.
 ///
 /// Args:
 ///     grid: Map that the robot moves in. Outside the grid is free.
@@ -157,8 +157,8 @@ pub fn clearance(
 ///     The pose reached, and the first contact or None. Without a contact, the pose equals `pose.integrate(twist, dt)`.
 ///
 /// Raises:
-///     ValueError: A number, given or reached, is not finite, `dt` is negative or so long that the robot would move more
-///         than 100000 times its own size, or the mode is unknown.
+///     ValueError: An argument or the pose reached is not finite, `dt` is negative or so long that the robot would move
+///         more than 100000 times its own size, or the mode is unknown.
 ///
 /// Examples:
 ///     The only wall covers x from 2 m to 3 m. The robot stops half way, when its edge reaches the wall:

@@ -23,7 +23,7 @@ use crate::{Cell, GridOptions, Unknown};
 ///     resolution: Side of a cell [m].
 ///     origin: Pose (x, y, yaw) of the lower-left corner of cell (0, 0) in the map frame [m, m, rad], yaw included.
 ///     occupied_threshold: Cells with this value or more block beams and robots, 1 to 100. None means the default.
-///     unknown: Whether unknown cells are "free" or "occupied", which means that they block.
+///     unknown: How unknown cells act, "free" or "occupied". Occupied cells block beams and robots.
 ///
 /// Raises:
 ///     ValueError: The array has another shape or no cells, or a value is outside its range or not finite.
@@ -181,7 +181,7 @@ impl OccupancyGrid {
         self.core().options().occupied_threshold
     }
 
-    /// Whether unknown cells are "free" or "occupied", which means that they block.
+    /// How unknown cells act, "free" or "occupied". Occupied cells block beams and robots.
     #[getter]
     fn unknown(&self) -> &'static str {
         match self.core().options().unknown {

@@ -19,7 +19,7 @@ use crate::integrate_batch;
 ///     (N, 3) float64, one row (x, y, yaw) per robot. The yaw is not wrapped.
 ///
 /// Raises:
-///     ValueError: A shape is wrong, the lengths differ, or a number, given or reached, is not finite.
+///     ValueError: A shape is wrong, the lengths differ, or an argument or a pose reached is not finite.
 ///     TypeError: An array is not float64.
 ///
 /// Examples:

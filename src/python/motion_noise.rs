@@ -80,7 +80,7 @@ impl MotionNoise {
     ///     The pose reached. Its yaw is not wrapped.
     ///
     /// Raises:
-    ///     ValueError: A number, given or reached, is not finite, or the seed or index is out of range.
+    ///     ValueError: An argument or the pose reached is not finite, or the seed or index is out of range.
     ///     TypeError: The seed or index is not an integer.
     ///
     /// Examples:
@@ -119,7 +119,7 @@ impl MotionNoise {
     ///     (3, 3) float64, the covariance after the step. It is exactly symmetric.
     ///
     /// Raises:
-    ///     ValueError: The covariance has another shape, or a number, given or reached, is not finite.
+    ///     ValueError: The covariance has another shape, or an argument or the result is not finite.
     ///     TypeError: The covariance is not float64.
     ///
     /// Examples:

@@ -1,4 +1,4 @@
-//! The conversion of obstacle arguments.
+//! Conversion of obstacle arguments.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;

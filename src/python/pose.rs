@@ -177,7 +177,7 @@ impl Pose {
     ///
     /// Args:
     ///     other: Pose at fraction 1, in the same frame as this pose.
-    ///     fraction: Share of the arc. Values below 0 and above 1 continue the arc beyond its ends.
+    ///     fraction: Fraction of the arc. Values below 0 and above 1 continue the arc beyond its ends.
     ///
     /// Returns:
     ///     The pose, with its yaw in (-π, π].
