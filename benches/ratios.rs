@@ -38,7 +38,7 @@ fn main() {
     }
 }
 
-/// Nanoseconds per cell to build the free boxes: the median of several runs.
+/// Returns the nanoseconds per cell to build the free boxes: the median of several runs.
 fn build(grid: &OccupancyGrid) -> f64 {
     let times = (0..TURNS).map(|_| {
         let grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), grid.options()).expect("a grid");
@@ -58,7 +58,7 @@ fn line(name: &str, build: f64, times: &[f64], ratio: impl Fn(usize) -> f64) {
     println!();
 }
 
-/// Nanoseconds per range of scans without noise and with noise.
+/// Returns the nanoseconds per range of scans without noise, and of scans with noise.
 fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
     let poses = poses(grid, SCANS);
     let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
@@ -76,7 +76,7 @@ fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 1] {
     })
 }
 
-/// Nanoseconds per range of each kernel, for each way to `cast`: the median of its turns.
+/// Returns the nanoseconds per range of each kernel, for each way to `cast`: the median of its turns.
 fn in_turns<const WAYS: usize>(
     kernels: &[Kernel],
     count: usize,

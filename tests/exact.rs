@@ -1,8 +1,8 @@
 //! Every kernel of this machine casts more than fifty million beams, and each range equals that of the plain traversal to
 //! the last bit.
 //!
-//! `cargo test --release --test exact` casts all of them. `cargo test` casts one in a hundred, with debug assertions in the
-//! kernels.
+//! `cargo test --release --test exact` casts all of them. `cargo test` casts only one in a hundred, but with the debug
+//! assertions of the kernels.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -108,7 +108,7 @@ fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Returns the kernels of this machine, without the plain traversal. Prints the names of those that it lacks.
+/// Returns the kernels that this machine can run, without the plain traversal. Prints the names of the others.
 fn kernels() -> Vec<Kernel> {
     let (available, missing): (Vec<_>, Vec<_>) = Kernel::ALL.into_iter().skip(1).partition(|kernel| kernel.is_available());
     for kernel in missing {

@@ -25,7 +25,7 @@ const REAL: [(&str, &str, f64); 5] = [
     ("huge", "rl_huge/huge_map.png", 0.05),
 ];
 
-/// True if a cell of a map of [`SIDE`] by [`SIDE`] cells blocks, from its column and row.
+/// Returns true if a cell of a map of [`SIDE`] by [`SIDE`] cells blocks, from its column and row.
 type Blocks = fn(usize, usize) -> bool;
 
 const SIDE: usize = 2000;
@@ -43,12 +43,12 @@ const GENERATED: [(&str, Blocks); 5] = [
     ("diagonal", |col, row| (col + row) % 200 == 0),
 ];
 
-/// A pseudo-random number for a column and row.
+/// Returns a pseudo-random number for a column and row.
 fn scattered(col: usize, row: usize) -> usize {
     (col.wrapping_mul(0x9e37_79b9) ^ row.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35) >> 15 & 0xffff
 }
 
-/// The real maps that are present, and the generated maps.
+/// Returns the real maps that are present, and the generated maps.
 pub fn maps() -> impl Iterator<Item = (&'static str, OccupancyGrid)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/maps");
     if !folder.is_dir() {
@@ -74,7 +74,7 @@ fn grid(cells: Vec<i8>, width: usize, resolution: f64) -> OccupancyGrid {
     OccupancyGrid::new(cells, width, options).expect("a map")
 }
 
-/// Poses drawn uniformly from the free space of a grid at the origin.
+/// Returns poses drawn uniformly from the free space of a grid at the origin.
 pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
     let free: Vec<usize> = (0..grid.cells().len()).filter(|&index| grid.cells()[index] == 0).collect();
     let mut stream = random::stream(SEED, 0);
@@ -88,7 +88,7 @@ pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|_| draw()).collect()
 }
 
-/// A scanner with 541 beams over 270° and a maximum range of 600 cells.
+/// Returns a scanner with 541 beams over 270° and a maximum range of 600 cells.
 pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
     let options = ScannerOptions {
         fov: 0.75 * TAU,
@@ -99,7 +99,7 @@ pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
     LaserScanner::new(options).expect("a scanner").with_kernel(kernel)
 }
 
-/// Kernels that this machine can run, the plain traversal first.
+/// Returns the kernels that this machine can run, the plain traversal first.
 pub fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.into_iter().filter(|kernel| kernel.is_available())
 }
