@@ -8,7 +8,7 @@ use mobile_robot_simulator::{
     Twist, Unknown, advance, clearance,
 };
 
-/// Rooms of 5 m by 4 m with walls of 0.1 m and doors of 1 m, 40 m by 40 m in cells of 5 cm.
+/// Returns a map of 40 m by 40 m with cells of 5 cm: rooms of 5 m by 4 m, walls of 0.1 m and doors of 1 m.
 fn rooms() -> OccupancyGrid {
     let wall = |along: usize, across: usize, size: usize| across % size < 2 && !(40..60).contains(&(along % 100));
     let cells = (0..640_000).map(|index| (index % 800, index / 800));
@@ -18,7 +18,7 @@ fn rooms() -> OccupancyGrid {
     OccupancyGrid::new(cells, 800, options).expect("a good grid")
 }
 
-/// Twenty robots around the one that scans, discs and rectangles in turn.
+/// Returns twenty robots around the one that scans, discs and rectangles in turn.
 fn others() -> Obstacles {
     let shapes = [Shape::disc(0.2).unwrap(), Shape::rectangle(0.6, 0.4).unwrap()];
     let pose = |index: usize| {

@@ -16,7 +16,7 @@ use super::elementary::{ln32, sin_cos32};
 #[inline(always)]
 #[must_use]
 pub fn pair([first, second]: [u32; 2], quadrant: u32) -> (f32, f32) {
-    /// Returns the middle of one of 2³² equal parts of (-1, 1). Rounding may give an end of the interval.
+    /// Returns the middle of one of 2³² equal parts of (-1, 1). After rounding it may be exactly -1 or 1.
     #[inline(always)]
     fn middle(bits: u32) -> f32 {
         (bits as i32 as f32 + 0.5) * (1.0 / (1u32 << 31) as f32)

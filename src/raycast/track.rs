@@ -119,7 +119,7 @@ impl Track {
     }
 }
 
-/// Returns the larger number; `b` if `a` is NaN, which is the distance to a line that the ray runs along.
+/// Returns the larger number, or `b` if `a` is NaN. The distance to a line that the ray runs along is NaN.
 #[inline(always)]
 fn farther(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
