@@ -15,7 +15,7 @@ def test_the_tests_of_the_example_project_pass():
 
 
 def test_the_documentation_shows_the_report_of_the_failure():
-    documented = (Path(__file__).parents[2] / "docs/testing.md").read_text(encoding="utf-8")
+    documented = (Path(__file__).parents[2] / "docs/guides/testing.md").read_text(encoding="utf-8")
     for line in (
         "E       AssertionError: the robot did not come within 0.3 m of (2.1, 6.5) in 30 s: it was never nearer than",
         "E         first contact: a wall at (8.400, 0.786) at 3.075 s: robot at (8.600, 0.786), speed 0.533 m/s",
