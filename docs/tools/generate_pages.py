@@ -32,7 +32,7 @@ def parameters_page() -> str:
         summary = (model.__doc__ or "").strip().splitlines()[0]
         lines += ["", f"## {model.node_name}", "", summary, "", "| parameter | default | meaning |", "|---|---|---|"]
         for name, info in model.model_fields.items():
-            meaning = (info.description or "").replace("|", "\\|")
+            meaning = (info.description or "").replace("|", "\\|").replace("[", "\\[")
             lines.append(f"| `{name}` | {default_of(model, name)} | {meaning} |")
     return "\n".join(lines) + "\n"
 
