@@ -1,7 +1,7 @@
 """A griffe extension: sections of docstrings that griffe would show as coloured boxes.
 
-`Example:` becomes a section of examples. A section with a title of our own, such as `Commands:`, becomes a paragraph that starts with
-the title in bold.
+`Example:` becomes a section of examples. A section with a title of our own, such as `Commands:`, becomes a paragraph that
+starts with the title in bold.
 """
 
 from __future__ import annotations
