@@ -79,7 +79,8 @@ def cast(grid: mrs.OccupancyGrid, rays: NDArray[np.float64] | list[Ray], max_ran
             x_near, x_far = slab(cols - grown, 1.0 + 2.0 * grown, x, dx)
             y_near, y_far = slab(rows - grown, 1.0 + 2.0 * grown, y, dy)
             met = (np.maximum(x_near, y_near) <= np.minimum(x_far, y_far)) & (np.minimum(x_far, y_far) >= 0.0)
-            # Rounding decides where a ray along a grid line crosses it, so such a ray enters at the enlarged square.
+            # A ray along a grid line crosses it at a place that depends on rounding. Such a ray is compared with the grown
+            # square; any other ray enters at the exact square.
             enter = np.maximum(x_in if abs(dx) > PARALLEL else x_near, y_in if abs(dy) > PARALLEL else y_near)
             nearest.append(min(np.min(np.maximum(enter, 0.0)[met], initial=np.inf) * grid.resolution, max_range))
         bounds.append(nearest)

@@ -278,7 +278,7 @@ def test_weights_are_scaled_to_sum_to_one() -> None:
 @pytest.mark.parametrize(
     "weights", [(0.995, 0.0, 0.005, 0.0), (3.0, 3.0, 3.0, 1.0), (0.3, 0.2, 0.1, 0.7), (1.0, 1.0, 1.0, 0.1)]
 )
-def test_copies_are_the_same_model(duplicate: Any, weights: tuple[float, ...]) -> None:
+def test_copies_equal_the_model(duplicate: Any, weights: tuple[float, ...]) -> None:
     """Bit by bit, because a process that receives a copy must sample the same bytes."""
     noise = mrs.BeamModel(**dict(zip(NAMES[2:], weights, strict=True)))
     other = duplicate(noise)

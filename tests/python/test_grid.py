@@ -1,4 +1,4 @@
-"""grid: cells, their positions in the map frame, free poses, and invalid arguments."""
+"""grid: cells and their positions in the map frame, free poses, and invalid arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The direction of imports: a room of the package imports only rooms that stand above it in `ROOMS`."""
+"""layers: a room (a module or folder of the package) imports only rooms that come before it in `ROOMS`."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ ROOMS = (
     "testing",
     "cli",
 )
-"""From the ground up. Each is a module or a folder of the package."""
+"""Modules and folders of the package, from the lowest layer to the highest."""
 
 SIDE_BY_SIDE = ({"bus", "ros"},)
-"""Rooms that do not import each other, in whichever order they stand."""
+"""Sets of rooms that must not import each other in either direction."""
 
 LEAVES = {"plotting", "recording"}
-"""Rooms that need an extra: they are imported inside functions, or under TYPE_CHECKING, only."""
+"""Rooms that need an optional dependency. They are imported only inside functions or under TYPE_CHECKING."""
 
 FACADE = {"__init__", "__main__"}
-"""Modules that give names to the whole package; they may import every room."""
+"""Modules of the package itself. They may import every room."""
 
 
 def room_of(path: Path) -> str:
@@ -47,7 +47,7 @@ def room_of(path: Path) -> str:
 
 
 def imported_rooms(path: Path) -> list[tuple[str, ast.ImportFrom]]:
-    """Rooms of the package that a file imports from, with the statements."""
+    """Rooms from which a file imports, each with the import statement."""
     package = ("mobile_robot_simulator", *path.relative_to(PACKAGE).parent.parts)
     found = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -83,7 +83,7 @@ def test_imports_point_one_way(path: Path) -> None:
 
 @pytest.mark.parametrize("path", files(), ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_modules_of_a_room_import_each_other_one_way(path: Path) -> None:
-    """No circle between the modules of a room either, type annotations included."""
+    """The modules of a room have no import cycle, even if imports for type annotations count."""
     seen: set[Path] = set()
     waiting = [path]
     while waiting:
@@ -95,7 +95,7 @@ def test_modules_of_a_room_import_each_other_one_way(path: Path) -> None:
 
 
 def modules_imported(path: Path) -> list[Path]:
-    """Files of the package that a file imports from."""
+    """Files of the package from which a file imports."""
     found = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
@@ -108,7 +108,7 @@ def modules_imported(path: Path) -> list[Path]:
 
 
 def test_leaves_are_imported_when_they_are_needed() -> None:
-    """The extras are optional: no module imports a leaf at its top level, outside of TYPE_CHECKING."""
+    """No module imports a leaf at its top level except under TYPE_CHECKING, because extras are optional."""
     for path in files():
         body = ast.parse(path.read_text(encoding="utf-8")).body
         top_level = {node.lineno for node in body if isinstance(node, ast.ImportFrom)}

@@ -76,7 +76,7 @@ def test_a_quarter_circle_in_steps_of_a_tenth_of_a_second() -> None:
 
 @pytest.mark.parametrize("omega", [sign * 10.0**exponent for exponent in range(-320, 3, 7) for sign in (-1, 1)])
 def test_any_turn_rate_agrees_with_the_chord(omega: float) -> None:
-    """The chord of the arc is 2·v/ω·sin(φ/2) in direction φ/2, written here so that it is accurate for small turns too."""
+    """The chord of the arc has length 2·v/ω·sin(φ/2) and direction φ/2. The formula here is also accurate for small φ."""
     dt, speed = 1.7, 0.8
     half = 0.5 * omega * dt
     chord = speed * dt * (math.sin(half) / half if abs(half) > 1e-150 else 1.0)
@@ -165,7 +165,7 @@ def test_a_long_time_on_a_circle_stays_on_it(dt: float) -> None:
     [((0, 0, 0), (1, 0, 1e308), 1e308), ((1e308, 0, 0), (1e308, 0, 0), 1.0), ((0, 0, 1.7e308), (0, 0, 1.7e308), 1.0)],
 )
 def test_an_overflow_is_an_error(pose: tuple[float, ...], twist: tuple[float, ...], dt: float) -> None:
-    """An overflow must not return a pose that is not finite."""
+    """An overflow raises an error and never returns an infinite or NaN pose."""
     with pytest.raises(ValueError, match="finite"):
         move(pose, twist, dt)
     with pytest.raises(ValueError, match="finite"):

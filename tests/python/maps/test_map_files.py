@@ -589,7 +589,7 @@ def test_invalid_paths_are_rejected(tmp_path: Path) -> None:
 ENCODED = json.loads((CARRIED_MAPS / "encodings" / "graphicsmagick.json").read_text())
 """8-bit greys that GraphicsMagick reads from each image, top row first."""
 
-TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # pixels (0, 0), (1, 0) and (2, 3), row first
+TRANSPARENT = {"png_la.png", "png_rgba_transparent.png"}  # at (row, column) (0, 0), (1, 0) and (2, 3)
 
 
 def expected_cell(mode: str, grey: int, opaque: bool) -> int:
