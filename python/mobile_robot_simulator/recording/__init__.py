@@ -1,15 +1,17 @@
 """Recordings: messages written to ROS 2 bags (MCAP, SQLite) and ROS 1 bags.
 
-`Recorder` needs the extra `recording` and is imported when it is first used; `DeferredRecorder` keeps messages without it.
+`Recorder` needs the extra `recording` and is imported when it is first used. `DeferredRecorder` keeps messages without the
+extra, and needs it only to save them.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .deferred import DeferredRecorder
+from .format import Format
 
 if TYPE_CHECKING:
-    from .recorder import Format, Recorder
+    from .recorder import Recorder
 
 __all__ = ["DeferredRecorder", "Format", "Recorder"]
 

@@ -1,4 +1,4 @@
-"""DeferredRecorder: the messages of a simulation whose recording may be wanted later."""
+"""DeferredRecorder: keeps the messages of a simulation that may be saved as a recording later."""
 
 from __future__ import annotations
 
@@ -11,17 +11,20 @@ if TYPE_CHECKING:
     from .recorder import Recorder
 
 MOST_IN_MEMORY = 10_000
-"""Messages beyond so many, about 10 MB, go to disk.
+"""Number of messages kept in memory, about 10 MB. With more, all messages go to disk.
 
-Writing takes longer than the drive itself, which is nothing to tests of a minute. To keep all of a long one costs more: the
-garbage collector goes through them again and again.
+A test of a minute stays below this number, so it does not pay for writing, which takes longer than the simulation itself. A
+long simulation would pay more for keeping its messages: the garbage collector would visit them again and again.
 """
 
 
 class DeferredRecorder:
-    """Takes messages and makes a recording of them in a folder if that is asked for: in memory as long as they are few.
+    """Keeps messages, and saves them as a recording only when asked to. Many messages are moved to disk.
 
-    What goes wrong while it takes them is told by `leave`, and nobody else's matter.
+    An error while messages are moved to disk does not disturb the simulation: `save` raises it.
+
+    Args:
+        folder: Folder of the recording, as for `Recorder`.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -29,38 +32,44 @@ class DeferredRecorder:
         self._messages: list[tuple[str, Message, int]] = []
         self._recorder: Recorder | None = None
         self._error: Exception | None = None
-        self._open, self._left = True, False
+        self._open, self._saved = True, False
 
-    def take(self, topic: str, message: Message, time_ns: int) -> None:
-        """Take one message, which must not change after."""
+    def write(self, topic: str, message: Message, time_ns: int) -> None:
+        """Adds a message that was published on a topic at a time [ns]. The message must not change afterwards."""
         if not self._open or self._error is not None:
             return
         self._messages.append((topic, message, time_ns))
         if self._recorder is not None or len(self._messages) >= MOST_IN_MEMORY:
             try:
-                self._write()
+                self._move_to_disk()
             except Exception as error:
                 self._error = error
                 self._messages.clear()
 
-    def leave(self) -> Path:
-        """Finish the recording, and say where it is. raises: what went wrong; ImportError without rosbags."""
+    def save(self) -> Path:
+        """Finishes the recording and returns its path. Saving again returns the same path.
+
+        Raises:
+            ImportError: rosbags is not installed.
+            ValueError: The messages were discarded, or a message cannot be recorded.
+            OSError: The folder cannot be written.
+        """
         if self._error is None and self._open:
-            self._write()
-            self._left = True
+            self._move_to_disk()
+            self._saved = True
         self._close()
         if self._error is not None or self._recorder is None:
-            raise self._error or ValueError("the messages were dropped")
+            raise self._error or ValueError("the messages were discarded")
         return self._recorder.path
 
-    def drop(self) -> None:
-        """Let go of the messages, and of what is on disk unless it was left."""
+    def discard(self) -> None:
+        """Drops the messages and deletes those on disk. A saved recording stays."""
         self._close()
-        if self._recorder is not None and not self._left:
+        if self._recorder is not None and not self._saved:
             shutil.rmtree(self._recorder.path, ignore_errors=True)
             self._recorder = None
 
-    def _write(self) -> None:
+    def _move_to_disk(self) -> None:
         if self._recorder is None:
             from .recorder import Recorder
 

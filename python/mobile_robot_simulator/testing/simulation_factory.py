@@ -118,7 +118,7 @@ class SimulationFactory:
         for made in self._made if self._record != "never" else []:
             made.folder.mkdir(parents=True, exist_ok=True)
             try:
-                lines.append(f"recording: {made.recorder.leave()}")
+                lines.append(f"recording: {made.recorder.save()}")
             except Exception as error:
                 lines.append(f"no recording: {error}")
             try:
@@ -134,7 +134,7 @@ class SimulationFactory:
             self.save()
         for made in self._made:
             made.simulation.close()
-            made.recorder.drop()
+            made.recorder.discard()
 
     def _keep_messages(self, simulation: Simulation) -> None:
         """Keeps the messages of a new simulation, for a recording that may be wanted later."""
@@ -144,7 +144,7 @@ class SimulationFactory:
         made = MadeSimulation(simulation, folder, DeferredRecorder(folder))
         if self._record != "never":
             simulation.picture = made.picture
-            simulation.record(made.recorder.take)
+            simulation.record(made.recorder.write)
         self._made.append(made)
 
     def _grid(self, map: OccupancyGrid | str | Path, seed: int, plan: Mapping[str, Any]) -> OccupancyGrid:

@@ -1,0 +1,46 @@
+"""Ros1Bag: a ROS 1 bag file being written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Writer
+
+from ..messages import Message
+from .folder import NAME
+from .latching import is_latched
+from .serialization import ros1_types, to_ros1_bytes
+
+
+class Ros1Bag:
+    """A ROS 1 bag file being written.
+
+    Args:
+        folder: Folder in which the file is created.
+
+    Attributes:
+        path: The file.
+        end_of_time: First time that the format cannot hold [ns].
+    """
+
+    end_of_time = 2**32 * 1_000_000_000
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / f"{NAME}.bag"
+        self._writer = Writer(self.path)
+        self._writer.open()
+        self.close, self.abort = self._writer.close, self._writer.abort
+
+    def encode(self, message: Message) -> memoryview:
+        """Returns the bytes of a message."""
+        return to_ros1_bytes(message)
+
+    def connect(self, topic: str, ros_type: str) -> Connection:
+        """Adds a topic."""
+        latching = 1 if is_latched(topic) else None
+        return self._writer.add_connection(topic, ros_type, typestore=ros1_types(), latching=latching)
+
+    def write(self, connection: Connection, time_ns: int, data: memoryview) -> None:
+        """Writes a message. ROS 1 has no time 0, so time 0 becomes 1 ns."""
+        self._writer.write(connection, max(time_ns, 1), data)

@@ -1,0 +1,61 @@
+"""Ros2Bag: a rosbag2 folder being written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from ..messages import Message
+from .folder import NAME
+from .latching import is_latched
+from .serialization import ros2_types, to_ros2_bytes
+
+
+class Ros2Bag:
+    """A rosbag2 folder being written.
+
+    Args:
+        folder: Folder in which the rosbag2 folder is created.
+        format: "mcap" or "sqlite3".
+
+    Attributes:
+        path: The rosbag2 folder.
+        end_of_time: First time that the format cannot hold [ns].
+    """
+
+    end_of_time = 2**63
+
+    def __init__(self, folder: Path, format: str) -> None:
+        self.path = folder / NAME
+        # Version 9 is written by Jazzy and later, but Humble cannot read it. All of them read version 8.
+        self._writer = Writer(self.path, version=8, storage_plugin=StoragePlugin[format.upper()])
+        self._writer.open()
+        self.write, self.close, self.abort = self._writer.write, self._writer.close, self._writer.abort
+
+    def encode(self, message: Message) -> memoryview:
+        """Returns the bytes of a message."""
+        return to_ros2_bytes(message)
+
+    def connect(self, topic: str, ros_type: str) -> Connection:
+        """Adds a topic."""
+        qos = [_offered_qos(topic)]
+        return self._writer.add_connection(topic, ros_type, typestore=ros2_types(), offered_qos_profiles=qos)
+
+
+def _offered_qos(topic: str) -> Qos:
+    """Returns what a publisher of the topic offers: reliable, which best-effort subscribers accept too."""
+    latched = is_latched(topic)
+    forever = QosTime(9223372036, 854775807)
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1 if latched else 10,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=forever,
+        lifespan=forever,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=forever,
+        avoid_ros_namespace_conventions=False,
+    )

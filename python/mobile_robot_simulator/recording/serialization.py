@@ -1,0 +1,74 @@
+"""Messages as the bytes that ROS 1 and ROS 2 use."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from functools import cache
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from ..messages import Message
+
+
+@cache
+def ros2_types() -> Typestore:
+    """Returns the message definitions of ROS 2 Humble."""
+    return get_typestore(Stores.ROS2_HUMBLE)
+
+
+@cache
+def ros1_types() -> Typestore:
+    """Returns the message definitions of ROS 1 Noetic, with TFMessage."""
+    types = get_typestore(Stores.ROS1_NOETIC)
+    types.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
+    return types
+
+
+def to_ros2_bytes(message: Message) -> memoryview:
+    """Returns a message in the encoding of ROS 2, little-endian CDR.
+
+    Raises:
+        TypeError: An array has another element type than the ROS message.
+        ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
+    """
+    try:
+        # Mypy takes a class to be unhashable if its instances are.
+        for name, array_of, dtype in _array_fields(type(message)):  # type: ignore[arg-type]
+            if array_of(message).dtype != dtype:
+                raise TypeError(f"{name} must have dtype {dtype}, got {array_of(message).dtype}")
+        return ros2_types().serialize_cdr(message, message.ros_type, little_endian=True)
+    except KeyError as error:
+        raise ValueError(f"{message.ros_type} is not a known ROS type") from error
+    except (AttributeError, OverflowError, SerdeError, ValueError, struct.error) as error:
+        raise ValueError(f"cannot record this {message.ros_type}: {error}") from error
+
+
+def to_ros1_bytes(message: Message) -> memoryview:
+    """Returns a message in the encoding of ROS 1. Raises the errors of `to_ros2_bytes`."""
+    return ros2_types().cdr_to_ros1(to_ros2_bytes(message), message.ros_type)
+
+
+@cache
+def _array_fields(kind: type[Message]) -> list[tuple[str, Callable[[Message], Any], np.dtype[Any]]]:
+    """Returns name, getter and element type of the fields that are arrays.
+
+    They need a check, because serialization would reinterpret the bytes of an array with another element type.
+    """
+    return [(name, attrgetter(name), value.dtype) for name, value in _leaf_fields(kind()) if isinstance(value, np.ndarray)]
+
+
+def _leaf_fields(message: Message) -> Iterator[tuple[str, Any]]:
+    """Yields dotted name and value of each field that is not itself a message."""
+    for item in fields(message):
+        value = getattr(message, item.name)
+        if isinstance(value, Message):
+            yield from ((f"{item.name}.{name}", inner) for name, inner in _leaf_fields(value))
+        else:
+            yield item.name, value

@@ -1,0 +1,83 @@
+"""The folder of a recording: no older recording and no other file is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mobile_robot_simulator import messages as ros
+from mobile_robot_simulator.recording.recorder import Format, Recorder
+from recordings import FORMATS, contents, drive, read, record
+
+
+@pytest.mark.parametrize("old", FORMATS)
+@pytest.mark.parametrize("new", FORMATS)
+def test_an_older_recording_is_kept_unless_overwritten(tmp_path: Path, old: Format, new: Format) -> None:
+    (tmp_path / "drive.png").write_text("a picture")
+    path = record(tmp_path, old, drive(2))
+    before = contents(path)
+    with pytest.raises(FileExistsError, match="--overwrite") as raised:
+        Recorder(tmp_path, format=new)
+    assert raised.value.filename == str(path)
+    assert contents(path) == before
+
+    with Recorder(tmp_path, format=new, overwrite=True) as recorder:
+        recorder.write("/clock", ros.Clock(), 5)
+    assert {item.name for item in tmp_path.iterdir()} == {"drive.png", recorder.path.name}
+    assert [time_ns for _, _, time_ns in read(recorder.path)] == [5]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_an_older_recording_is_restored_if_the_new_one_cannot_begin(
+    tmp_path: Path, format: Format, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = record(tmp_path, "mcap", drive(2))
+    before = contents(path)
+
+    def full(writer: Any) -> None:
+        if format != "bag":
+            writer.path.mkdir()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(f"rosbags.rosbag{1 if format == 'bag' else 2}.Writer.open", full)
+    with pytest.raises(OSError, match="No space left"):
+        Recorder(tmp_path, format=format, overwrite=True)
+    assert list(tmp_path.iterdir()) == [path]
+    assert contents(path) == before
+
+
+def a_file(path: Path) -> None:
+    path.write_text("not a recording")
+
+
+def a_folder_with_more(path: Path) -> None:
+    path.mkdir()
+    (path / "metadata.yaml").touch()
+    (path / "thesis.tex").touch()
+
+
+def a_link(path: Path) -> None:
+    (path.parent / "elsewhere").mkdir()
+    path.symlink_to("elsewhere")
+
+
+@pytest.mark.parametrize("name", ["recording", "recording.bag"])
+@pytest.mark.parametrize("make", [a_file, a_folder_with_more, a_link])
+def test_other_files_with_a_recordings_name_are_never_removed(
+    tmp_path: Path, name: str, make: Callable[[Path], None]
+) -> None:
+    make(tmp_path / name)
+    before = sorted(tmp_path.rglob("*"))
+    for format in FORMATS:
+        with pytest.raises(FileExistsError, match=f"not a recording.*{name}'"):
+            Recorder(tmp_path, format=format, overwrite=True)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "out").touch()
+    with pytest.raises(OSError, match="out"):
+        Recorder(tmp_path / "out")
