@@ -1,4 +1,4 @@
-"""The command line."""
+"""The command `mobile-robot-simulator`."""
 
 from .main import main
 

@@ -1,11 +1,9 @@
-"""A drive: a simulation with a driver at the wheel, what came of it, and its recording and picture."""
+"""Drive: a simulated robot with a driver, what happened on the way, and a picture."""
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,110 +12,116 @@ import numpy as np
 from .._core import OccupancyGrid, Pose
 from ..messages import LaserScan, Odometry
 from ..simulation.simulation import Simulation
-from .drivers import Commander, Script, Wander
+from .commander import Commander
+from .script import Script
+from .summary import Summary
+from .wander import Wander
 
 WANTED_CLEARANCE = 0.6
-"""A start is drawn this far from walls [m], if there is such a place."""
+"""Distance of a random start pose from walls [m], if the map has such a place."""
 
 
-@dataclass(frozen=True)
-class Summary:
-    """What came of a drive. Seconds, metres, radians; collisions are contacts begun, unknown_share is of the odometry."""
-
-    simulated_seconds: float
-    wall_seconds: float
-    real_time_factor: float
-    scans: int
-    beams: int
-    beams_per_second: float
-    distance: float
-    collisions: int
-    unknown_share: float
-    start: tuple[float, float, float]
-    end: tuple[float, float, float]
-    seed: int
-    interrupted: bool
-
-    def save(self, path: Path) -> None:
-        """Write the summary as JSON."""
-        path.write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
-
-
-@dataclass
 class Drive:
-    """A robot of a radius on its way through a map.
+    """A robot that drives through a map.
 
-    driver: what sends the commands. start: first pose, drawn from free space if None.
+    Args:
+        grid: Map to drive in.
+        driver: Sends the velocity commands.
+        parameters: Parameter values by name.
+        seed: Random seed.
+        start: First pose in the map frame. None draws one from free space.
+        radius: Radius of the robot [m], for collisions and for the random start pose.
+
+    Attributes:
+        simulation: The simulation with the robot.
+        path: True poses (x, y [m], yaw [rad]) in the map frame: the first, then one for each odometry message.
+        scans: Number of scans so far.
+        collisions: Number of times that the robot began to touch a wall.
+        in_unknown: Number of odometry messages sent from an unknown cell or from outside of the map.
+
+    Raises:
+        ValueError: A parameter or the start pose is invalid, or there is no free place for the robot.
     """
 
-    grid: OccupancyGrid
-    driver: Wander | Script
-    parameters: Mapping[str, Any]
-    seed: int
-    start: Pose | None = None
-    radius: float = 0.2
-    simulation: Simulation = field(init=False)
-    path: list[tuple[float, float, float]] = field(init=False, default_factory=list)
-    scans: int = field(init=False, default=0)
-    collisions: int = field(init=False, default=0)
-    in_unknown: int = field(init=False, default=0)
-
-    def __post_init__(self) -> None:
-        start = self.start if self.start is not None else draw_start(self.grid, self.radius, self.seed)
-        self.start = start
-        self.simulation = Simulation(self.grid, parameters=self.parameters, seed=self.seed, start=start)
-        simulation = self.simulation
-        robot, laser = simulation.robot.parameters, simulation.laser.parameters
-        self.path.append((start.x, start.y, start.yaw))
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        driver: Wander | Script,
+        parameters: Mapping[str, Any],
+        seed: int,
+        *,
+        start: Pose | None = None,
+        radius: float = 0.2,
+    ) -> None:
+        start = start if start is not None else draw_start(grid, radius, seed)
+        self._grid, self._radius, self._seed = grid, radius, seed
+        self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
+        self.path = [(start.x, start.y, start.yaw)]
+        self.scans = self.collisions = self.in_unknown = 0
         self._touching = self._touches(start)
-        simulation.subscribe(robot.odometry_topic, Odometry, self._follow)
-        simulation.subscribe(laser.laser_topic, LaserScan, self._count)
-        node = simulation.create_node("driver")
+        robot, laser = self.simulation.robot.parameters, self.simulation.laser.parameters
+        self.simulation.subscribe(robot.odometry_topic, Odometry, self._follow)
+        self.simulation.subscribe(laser.laser_topic, LaserScan, self._count)
+        node = self.simulation.create_node("driver")
         commander = Commander(node, robot.velocity_topic, stamped=robot.cmd_vel_stamped)
-        if isinstance(self.driver, Wander):
-            self.driver.start(node, commander, laser.laser_topic, self.seed)
+        if isinstance(driver, Wander):
+            driver.start(node, commander, laser.laser_topic, seed)
         else:
-            self.driver.start(node, commander)
+            driver.start(node, commander)
 
     def run(
         self, duration: float, *, real_time: bool = False, progress: Callable[[float], None] = lambda _: None
     ) -> Summary:
-        """Drive for so many simulated seconds, as fast as can be or, with `real_time`, at `speed_factor` times the wall's.
+        """Drives and returns the results. Ctrl-C ends the drive early; the results then cover the time until Ctrl-C.
 
-        progress: called with the simulated time now and then. Ctrl-C ends the drive early; all until then counts.
+        Args:
+            duration: Simulated time [s].
+            real_time: Run at `speed_factor` times real time instead of as fast as possible.
+            progress: Called repeatedly with the simulated time [s].
         """
-        simulation, interrupted = self.simulation, False
-        began, pace = time.perf_counter(), simulation.robot.parameters.speed_factor
-        step = 0.02 * pace if real_time else 1.0
+        simulation, began = self.simulation, time.perf_counter()
+        speed = simulation.robot.parameters.speed_factor
+        step = 0.02 * speed if real_time else 1.0
+        interrupted = False
         try:
             while (left := duration - simulation.time) > 0.0:
                 if real_time:
-                    time.sleep(max(0.0, simulation.time / pace - (time.perf_counter() - began)))
+                    time.sleep(max(0.0, simulation.time / speed - (time.perf_counter() - began)))
                 simulation.run_for(min(step, left))
                 progress(simulation.time)
         except KeyboardInterrupt:
             interrupted = True
-        wall = time.perf_counter() - began
+        return self._summary(time.perf_counter() - began, interrupted=interrupted)
+
+    def _summary(self, wall_seconds: float, *, interrupted: bool) -> Summary:
+        simulation = self.simulation
         beams = self.scans * simulation.laser.parameters.laser_beam_count
         end = simulation.pose
         return Summary(
             simulated_seconds=simulation.time,
-            wall_seconds=wall,
-            real_time_factor=simulation.time / wall,
+            wall_seconds=wall_seconds,
+            real_time_factor=simulation.time / wall_seconds,
             scans=self.scans,
             beams=beams,
-            beams_per_second=beams / wall,
+            beams_per_second=beams / wall_seconds,
             distance=simulation.robot.distance,
             collisions=self.collisions,
             unknown_share=self.in_unknown / len(self.path),
             start=self.path[0],
             end=(end.x, end.y, end.yaw),
-            seed=self.seed,
+            seed=self._seed,
             interrupted=interrupted,
         )
 
     def draw(self, file: Path) -> None:
-        """Save a picture of the map, the way driven and the last scan."""
+        """Saves a picture of the map, the path and the last scan.
+
+        Args:
+            file: File to write. Its ending selects the format: .png, .pdf or .svg.
+
+        Raises:
+            ImportError: Matplotlib is not installed.
+        """
         from ..plotting import DrivePicture
 
         simulation = self.simulation
@@ -125,28 +129,30 @@ class Drive:
         pose = simulation.pose
         points = None if scan is None else simulation.laser.scanner.end_points(pose, scan.ranges)
         path = np.array([*self.path, tuple(pose)])
-        DrivePicture(self.grid, path, scan_points=points, laser_pose=pose).save(file)
+        DrivePicture(self._grid, path, scan_points=points, laser_pose=pose).save(file)
 
     def _follow(self, odometry: Odometry) -> None:
+        """Records the true pose at each odometry message."""
         pose = self.simulation.pose
         self.path.append((pose.x, pose.y, pose.yaw))
         touching = self._touches(pose)
         self.collisions += touching and not self._touching
-        cell = self.grid.cell_at(pose.x, pose.y)
-        self.in_unknown += cell is None or bool(self.grid.cells[cell] < 0)
+        cell = self._grid.cell_at(pose.x, pose.y)
+        self.in_unknown += cell is None or bool(self._grid.cells[cell] < 0)
         self._touching = touching
 
     def _touches(self, pose: Pose) -> bool:
-        return not self.grid.is_free_disc(pose.x, pose.y, self.radius)
+        return not self._grid.is_free_disc(pose.x, pose.y, self._radius)
 
     def _count(self, scan: LaserScan) -> None:
         self.scans += 1
 
 
 def draw_start(grid: OccupancyGrid, radius: float, seed: int) -> Pose:
-    """A pose drawn from free space, with room to turn if there is such a place.
+    """Returns a random free pose with room to turn, or at least with room for the robot.
 
-    raises: ValueError if the robot fits nowhere.
+    Raises:
+        ValueError: There is no free place for the robot.
     """
     try:
         return grid.draw_free_pose(radius=max(radius, WANTED_CLEARANCE), seed=seed)

@@ -1,0 +1,37 @@
+"""Where commands print: results to standard output, errors and progress to standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+console = Console()
+error_console = Console(stderr=True)
+
+
+def print_table(title: str, rows: Iterable[tuple[str, str]]) -> None:
+    """Prints a table of names and values."""
+    table = Table(title=title, show_header=False)
+    for name, value in rows:
+        table.add_row(name, value)
+    console.print(table)
+
+
+@contextmanager
+def progress_bar(duration: float) -> Iterator[Callable[[float], None]]:
+    """Shows a progress bar while the context is open.
+
+    Args:
+        duration: Simulated time at the end of the bar [s].
+
+    Yields:
+        A function that moves the bar to a simulated time [s].
+    """
+    columns = (TextColumn("simulating"), BarColumn(), TextColumn("{task.completed:.0f}/{task.total:.0f} s"))
+    with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=error_console, transient=True) as bar:
+        task = bar.add_task("", total=duration)
+        yield lambda seconds: bar.update(task, completed=seconds)

@@ -1,0 +1,52 @@
+"""Arguments and options that several commands share, and what commands make of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .._core import OccupancyGrid
+from ..maps.map_files import load_map
+from ..parameter_files import read_assignment, read_file
+from ..parameters import LaserParameters, for_node
+
+MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="Map file in the YAML format of map_server.")]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option("-p", "--param", metavar="NAME:=VALUE", help="Set a parameter. Can be given several times."),
+]
+ParamsFile = Annotated[Path | None, typer.Option("--params-file", metavar="FILE", help="ROS 2 parameter file in YAML.")]
+RosArgs = Annotated[
+    bool, typer.Option("--ros-args", help="Accepted before -p and --params-file, as in ROS 2. It has no effect.")
+]
+Seed = Annotated[
+    int | None, typer.Option(help="Random seed. Without it, the parameter seed is used, which is 0 by default.")
+]
+
+
+def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, Any]:
+    """Returns parameter values by name. Assignments on the command line override the file.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: An assignment or the file is malformed, or names an unknown parameter.
+    """
+    values = read_file(file) if file is not None else {}
+    assigned = dict(map(read_assignment, assignments or []))
+    return {**{key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}, **assigned}
+
+
+def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
+    """Returns the grid of a map file, in which unknown cells are as the laser's parameter `unknown` says."""
+    return load_map(map_file, unknown=for_node(LaserParameters, values).unknown)
+
+
+def seed_of(seed: int | None, values: dict[str, Any]) -> int:
+    """Returns the seed of the command line, or else of the parameters.
+
+    Raises:
+        ValueError: The seed is out of range.
+    """
+    return for_node(LaserParameters, values if seed is None else {**values, "seed": seed}).seed

@@ -1,0 +1,85 @@
+"""The command `run`: drive a robot through a map."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .._core import Pose
+from ..recording.format import Format
+from .console import console, print_table, progress_bar
+from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
+
+
+class DriverName(str, Enum):
+    """Names of the built-in drivers."""
+
+    wander = "wander"
+
+
+def run(
+    map_file: MapFile,
+    duration: Annotated[float, typer.Option(help="Simulated time in seconds.")] = 60.0,
+    start: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="X Y YAW", help="Start pose in the map frame. Without it, a random free pose is used."),
+    ] = None,
+    commands: Annotated[
+        Path | None,
+        typer.Option(help="CSV file of commands with the header time,vx,vy,wz. Each command applies until the next one."),
+    ] = None,
+    driver: Annotated[DriverName, typer.Option(help="Built-in driver used without --commands.")] = DriverName.wander,
+    radius: Annotated[
+        float, typer.Option(help="Radius of the robot in metres, used to avoid walls and to count collisions.")
+    ] = 0.2,
+    out: Annotated[Path, typer.Option(help="Folder for the recording, drive.png and summary.json.")] = Path("drive"),
+    seed: Seed = None,
+    format: Annotated[Format, typer.Option(help="Recording format: mcap or sqlite3 for ROS 2, bag for ROS 1.")] = "mcap",
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="Run at speed_factor times real time instead of as fast as possible.")
+    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
+    param: Assignments = None,
+    params_file: ParamsFile = None,
+    ros_args: RosArgs = False,
+) -> None:
+    """Drive a robot through a map. Saves a recording of all topics, a picture and a summary."""
+    from .. import plotting  # noqa: F401 - a missing extra is an error before the drive, not after it
+    from ..recording.recorder import Recorder
+    from .drive import Drive
+    from .script import Script
+    from .wander import Wander
+
+    _check_positive("--duration", duration)
+    _check_positive("--radius", radius)
+    values = read_values(param, params_file)
+    drive = Drive(
+        load_grid(map_file, values),
+        Script.read(commands) if commands else Wander(radius),
+        values,
+        seed_of(seed, values),
+        start=Pose(*start) if start else None,
+        radius=radius,
+    )
+    with Recorder(out, format=format, overwrite=overwrite) as recorder:
+        drive.simulation.record(recorder.write)
+        with progress_bar(duration) as advance:
+            summary = drive.run(duration, real_time=real_time, progress=advance)
+    summary.save(out / "summary.json")
+    drive.draw(out / "drive.png")
+
+    files = [("recording", f"{recorder.path}"), ("picture", f"{out / 'drive.png'}")]
+    print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
+    if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
+        console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
+    if summary.interrupted:
+        raise typer.Exit(130)
+
+
+def _check_positive(option: str, value: float) -> None:
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{option} must be positive and finite, got {value}")

@@ -1,0 +1,110 @@
+"""Wander: a driver that roams and avoids obstacles."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..messages import LaserScan
+from ..nodes.interface import Node, QoS
+from .commander import Commander
+
+HEADINGS = np.linspace(-2.0, 2.0, 41)
+"""Candidate headings relative to the robot [rad]. The middle one is straight ahead."""
+
+_Lanes = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class Wander:
+    """A driver that roams and avoids obstacles.
+
+    For each candidate heading, the driver measures how far a lane as wide as the robot is free. It turns to the heading with
+    the best score: a long free lane close to the preferred heading. The preferred heading is straight ahead, except for a
+    short random turn every few seconds. The speed is limited so that the robot can stop inside its lane.
+
+    Args:
+        radius: Radius of the robot [m].
+        margin: Distance kept from obstacles [m].
+        speed: Largest speed [m/s].
+        turn_rate: Largest turn rate [rad/s].
+    """
+
+    radius: float = 0.2
+    margin: float = 0.15
+    speed: float = 0.8
+    turn_rate: float = 1.2
+
+    def start(self, node: Node, commander: Commander, scan_topic: str, seed: int) -> None:
+        """Starts to drive: each scan leads to one velocity command.
+
+        Args:
+            node: Node that subscribes to the scans.
+            commander: Publishes the commands.
+            scan_topic: Topic of the scans.
+            seed: Random seed of the random turns.
+        """
+        node.create_subscription(LaserScan, scan_topic, _Wandering(self, node, commander, seed).steer, QoS.SENSOR_DATA)
+
+
+class _Wandering:
+    """The state of a wandering robot: its preferred heading, and whether it turns on the spot."""
+
+    def __init__(self, driver: Wander, node: Node, commander: Commander, seed: int) -> None:
+        self._driver, self._node, self._commander = driver, node, commander
+        self._draw = random.Random(seed).random  # documented to give the same numbers on every platform
+        self._lanes: dict[int, _Lanes] = {}
+        self._preferred, self._preferred_until_ns = 0.0, 0
+        self._turning = 0.0
+
+    def steer(self, scan: LaserScan) -> None:
+        """Sends the velocity command that follows from a scan."""
+        driver, command = self._driver, self._commander.command
+        self._update_preferred_heading()
+        free = self._free_distances(scan)
+        ahead = float(free[len(HEADINGS) // 2]) - driver.radius - driver.margin
+        if self._turning and ahead < 0.5:
+            # Keep turning the same way until there is room. Otherwise a robot in a corner would turn back and forth.
+            command(0.0, 0.0, self._turning)
+            return
+        # A lane without any return leads out of the building, for example through an open door: it scores low.
+        appeal = np.where(free < scan.range_max, np.minimum(free, 4.0), 1.0)
+        score = appeal - 0.5 * np.abs(HEADINGS - self._preferred)
+        heading = float(HEADINGS[int(np.argmax(score))])
+        if ahead < 0.1:
+            self._turning = math.copysign(driver.turn_rate, heading or self._preferred or 1.0)
+            command(0.0, 0.0, self._turning)
+            return
+        self._turning = 0.0
+        turn = max(-driver.turn_rate, min(driver.turn_rate, 1.5 * heading))
+        command(min(driver.speed, 0.8 * ahead) * max(0.0, math.cos(heading)), 0.0, turn)
+
+    def _update_preferred_heading(self) -> None:
+        """Alternates between a short random turn and a longer time straight on. A lasting turn would be a circle."""
+        now = self._node.get_clock().now().nanoseconds
+        if now >= self._preferred_until_ns:
+            self._preferred = 0.0 if self._preferred else 3.0 * (self._draw() - 0.5)
+            self._preferred_until_ns = now + round((1.0 if self._preferred else 4.0 + 6.0 * self._draw()) * 1e9)
+
+    def _free_distances(self, scan: LaserScan) -> NDArray[np.float32]:
+        """Returns how far the lane along each candidate heading is free [m]; range_max if nothing in it returns."""
+        cos, sin = self._lane_directions(scan)
+        # A return that is too close (-inf) counts as very near. A beam without a return counts as in no lane (0).
+        ranges = np.where(scan.ranges < scan.range_max, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
+        along, across = ranges * cos, np.abs(ranges * sin)
+        in_lane = (across < self._driver.radius + self._driver.margin) & (along > 0.0)
+        free: NDArray[np.float32] = np.where(in_lane, along, np.float32(scan.range_max)).min(axis=1)
+        return free
+
+    def _lane_directions(self, scan: LaserScan) -> _Lanes:
+        """Returns the cosine and sine of the angle between each heading and each beam, (headings, beams)."""
+        count = len(scan.ranges)
+        if count not in self._lanes:
+            angles = scan.angle_min + np.arange(count) * scan.angle_increment
+            offsets = angles[None, :] - HEADINGS[:, None]
+            self._lanes[count] = np.cos(offsets).astype(np.float32), np.sin(offsets).astype(np.float32)
+        return self._lanes[count]

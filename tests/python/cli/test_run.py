@@ -1,0 +1,99 @@
+"""The command run: a recording, a picture and a summary of a drive."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
+pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed")
+from rosbags.highlevel import AnyReader
+
+
+@pytest.mark.parametrize("form", ["mcap", "bag", "sqlite3"])
+def test_run_saves_a_bag_a_picture_and_a_summary(command, room, tmp_path, form):
+    out = tmp_path / "out"
+    done = command("run", room, "--duration", 5, "--start", 2, 2, 0.5, "--out", out, "--format", form, "--seed", 3)
+    assert done.returncode == 0, done.stderr
+    assert "real-time factor" in done.stdout and "collisions" in done.stdout
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["simulated_seconds"] == 5.0 and summary["scans"] == 50 and summary["beams"] == 50 * 541
+    assert summary["collisions"] == 0 and summary["seed"] == 3 and summary["start"] == [2.0, 2.0, 0.5]
+    assert (out / "drive.png").read_bytes().startswith(b"\x89PNG")
+    bag = out / "recording.bag" if form == "bag" else out / "recording"
+    with AnyReader([bag]) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+        types = {connection.topic: connection.msgtype for connection in reader.connections}
+    assert counts.pop("/cmd_vel") == 50
+    assert counts == {"/odom": 50, "/tf": 50, "/scan": 50, "/clock": 50, "/map": 1}
+    assert types["/tf"] == "tf2_msgs/msg/TFMessage" and types["/map"] == "nav_msgs/msg/OccupancyGrid"
+
+
+def test_two_runs_with_one_seed_give_the_same_bytes(command, room, tmp_path):
+    for out in ("a", "b"):
+        assert command("run", room, "--duration", 3, "--seed", 9, "--out", tmp_path / out).returncode == 0
+    first, second = ((tmp_path / out / "recording" / "recording.mcap").read_bytes() for out in ("a", "b"))
+    assert first == second
+
+
+def test_run_follows_the_commands_of_a_file(command, room, tmp_path):
+    commands = tmp_path / "commands.csv"
+    commands.write_text("time,vx,vy,wz\n0,0.5,0,0\n2,0,0,0\n")
+    out = tmp_path / "out"
+    done = command("run", room, "--duration", 4, "--start", 1, 2, 0, "--commands", commands, "--out", out)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["end"] == pytest.approx([2.0, 2.0, 0.0], abs=1e-12)
+    assert summary["distance"] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_run_counts_collisions(command, room, tmp_path):
+    commands = tmp_path / "commands.csv"
+    commands.write_text("time,vx,vy,wz\n0,1,0,0\n")
+    out = tmp_path / "out"
+    assert command("run", room, "--duration", 3, "--start", 5, 2, 0, "--commands", commands, "--out", out).returncode == 0
+    assert json.loads((out / "summary.json").read_text())["collisions"] == 1
+
+
+def test_run_keeps_an_older_recording_without_overwrite(command, room, tmp_path):
+    out = tmp_path / "out"
+    assert command("run", room, "--duration", 1, "--out", out).returncode == 0
+    before = (out / "recording" / "recording.mcap").read_bytes()
+    again = command("run", room, "--duration", 2, "--out", out)
+    assert again.returncode == 1 and "--overwrite" in again.stderr and "Traceback" not in again.stderr
+    assert (out / "recording" / "recording.mcap").read_bytes() == before
+    assert command("run", room, "--duration", 2, "--out", out, "--overwrite").returncode == 0
+    assert (out / "recording" / "recording.mcap").read_bytes() != before
+
+
+def test_ctrl_c_leaves_a_bag_that_can_be_opened(command, room, tmp_path):
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "mobile_robot_simulator", "run", room, "--duration", 1e6, "--real-time", "--out", out]
+    process = subprocess.Popen([*map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        deadline = time.monotonic() + 30.0
+        while not (out / "recording").exists():
+            assert time.monotonic() < deadline and process.poll() is None
+            time.sleep(0.05)
+        time.sleep(2.0)
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=30.0)
+    finally:
+        process.kill()
+    assert process.returncode == 130, stderr
+    assert "Traceback" not in stderr
+    with AnyReader([out / "recording"]) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["interrupted"] is True
+    assert counts["/odom"] == counts["/scan"] == summary["scans"] > 0
+
+
+def test_real_time_takes_real_time(command, room, tmp_path):
+    out = tmp_path / "out"
+    done = command("run", room, "--duration", 2, "--real-time", "-p", "speed_factor:=2.0", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((out / "summary.json").read_text())["wall_seconds"] >= 0.9
