@@ -39,7 +39,7 @@ try:
 except ImportError as error:
     raise ImportError(
         f"ROS 1 is missing ({error}): source a ROS 1 installation, for example with `source /opt/ros/noetic/setup.bash`, "
-        "and install this package for its Python; docs/ros.md explains how to install ROS 1 from Debian"
+        "and install this package for its Python; docs/guides/ros.md explains how to install ROS 1 from Debian"
     ) from error
 
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"publish_clock": False, "clock_rate": 100.0}}

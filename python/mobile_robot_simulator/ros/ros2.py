@@ -37,7 +37,7 @@ try:
 except ImportError as error:
     raise ImportError(
         f"ROS 2 is missing ({error}): source a ROS 2 installation, for example with `source /opt/ros/jazzy/setup.bash`, "
-        "and install this package for its Python; docs/ros.md explains how to install ROS 2 from PyPI"
+        "and install this package for its Python; docs/guides/ros.md explains how to install ROS 2 from PyPI"
     ) from error
 
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"cmd_vel_stamped": True, "clock_rate": 100.0}}
