@@ -27,7 +27,10 @@ from sybil.evaluators.python import PythonEvaluator
 from sybil.parsers.markdown import CodeBlockParser, SkipParser
 
 ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "python" / "mobile_robot_simulator"
 GENERATED = ("command_line.md", "parameters.md")
+BUILT = {"demo/", "dist/", "site/"}
+"""Folders that the repository does not have before a build."""
 PAGES = [ROOT / "README.md", *(path for path in sorted((ROOT / "docs").rglob("*.md")) if path.name not in GENERATED)]
 
 
@@ -91,3 +94,12 @@ def test_generated_pages_are_up_to_date() -> None:
     code = f"import runpy; print(all(p.read_text() == t for p, t in runpy.run_path({str(script)!r})['pages']().items()))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
     assert done.stdout.strip() == "True", "the generated pages are out of date; run docs/tools/generate_pages.py"
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_files_that_a_page_names_exist(page: str) -> None:
+    """Files are named from the root of the repository on, or from the folder of the package."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w.-]*(?:/[\w.-]+)*(?:\.(?:rs|pyi?)|/[\w-]+\.\w+|/))`", text)) - BUILT
+    assert len(named) > 30
+    assert not [name for name in sorted(named) if not (ROOT / name).exists() and not (PACKAGE / name).exists()]
