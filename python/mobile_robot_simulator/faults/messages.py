@@ -22,25 +22,25 @@ Copies = list[tuple[int, Message]] | None
 
 
 class MessageFault(Fault):
-    """A fault that changes the messages of a topic, each with a probability.
+    """A fault that affects each message of a topic with a probability.
 
     Args:
         topic: Name of the topic.
-        probability: Probability with which a message is changed, in 0..1.
+        probability: Probability that a message is affected, in 0..1.
         start: Time at which the fault begins [s].
         end: Time at which the fault ends [s].
         seed: Seed of the random numbers.
 
     Attributes:
         topic: Name of the topic, with a leading slash.
-        probability: Probability with which a message is changed.
+        probability: Probability that a message is affected.
 
     Raises:
         ValueError: The probability is not in 0..1, or the times are not valid for a `Fault`.
     """
 
     needs: type[Message] = Message
-    """Type of messages that the fault can change."""
+    """Message class that the topic must have."""
 
     def __init__(
         self, topic: str, *, probability: float = 1.0, start: float = 0.0, end: float = math.inf, seed: int = 0
@@ -52,10 +52,10 @@ class MessageFault(Fault):
 
     @abstractmethod
     def change(self, message: Message) -> Copies:
-        """Returns the messages to send instead of a message that is affected."""
+        """Returns the messages to send instead of an affected message."""
 
     def pass_by(self, message: Message) -> Copies:
-        """Returns the messages to send instead of a message that is not affected; None to send it unchanged."""
+        """Returns the messages to send instead of an unaffected message, or None to send it unchanged."""
         return None
 
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
@@ -87,12 +87,12 @@ class Drop(MessageFault):
 
 
 class Delay(MessageFault):
-    """Messages of a topic arrive late. They may overtake each other.
+    """Messages of a topic arrive late, possibly in another order.
 
     Args:
         topic: Name of the topic.
         seconds: Shortest delay [s].
-        jitter: Range of the additional random delay, uniform in 0..jitter [s].
+        jitter: Largest additional delay [s]. The additional delay is random, uniform in 0..jitter.
         **options: As for `MessageFault`.
 
     Raises:
@@ -142,14 +142,19 @@ class Duplicate(MessageFault):
 
 
 class Reorder(MessageFault):
-    """Messages of a topic arrive after the message that follows them. If none follows, the message is lost."""
+    """Messages of a topic arrive after the message that follows them. A message that none follows is lost.
+
+    Args:
+        topic: Name of the topic.
+        **options: As for `MessageFault`.
+    """
 
     def __init__(self, topic: str, **options: Any) -> None:
         super().__init__(topic, **options)
         self._held: Message | None = None
 
     def change(self, message: Message) -> Copies:
-        """Holds the message back until the next one."""
+        """Holds the message back until the next one. If one is already held back, sends both."""
         if self._held is not None:
             return self.pass_by(message)
         self._note(f"reorder {self.topic}")
@@ -163,7 +168,7 @@ class Reorder(MessageFault):
 
 
 class Blackout(Drop):
-    """A sensor publishes nothing for a while.
+    """A topic receives no messages from `start` to `end`, as if its sensor were switched off.
 
     Args:
         topic: Name of the sensor's topic.
@@ -205,8 +210,8 @@ class StuckRanges(MessageFault):
 class BlockedSector(MessageFault):
     """An object on the scanner blocks the beams in a sector.
 
-    A blocked beam reads the distance to the object, or its own range if that is shorter. If the object is nearer than the
-    scanner's minimum range, the beam reads -inf, as REP 117 specifies.
+    A blocked beam returns the distance to the object, or its own range if that is shorter. If the object is nearer than the
+    scanner's minimum range, the beam returns -inf, as REP 117 specifies.
 
     Args:
         first_angle: Start of the sector in the scanner's frame [rad].
@@ -231,7 +236,7 @@ class BlockedSector(MessageFault):
         self.first_angle, self.last_angle, self.distance = first_angle, last_angle, distance
 
     def change(self, message: Message) -> Copies:
-        """Sends the scan with the readings of the blocked beams."""
+        """Sends the scan with the changed ranges of the blocked beams."""
         assert isinstance(message, LaserScan)
         angles = message.angle_min + np.arange(len(message.ranges)) * message.angle_increment
         blocked = (self.first_angle <= angles) & (angles <= self.last_angle)

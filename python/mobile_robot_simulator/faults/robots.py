@@ -15,9 +15,9 @@ from ..simulation.robots import SimulatedRobot
 
 
 class Slip(Fault):
-    """The wheels of a robot slip: it moves less than they turn, and its odometry does not notice.
+    """The wheels of a robot slip, so it moves less than they turn. Its odometry does not notice this.
 
-    If several slips act at once, the shares of motion that remain are multiplied.
+    If several slips act at the same time, their remaining shares of motion (1 - share) are multiplied.
 
     Args:
         share: Share of the motion that is lost, in 0..1.
@@ -53,8 +53,8 @@ class OdometryDrift(Fault):
     """The odometry of a robot drifts, and its covariance grows accordingly.
 
     The errors follow the velocity motion model of Thrun, Burgard and Fox, Probabilistic Robotics (2005), table 5.3. The
-    fault replaces the parameter `odometry_alphas` while it acts. When it ends, odometry is exact again, starting from the
-    robot's pose at that time.
+    fault replaces the parameter `odometry_alphas` while it acts. When it ends, the odometry jumps to the exact pose of the
+    wheels and stays exact until a reset, even if `odometry_alphas` is set.
 
     Args:
         alphas: The six noise parameters alpha1 to alpha6 of the model.
@@ -94,7 +94,7 @@ class OdometryDrift(Fault):
 
 
 class ClockJump(Fault):
-    """All clocks jump: `/clock`, all stamps and `get_clock()`. Robots continue to move evenly.
+    """All clocks of nodes jump, and with them `/clock` and all stamps. The motion of robots is not affected.
 
     Args:
         seconds: Size of the jump [s]; negative for a jump back.
@@ -132,9 +132,9 @@ class Startable(Protocol):
 
 
 class Outage(Fault):
-    """A node stops, and starts again when the fault ends. A stopped robot stands still.
+    """A node stops, and starts again when the fault ends. A robot stands still while its node is stopped.
 
-    If several outages of one node overlap, the node starts again when the last of them ends.
+    If several outages of a node overlap, it starts again when the last of them ends.
 
     Args:
         node: The node: "robot", "laser" or "map_server".

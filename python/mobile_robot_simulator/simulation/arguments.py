@@ -13,7 +13,7 @@ def check_at_least_0(**values: float) -> None:
     """Checks that numbers are finite and not negative.
 
     Args:
-        **values: Numbers by the name that an error message gives them.
+        **values: Numbers, each under the name that the error message uses.
 
     Raises:
         ValueError: A number is negative, infinite or NaN.
@@ -39,7 +39,7 @@ def to_nanoseconds(seconds: float, what: str) -> int:
 
 
 def to_pose(pose: PoseLike, what: str) -> Pose:
-    """Returns a pose as a `Pose`.
+    """Converts a pose to a `Pose`.
 
     Args:
         pose: A `Pose`, or x [m], y [m] and yaw [rad].

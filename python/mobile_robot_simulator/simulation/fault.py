@@ -21,7 +21,7 @@ from .robots import SimulatedRobot
 F = TypeVar("F", bound="Fault")
 
 TOPIC = "/faults"
-"""Topic on which faults report what they do (std_msgs/String)."""
+"""Topic on which faults report their actions (std_msgs/String)."""
 
 
 class FaultTarget(Protocol):
@@ -36,7 +36,7 @@ class FaultTarget(Protocol):
         """The node that serves the map."""
 
     def named(self, name: str | None) -> SimulatedRobot:
-        """Returns the robot of a name, or the first robot if the name is None."""
+        """Returns the robot with this name, or the first robot if the name is None."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class FaultSnapshot:
 
     Attributes:
         fault: The fault itself.
-        attributes: Its attributes by name; random generators are copies.
+        attributes: Its attributes by name. Random generators are copied, other values are shared.
     """
 
     fault: Fault
@@ -58,7 +58,7 @@ class Fault(Handle, ABC):
     Args:
         start: Time at which the fault begins [s].
         end: Time at which the fault ends [s]; infinity if it never ends.
-        seed: Seed of the fault's random numbers. The same seed gives the same disturbance every time.
+        seed: Seed of the fault's random numbers. The same seed always gives the same disturbance.
 
     Attributes:
         start: Time at which the fault begins [s].
@@ -74,7 +74,7 @@ class Fault(Handle, ABC):
         if not (0.0 <= start < math.inf and start < end):
             raise ValueError(f"a fault must start at 0 s or later and end after that, got start {start} and end {end}")
         self.start, self.end, self.seed = start, end, index(seed)
-        # random.Random gives the same numbers on every platform, as its documentation states.
+        # According to its documentation, random.Random gives the same numbers on every platform.
         self._random = random.Random(self.seed)
         self._bus: Bus | None = None
 
@@ -89,7 +89,7 @@ class Fault(Handle, ABC):
         return f"{type(self).__name__}({', '.join(shown)})"
 
     def add_to(self, simulation: FaultTarget, bus: Bus) -> None:
-        """Starts acting on a simulation. Called by `Simulation.add_fault`.
+        """Connects the fault to a simulation, on which it then acts. `Simulation.add_fault` calls this.
 
         Args:
             simulation: The simulation to act on.
@@ -97,6 +97,7 @@ class Fault(Handle, ABC):
 
         Raises:
             ValueError: The fault was added before, or names a topic or robot that does not exist.
+            TypeError: The topic carries messages of a type that the fault cannot change.
         """
         if self._bus is not None:
             raise ValueError(f"{type(self).__name__} was added before: a fault acts on one simulation, and only once")
@@ -109,7 +110,7 @@ class Fault(Handle, ABC):
         return FaultSnapshot(self, _with_own_generators(vars(self)))
 
     def restore(self, state: FaultSnapshot) -> None:
-        """Returns to a saved state, which stays usable."""
+        """Puts the fault back into a saved state. The state can be restored again."""
         vars(self).clear()
         vars(self).update(_with_own_generators(state.attributes))
 
@@ -119,26 +120,26 @@ class Fault(Handle, ABC):
 
     @property
     def acts(self) -> bool:
-        """True if the fault was added and the current time is within `start` and `end`."""
+        """True if the fault was added and the current time is at least `start` and less than `end`."""
         if self._bus is None or self._bus.time_ns < _nanoseconds(self.start):
             return False
         return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
 
     @abstractmethod
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        """Looks up what the fault acts on, and schedules its actions."""
+        """Finds the topic or robot that the fault acts on, and schedules the fault's actions."""
 
     def _arguments(self) -> list[str]:
-        """Returns the arguments of the class itself, as `repr` shows them before the times and the seed."""
+        """Returns the arguments of the subclass as `repr` shows them. The times and the seed follow them."""
         return []
 
     def _note(self, text: str) -> None:
-        """Publishes a text on `/faults`, so that recordings show what the fault did."""
+        """Publishes a text on `/faults`, so that recordings show the fault's actions."""
         assert self._bus is not None
         self._bus.publish(self._topic, String(text))
 
     def _plan(self, bus: Bus, time: float, act: Callable[[], None]) -> None:
-        """Schedules an action at a time [s]: immediately if the time has passed, never if it is infinite."""
+        """Schedules an action at a time [s]. If the time has passed, it runs now; if the time is infinite, never."""
         if time < math.inf:
             bus.schedule(max(bus.time_ns, _nanoseconds(time)), act)
 
@@ -155,10 +156,10 @@ class FaultList:
         return tuple(self._faults)
 
     def add(self, fault: F, simulation: FaultTarget, bus: Bus) -> F:
-        """Adds a fault, which starts acting on the simulation. Returns the fault.
+        """Adds a fault to the simulation. Returns the fault.
 
         Raises:
-            TypeError: It is not a fault.
+            TypeError: It is not a fault, or the topic carries messages of a type that the fault cannot change.
             ValueError: The fault was added before, or names a topic or robot that does not exist.
         """
         if not isinstance(fault, Fault):
@@ -172,7 +173,7 @@ class FaultList:
         return tuple(fault.save() for fault in self._faults)
 
     def restore(self, states: tuple[FaultSnapshot, ...]) -> None:
-        """Returns to a saved state. Faults added since then are detached and can be added again."""
+        """Puts all faults back into a saved state. Faults added later are detached and can be added again."""
         for fault in self._faults:
             fault.forget()
         self._faults = [state.fault for state in states]
@@ -181,7 +182,7 @@ class FaultList:
 
 
 def _with_own_generators(attributes: dict[str, object]) -> dict[str, object]:
-    """Returns the attributes with a copy of each random generator, so that drawing from one leaves the other alone."""
+    """Returns the attributes with random generators copied, so that drawing from a copy does not change the original."""
     return {name: copy.copy(value) if isinstance(value, random.Random) else value for name, value in attributes.items()}
 
 

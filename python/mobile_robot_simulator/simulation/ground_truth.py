@@ -30,7 +30,12 @@ POINT = Shape.disc(1e-6)
 class GroundTruth(Handle):
     """The true state of a robot, now and in the past, in the map frame.
 
-    It is independent of odometry, noise and faults: the robot's own belief is in its messages.
+    It shows where the robot really is. The robot's messages show what the robot believes; odometry errors, noise and message
+    faults affect only those.
+
+    Args:
+        world: World that the robot moves in.
+        robot: The robot.
     """
 
     def __init__(self, world: World, robot: MobileRobotSimulator) -> None:
@@ -53,7 +58,7 @@ class GroundTruth(Handle):
 
     @property
     def velocity(self) -> Velocity:
-        """Current velocity in the robot's frame: forward [m/s], to the left [m/s], counterclockwise [rad/s]."""
+        """Current velocity (vx, vy, wz) in the robot's frame: forward and left [m/s], counter-clockwise [rad/s]."""
         return self._robot.velocity
 
     @property
@@ -63,7 +68,7 @@ class GroundTruth(Handle):
 
     @property
     def contacts(self) -> list[ContactEvent]:
-        """All contacts that began so far, in order of time.
+        """All contacts that have begun so far, in order of time.
 
         Raises:
             ValueError: The robot has no footprint.
@@ -96,7 +101,7 @@ class GroundTruth(Handle):
         """Returns the pose in the map frame at a past time.
 
         Args:
-            time: Simulated time [s], from the moment the robot was added until now.
+            time: Simulated time [s], from the time at which the robot was added until now.
 
         Raises:
             ValueError: The time is outside that range.
@@ -108,7 +113,7 @@ class GroundTruth(Handle):
         """The path driven so far, (N, 4) float64: time [s], x [m], y [m], yaw [rad] in the map frame.
 
         There is a point at each change of velocity and at least every `PATH_STEP` seconds in between. Every point is
-        exact. Where the robot was moved to another pose, there are two points at the same time.
+        exact. When the robot is moved to another pose, there are two points at that time: before and after.
         """
         now = self._world.now_ns()
         segments = self._robot.motion.trajectory(now)

@@ -1,4 +1,4 @@
-"""Kept: objects of the user that are saved and restored with a simulation."""
+"""Kept: the user's objects that are saved and restored with a simulation (`Simulation.keep`)."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any, Protocol, TypeGuard
 
 
 class Savable(Protocol):
-    """An object that defines what of it is saved."""
+    """An object that saves and restores itself."""
 
     def save(self) -> object:
         """Returns the state that `restore` takes."""
 
     def restore(self, state: object, /) -> None:
-        """Returns to a saved state, which stays usable."""
+        """Puts the object back into a saved state. The state can be restored again."""
 
 
 @dataclass(frozen=True)
 class KeptSnapshot:
-    """A saved object.
+    """Saved state of an object.
 
     Attributes:
         thing: The object itself.
-        state: What its `save()` returned, or else deep copies of its attributes by name.
+        state: Result of its `save()`, or deep copies of its attributes by name if it has no such method.
     """
 
     thing: object
@@ -31,16 +31,16 @@ class KeptSnapshot:
 
 
 class Kept:
-    """Objects that are saved and restored with a simulation.
+    """The user's objects that are saved and restored with a simulation.
 
-    An object with the methods `save()` and `restore(state)` is saved by them; any other by deep copies of its attributes.
+    If an object has the methods `save()` and `restore(state)`, they are called. Otherwise its attributes are deep-copied.
     """
 
     def __init__(self) -> None:
         self._things: list[object] = []
 
     def add(self, thing: object) -> None:
-        """Adds an object, which is saved from now on."""
+        """Adds an object. It is saved from now on."""
         self._things.append(thing)
 
     def save(self) -> tuple[KeptSnapshot, ...]:
@@ -52,7 +52,7 @@ class Kept:
         return tuple(KeptSnapshot(thing, _saved(thing)) for thing in self._things)
 
     def restore(self, states: tuple[KeptSnapshot, ...]) -> None:
-        """Returns to a saved state. Objects added since then are no longer kept."""
+        """Puts the objects back into their saved states. Objects added later are no longer saved."""
         self._things = [state.thing for state in states]
         for state in states:
             _restore(state)
@@ -76,5 +76,5 @@ def _restore(kept: KeptSnapshot) -> None:
 
 
 def _copied(attributes: Any, thing: object) -> Any:
-    """Returns deep copies of the attributes of an object, in which references to the object itself still mean it."""
+    """Returns deep copies of an object's attributes. References to the object itself stay as they are."""
     return copy.deepcopy(attributes, {id(thing): thing})

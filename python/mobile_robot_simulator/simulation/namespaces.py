@@ -1,4 +1,4 @@
-"""Parameters of a robot whose topics, frames and seeds are in its own namespace."""
+"""Namespaces: the topics, frames and seeds of a named robot."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RADIUS = 0.2
 
 
 def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the parameters of a robot, moved into the namespace of its name.
+    """Returns the parameters of a robot with topics, frames and seeds of its own.
 
     Topics and frames get the robot's name as a prefix. Seeds are derived from the given seed and the name, so that the
     noise of a robot does not depend on which other robots exist. A robot without an outline gets the radius `RADIUS`.

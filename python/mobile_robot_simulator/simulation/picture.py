@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 
 def picture_of(grid: OccupancyGrid, bus: Bus, world: World, robots: Robots) -> DrivePicture:
-    """Returns a picture of the true paths of all robots, all shapes, and the first robot's last scan.
+    """Returns a picture of the map, the true paths of all robots, all outlines, and the first robot's last scan.
 
     Args:
         grid: The map.
         bus: The bus, for the last scan.
-        world: The world, for the shapes of robots and obstacles.
+        world: The world, for the outlines of robots and obstacles.
         robots: The robots, for their paths.
 
     Raises:

@@ -26,8 +26,8 @@ class SimulatedRobot(Handle):
     """A robot of a simulation.
 
     Attributes:
-        name: Name of the robot, which is also its namespace; empty for the only robot of a simulation without names.
-        robot: The node that drives it.
+        name: Name of the robot and of its namespace. Empty if the simulation has one robot without a name.
+        robot: The node that moves it.
         laser: The node of its laser scanner.
         truth: Its true pose, velocity, path and contacts.
     """
@@ -47,7 +47,7 @@ class SimulatedRobot(Handle):
 
     @property
     def title(self) -> str:
-        """What messages call the robot: `robot <name>`, or `the robot` if it has no name."""
+        """The robot's name in log and error messages: `robot <name>`, or `the robot` if it has no name."""
         return f"robot {self.name}" if self.name else "the robot"
 
     @property
@@ -66,11 +66,11 @@ class SimulatedRobot(Handle):
 
 @dataclass(frozen=True)
 class SimulatedRobotSnapshot:
-    """A saved robot.
+    """Saved state of a robot.
 
     Attributes:
         robot: The robot itself.
-        node: State of its node.
+        node: State of the node that moves it.
         laser: State of its laser scanner.
     """
 
@@ -104,7 +104,7 @@ class Robots(Handle):
 
     @property
     def by_name(self) -> dict[str, SimulatedRobot]:
-        """A copy of the robots by name."""
+        """The robots by name, in a new dict."""
         return dict(self._robots)
 
     @property
@@ -119,7 +119,7 @@ class Robots(Handle):
         return next(iter(self))
 
     def named(self, name: str | None) -> SimulatedRobot:
-        """Returns the robot of a name, or the first robot if the name is None.
+        """Returns the robot with this name, or the first robot if the name is None.
 
         Raises:
             ValueError: There is no such robot.
@@ -133,7 +133,9 @@ class Robots(Handle):
     def add(self, name: str, start: PoseLike, parameters: Mapping[str, Any]) -> SimulatedRobot:
         """Adds a robot and starts its nodes, as described for `Simulation.add_robot`."""
         if name in self._robots or (self._robots and not name) or "" in self._robots:
-            raise ValueError(f"robots must have names of their own, got {name!r} beside {sorted(self._robots)}")
+            raise ValueError(
+                f"each robot must have a name, different from all others, got {name!r} beside {sorted(self._robots)}"
+            )
         values = self._values_of(name, parameters)
         robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
         pose = to_pose(start, "start")
@@ -167,7 +169,7 @@ class Robots(Handle):
         self.named(name).robot.set_pose(place)
 
     def reset(self) -> None:
-        """Moves all robots back to their start poses, at rest."""
+        """Moves all robots back to their start poses and stops them."""
         for robot in self:
             robot.robot.reset()
 
@@ -176,7 +178,7 @@ class Robots(Handle):
         return tuple(SimulatedRobotSnapshot(robot, robot.robot.save(), robot.laser.save()) for robot in self)
 
     def restore(self, states: tuple[SimulatedRobotSnapshot, ...]) -> None:
-        """Returns to a saved state. Robots added since then are gone."""
+        """Puts the robots back into a saved state. Robots added later are removed."""
         self._robots = {state.robot.name: state.robot for state in states}
         for state in states:
             state.robot.robot.restore(state.node)
@@ -191,7 +193,7 @@ class Robots(Handle):
         return of_namespace(name, values)
 
     def _check_start(self, pose: Pose, shape: Shape | None) -> None:
-        """Raises ValueError if a robot of this shape cannot start at this pose."""
+        """Raises ValueError if the start pose touches a wall, an obstacle or another robot."""
         if shape is not None and touches(self._grid, shape, pose):
             raise ValueError(f"start must leave the robot room beside walls, got {_shown(pose)}")
         if not self._grid.is_free_disc(pose.x, pose.y, 0.0):

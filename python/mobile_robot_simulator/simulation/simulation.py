@@ -42,19 +42,20 @@ class Simulation(Handle):
 
     The same arguments and the same calls give the same messages, byte for byte.
 
-    With `robots`, the topics, services and nodes of a robot named `robot1` are in the namespace `/robot1`, and the names of
-    its frames start with `robot1/`. Properties such as `pose` and `truth` then refer to the first robot.
+    A simulation has one robot without a name, or robots with names (`robots`). The topics, services and nodes of a robot
+    named `robot1` are in the namespace `/robot1`, and the names of its frames start with `robot1/`. Properties such as
+    `pose` and `truth` refer to the first robot.
 
     Args:
         grid: The map.
         parameters: Values of the nodes' parameters by name. In a simulation, `publish_map_transform` is True and
             `cmd_vel_stamped` is False by default.
-        seed: Seed of the noise. It takes precedence over the parameter `seed`.
-        start: Start pose (x [m], y [m], yaw [rad]) of the robot in the map frame; default (0, 0, 0).
+        seed: Seed of the noise. Replaces the parameter `seed`.
+        start: Start pose (x [m], y [m], yaw [rad]) of the only robot, in the map frame. Default: (0, 0, 0).
         robots: Start poses of several robots by their names, instead of `start`.
 
     Attributes:
-        picture: File in which a failed assertion of `mobile_robot_simulator.testing` saves a picture; none if None.
+        picture: File in which a failed assertion of `mobile_robot_simulator.testing` saves a picture, or None.
 
     Raises:
         ValueError: A parameter is unknown or out of range, or a start pose is inside a wall or another robot.
@@ -125,7 +126,7 @@ class Simulation(Handle):
 
     @property
     def robots(self) -> Mapping[str, SimulatedRobot]:
-        """The robots by their names. The only robot of a simulation without names is called ''."""
+        """The robots by name. A robot without a name has the key ''."""
         return self._robots.by_name
 
     @property
@@ -135,7 +136,7 @@ class Simulation(Handle):
 
     @property
     def robot(self) -> MobileRobotSimulator:
-        """The node that drives the first robot."""
+        """The node that moves the first robot."""
         return self._robots.first.robot
 
     @property
@@ -166,7 +167,7 @@ class Simulation(Handle):
     # --- robots, obstacles, faults ---
 
     def named(self, name: str | None) -> SimulatedRobot:
-        """Returns the robot of a name, or the first robot if the name is None.
+        """Returns the robot with this name, or the first robot if the name is None.
 
         Raises:
             ValueError: There is no such robot.
@@ -181,7 +182,7 @@ class Simulation(Handle):
         Args:
             name: Name of the robot.
             start: Start pose (x [m], y [m], yaw [rad]) in the map frame.
-            parameters: Parameters by name that differ from those of the simulation.
+            parameters: Parameters by name. They replace those of the simulation for this robot.
 
         Raises:
             ValueError: The name is empty or taken, a parameter is unknown or out of range, or the start pose is inside a
@@ -194,9 +195,9 @@ class Simulation(Handle):
 
         Args:
             shape: Outline of the obstacle.
-            trajectory: Where it is: a pose (x [m], y [m], yaw [rad]) in the map frame, waypoints (time [s], x, y, yaw), or a
-                function from the time [s] to the pose, as for `Obstacle`.
-            name: Name of the obstacle in contacts; default: its number.
+            trajectory: Poses in the map frame: one pose (x [m], y [m], yaw [rad]), waypoints (time [s], x, y, yaw), or a
+                function that returns the pose at a time [s]. See `Obstacle`.
+            name: Name of the obstacle in contact events. Default: its number.
 
         Raises:
             TypeError: The shape is not a `Shape`.
@@ -209,7 +210,7 @@ class Simulation(Handle):
         return obstacle
 
     def add_fault(self, fault: F) -> F:
-        """Adds a fault of `mobile_robot_simulator.faults`. Returns the fault.
+        """Adds a fault from `mobile_robot_simulator.faults`. Returns the fault.
 
         Raises:
             ValueError: The fault was added before, or names a topic or robot that does not exist.
@@ -218,7 +219,7 @@ class Simulation(Handle):
         return self._faults.add(fault, self, self._bus)
 
     def set_pose(self, pose: PoseLike, robot: str | None = None) -> None:
-        """Moves a robot to another pose at once.
+        """Moves a robot to another pose immediately.
 
         Args:
             pose: Pose (x [m], y [m], yaw [rad]) in the map frame.
@@ -230,7 +231,7 @@ class Simulation(Handle):
         self._robots.set_pose(pose, robot)
 
     def reset(self) -> None:
-        """Moves all robots back to their start poses, at rest. Time goes on; `restore` also sets back the time."""
+        """Moves all robots back to their start poses and stops them. Time does not go back, unlike with `restore`."""
         self._robots.reset()
 
     # --- time ---
@@ -238,7 +239,7 @@ class Simulation(Handle):
     def run_for(self, seconds: float) -> None:
         """Runs the simulation for a duration, as fast as possible.
 
-        An exception in a callback ends the run and is raised here with its traceback; the simulation can be run further.
+        An exception in a callback ends the run and is raised here with its traceback. Another run can follow.
 
         Args:
             seconds: Simulated duration [s].
@@ -252,16 +253,17 @@ class Simulation(Handle):
         """Runs the simulation until a condition holds.
 
         Args:
-            predicate: Function of the simulation that returns a true value when the condition holds. It is called now and
-                after each moment at which anything happens.
+            predicate: Function that takes the simulation and returns a true value if the condition holds. It is called now,
+                and again after the events of each time.
             timeout: Longest simulated time to wait [s].
 
         Returns:
             The simulated time at which the condition held [s].
 
         Raises:
-            TimeoutError: The condition did not hold in time. The message gives the last value of the predicate, the state
-                of each robot and the time of the last message on each topic.
+            TimeoutError: The condition did not hold before the timeout. The message gives the last value of the predicate,
+                the state of each robot and the time of the last message on each topic.
+            TypeError: The predicate is not callable.
             ValueError: The timeout is negative or not finite.
         """
         if not callable(predicate):
@@ -280,10 +282,10 @@ class Simulation(Handle):
         return self.time
 
     def step(self) -> float:
-        """Runs the simulation to the next moment at which anything happens.
+        """Runs the simulation to the time of the next event. Has no effect if there is none.
 
         Returns:
-            The simulated time of that moment [s].
+            The new simulated time [s].
         """
         next_ns = self._bus.next_ns()
         if next_ns is not None:
@@ -295,8 +297,8 @@ class Simulation(Handle):
     def keep(self, thing: T) -> T:
         """Adds an object that is saved and restored with the simulation. Returns the object.
 
-        An object with the methods `save()` and `restore(state)` is saved by them; any other by deep copies of its
-        attributes. Nodes made by `spawn` are always saved. Variables that callbacks captured are not.
+        If the object has the methods `save()` and `restore(state)`, they are called. Otherwise its attributes are
+        deep-copied. Nodes created by `spawn` are always saved. Variables that callbacks capture are never saved.
         """
         self._kept.add(thing)
         return thing
@@ -304,9 +306,9 @@ class Simulation(Handle):
     def save(self) -> Snapshot:
         """Returns a snapshot of the simulation.
 
-        It holds the cells of the map, the time, messages in transit, timers, subscriptions, latest messages, robots,
-        scanners with their position in the random streams, faults, obstacles, nodes, and objects passed to `keep`.
-        Callbacks are not copied: they are called again as they are. Recordings continue across a restore.
+        It contains the cells of the map, the time, pending messages, timers, subscriptions, latest messages, robots,
+        scanners with their positions in the random streams, faults, obstacles, nodes, and objects passed to `keep`.
+        Callbacks are shared, not copied. Recordings are not part of it and continue after a restore.
 
         Raises:
             RuntimeError: Called from a callback.
@@ -315,7 +317,7 @@ class Simulation(Handle):
         return Snapshot(self, self.time, self._parts.save())
 
     def restore(self, state: Snapshot) -> None:
-        """Returns to a snapshot. From there on everything repeats, byte for byte.
+        """Puts the simulation back into a saved state. The same calls then give the same messages again, byte for byte.
 
         Args:
             state: Snapshot of this simulation. It can be restored again.
@@ -335,7 +337,7 @@ class Simulation(Handle):
     # --- topics and nodes ---
 
     def publish(self, topic: str, message: Message) -> None:
-        """Publishes a message. It is copied, and delivered when the simulation runs.
+        """Publishes a copy of a message. Subscribers receive it when the simulation runs.
 
         Raises:
             ValueError: The topic does not exist.
@@ -344,12 +346,12 @@ class Simulation(Handle):
         self._topics.publish(topic, message)
 
     def subscribe(self, topic: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
-        """Calls a function with every message of a topic.
+        """Calls a function with every message on a topic from now on.
 
         Args:
             topic: Name of the topic.
             msg_type: Type of its messages.
-            callback: Function of the message. It may publish, create timers and call services.
+            callback: Function that takes the message. It can publish, create timers and call services.
 
         Raises:
             ValueError: The topic does not exist.
@@ -358,7 +360,7 @@ class Simulation(Handle):
         return self._topics.subscribe(topic, msg_type, callback)
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
-        """Ends a subscription: its callback is no longer called."""
+        """Ends a subscription. Its callback is no longer called."""
         self._topics.unsubscribe(subscription)
 
     def latest(self, topic: str) -> Any:
@@ -374,8 +376,8 @@ class Simulation(Handle):
 
         Args:
             name: Name of the node.
-            namespace: Namespace of its relative topic and service names.
-            parameters: Values that replace the defaults of the parameters that the node declares.
+            namespace: Prefix of its relative topic and service names, such as `/robot1`.
+            parameters: Values that replace the defaults when the node declares its parameters.
         """
         return BusNode(self._bus, name, namespace=namespace, parameters=parameters)
 
@@ -387,22 +389,22 @@ class Simulation(Handle):
         parameters: Mapping[str, Any] | None = None,
         **kwargs: Any,
     ) -> T:
-        """Creates a node of a class derived from `Node` and runs it on the bus. Returns the node.
+        """Creates a node of a class derived from `bus.Node` and runs it on the bus. Returns the node.
 
         Args:
             node_type: The class.
             *args: Positional arguments of the class.
-            namespace: Namespace of the node's relative topic and service names, such as `/robot1`.
-            parameters: Values that replace the defaults of the parameters that the node declares.
+            namespace: Prefix of its relative topic and service names, such as `/robot1`.
+            parameters: Values that replace the defaults when the node declares its parameters.
             **kwargs: Keyword arguments of the class.
         """
         with spawn_context(self._bus, namespace, parameters or {}):
             return node_type(*args, **kwargs)
 
     def record(self, tap: Tap) -> None:
-        """Calls `tap(topic, message, time_ns)` for every message published, and now for the latched ones.
+        """Calls `tap(topic, message, time_ns)` for every message that is published, and now for each latched message.
 
-        The tap must not change the messages.
+        `time_ns` is the simulated time at which the message was sent [ns]. The tap must not change the messages.
         """
         self._topics.record(tap)
 
@@ -420,11 +422,11 @@ class Simulation(Handle):
         """Saves a picture of the map, the true paths of all robots, the obstacles, and the first robot's last scan.
 
         Args:
-            file: File to write; its ending selects the format: .png, .pdf or .svg. Missing folders are created.
+            file: File to write. Its extension (.png, .pdf or .svg) selects the format. Missing folders are created.
 
         Raises:
             ImportError: Matplotlib is not installed.
-            ValueError: The file has another ending, or there is no robot.
+            ValueError: The file has another extension, or there is no robot.
         """
         picture = picture_of(self._grid, self._bus, self._world, self._robots)
         path = Path(file)
@@ -454,7 +456,7 @@ class Simulation(Handle):
         return picture.to_png()
 
     def close(self) -> None:
-        """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice does no harm."""
+        """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice has no effect."""
         self._bus.close()
         self._topics.forget_publishers()
 
@@ -466,7 +468,7 @@ class Simulation(Handle):
 
 
 def _starts(start: PoseLike | None, robots: Mapping[str, PoseLike] | None) -> Mapping[str, PoseLike]:
-    """Returns the start poses of all robots by name; a single robot has no name."""
+    """Returns the start poses of all robots by name. If `robots` is None, the only robot has the name ''."""
     if robots is None:
         return {"": (0.0, 0.0, 0.0) if start is None else start}
     if not isinstance(robots, Mapping):

@@ -23,12 +23,12 @@ class SavedParts:
 
     Attributes:
         grid: Copy of the map.
-        bus: Time, messages in transit, timers, subscriptions, latest messages and nodes.
+        bus: Time, pending messages, timers, subscriptions, latest messages and nodes.
         world: Obstacles, and the time up to which robots have moved.
         robots: The robots, with their nodes and scanners.
         faults: The faults, with their random generators.
         map_server: Handles of the map server; None if it is stopped.
-        kept: Objects of the user.
+        kept: The user's objects (`Simulation.keep`).
     """
 
     grid: OccupancyGrid
@@ -66,7 +66,7 @@ class Parts:
         robots: The robots.
         faults: The faults.
         map_server: The node that serves the map.
-        kept: Objects of the user.
+        kept: The user's objects (`Simulation.keep`).
     """
 
     grid: OccupancyGrid
@@ -85,7 +85,7 @@ class Parts:
             TypeError: An attribute of a node or of a kept object cannot be copied.
         """
         return SavedParts(
-            grid=copy.copy(self.grid),  # shares the cells until one of the two grids changes
+            grid=copy.copy(self.grid),  # both grids share the cells until one of them changes
             bus=self.bus.save(),
             world=self.world.save(),
             robots=self.robots.save(),
@@ -95,7 +95,7 @@ class Parts:
         )
 
     def restore(self, saved: SavedParts) -> None:
-        """Returns all parts to a saved state.
+        """Puts all parts back into a saved state.
 
         Raises:
             RuntimeError: Called from a callback.
@@ -104,7 +104,7 @@ class Parts:
         if not np.array_equal(saved.grid.cells, self.grid.cells):
             self.grid.set_cells(0, 0, saved.grid.cells)
         self.robots.restore(saved.robots)
-        self.world.restore(saved.world)  # after the robots, whose poses it reads
+        self.world.restore(saved.world)  # must follow the robots, because the world reads their poses
         self.map_server.restore(saved.map_server)
         self.faults.restore(saved.faults)
         self.kept.restore(saved.kept)

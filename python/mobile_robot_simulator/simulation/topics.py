@@ -19,7 +19,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
 
     Args:
         bus: The bus.
-        name: Name of the topic; a leading slash may be left out.
+        name: Name of the topic, with or without a leading slash.
 
     Raises:
         ValueError: There is no such topic. The message suggests the most similar name.
@@ -34,7 +34,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
 
 
 class Topics:
-    """The topics of one simulation. A misspelled name is an error instead of a new topic.
+    """The topics of one simulation. A name that does not exist is an error; it does not create a topic.
 
     Args:
         bus: The bus of the simulation.
@@ -78,7 +78,7 @@ class Topics:
         self._bus.taps.remove(tap)
 
     def forget_publishers(self) -> None:
-        """Drops all publishers. Required when topics may have been removed from the bus."""
+        """Drops all publishers. Must be called after topics may have been removed from the bus."""
         self._publishers.clear()
 
     def last_times(self) -> str:

@@ -1,7 +1,6 @@
 """Tools for tests of robot code: assertions on simulations, a stand-in for rclpy, and the pytest plugin.
 
-Public names are imported when they are first used, because pytest loads this package in every environment in which it is
-installed.
+pytest loads this package at every start, in all projects. To keep that fast, public names are imported at their first use.
 """
 
 from importlib import import_module

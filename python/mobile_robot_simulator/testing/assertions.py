@@ -1,7 +1,7 @@
 """Assertions on simulations, with messages that say what happened, where, when and by how much.
 
-They check the ground truth, not what the robot believes. `assert_reaches` and `assert_rate` run the simulation. If
-`Simulation.picture` names a file, a failed assertion saves a picture of the drive there and names the file.
+They check the ground truth, not the robot's estimates. `assert_reaches` and `assert_rate` run the simulation. If
+`Simulation.picture` is set, a failed assertion saves a picture of the drive in that file, and its message names the file.
 
 Example:
     >>> import numpy as np
@@ -63,8 +63,8 @@ def assert_reaches(
         The simulated time at which the robot reached the goal [s].
 
     Raises:
-        AssertionError: The robot did not reach the goal in time. The message gives the nearest point and the end of its
-            path, and its first contact on the way.
+        AssertionError: The robot did not reach the goal in time. The message gives the nearest and the last point of its
+            path, and its first contact.
         ValueError: The goal is not two or three finite numbers, or a tolerance is negative or not finite.
     """
     __tracebackhide__ = True
@@ -81,7 +81,7 @@ def assert_reaches(
     try:
         return sim.run_until(reached, within)
     except TimeoutError:
-        pass  # the failure below has a message of its own
+        pass  # _fail below raises an error with a better message
     _fail(sim, _missed(sim, driver, goal, start, tolerance, yaw_tolerance))
 
 
@@ -108,7 +108,8 @@ def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = No
     """Checks that no robot has come too near to a wall, an obstacle or another robot so far.
 
     The clearance is checked at the points of `GroundTruth.path`: at each change of velocity and at least every 0.1 s.
-    Between two points, the robot may have been nearer by up to the distance that it drives in half that time.
+    Between two such points, the true clearance can be smaller, by at most the distance that the robot drives in half the
+    time between them.
 
     Args:
         sim: The simulation.
@@ -140,8 +141,8 @@ def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = No
 def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, tolerance: float = 0.05) -> None:
     """Runs the simulation for a while and checks the rate at which a topic is published.
 
-    The number of messages may differ from the expected one by `tolerance`, plus one message for the position of the
-    interval. The time between two messages must not exceed twice the expected period.
+    The number of messages can differ from the expected number by the share `tolerance` plus one message, because the number
+    depends on when the interval starts. The time between two messages must not exceed twice the expected period.
 
     Args:
         sim: The simulation.
@@ -151,7 +152,7 @@ def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, to
         tolerance: Allowed difference of the rate, as a share of `hz`.
 
     Raises:
-        AssertionError: The rate differs, or a gap is too long. The message gives both.
+        AssertionError: The rate differs, or a gap between messages is too long. The message gives both.
         ValueError: The topic does not exist, the rate is not positive and finite, or `over` is too short.
     """
     __tracebackhide__ = True
@@ -165,7 +166,7 @@ def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, to
     gaps = np.diff(ends)
     longest = int(np.argmax(gaps))
     rate = len(times) / over
-    # Depending on where the interval starts, it holds one message more or less.
+    # The interval contains one message more or less, depending on when it starts.
     if abs(rate - hz) > tolerance * hz + 1.0 / over or gaps[longest] > 2.0 / hz + 1e-9:
         _fail(
             sim,
@@ -222,7 +223,7 @@ def _missed(
     tolerance: float,
     yaw_tolerance: float,
 ) -> str:
-    """Returns the message for a robot that did not reach its goal: nearest point, end of the path, first contact."""
+    """Returns the message for a robot that missed its goal: nearest point, last point of the path, first contact."""
     path = driver.truth.path
     path = path[path[:, 0] >= start - 1e-9]
     distances = np.hypot(path[:, 1] - goal[0], path[:, 2] - goal[1])
@@ -238,7 +239,7 @@ def _missed(
     elif yaw_error > yaw_tolerance:
         text += f"it was near enough, but its yaw was then always off by {yaw_error:.3f} rad or more"
     else:
-        text += "it was there only between two events, and the goal is checked at events"
+        text += "it was there only between two events, but the goal is checked only at events"
     text += f"\n  nearest: {distances[nearest]:.3f} m away, {_point(path[nearest])}"
     text += f"\n  end: {distances[-1]:.3f} m away, {_point(path[-1])}"
     contacts = [
@@ -250,7 +251,7 @@ def _missed(
 
 
 def _times(sim: Simulation, topic: str, seconds: float) -> list[float]:
-    """Runs the simulation for a while. Returns the times [s] of the messages that a topic got meanwhile."""
+    """Runs the simulation for a duration [s]. Returns the times [s] of the messages sent to a topic in that time."""
     sim.latest(topic)  # raises ValueError if the topic does not exist
     start_ns, name = round(sim.time * NANOSECONDS), absolute(topic)
     times: list[float] = []
@@ -285,7 +286,7 @@ def _contact(contact: ContactEvent) -> str:
 
 
 def _beam(a: LaserScan | NDArray[np.float32], b: LaserScan | NDArray[np.float32], beam: int) -> str:
-    """Returns a text for a beam, with its angle and the time of the scan if one of the two is a LaserScan."""
+    """Returns a text for a beam. It includes the angle and the scan's time if `a` or `b` is a LaserScan."""
     scan = a if isinstance(a, LaserScan) else b
     if not isinstance(scan, LaserScan):
         return f"beam {beam}"
@@ -294,7 +295,7 @@ def _beam(a: LaserScan | NDArray[np.float32], b: LaserScan | NDArray[np.float32]
 
 
 def _fail(sim: Simulation, text: str) -> NoReturn:
-    """Raises AssertionError, after saving a picture if the simulation names a file for one."""
+    """Saves a picture if `Simulation.picture` is set. Then raises AssertionError."""
     __tracebackhide__ = True
     if sim.picture is not None:
         try:

@@ -1,8 +1,8 @@
 """The pytest plugin: simulations and maps as fixtures, and failures that can be repeated and inspected.
 
 Fixtures: `simulation` makes simulations, `floor_plan` makes maps, and `robot_world` is one simulation with the settings of
-the test's markers. The report of a failed test shows the seed and a command that repeats the test. It also names a recording
-and a picture of each simulation, saved in the test's own folder (tmp_path).
+the test's markers. The report of a failed test shows the seed and a command that repeats the test. It also names the files
+of a recording and a picture of each simulation, which are saved in the test's folder (tmp_path).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import pytest
 
 from .simulation_factory import KEYWORDS, PLAN_OPTIONS, SimulationFactory
 
-# Everything else is imported when a test needs it: pytest loads this module wherever the package is installed.
+# pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
 if TYPE_CHECKING:
     from .._core import OccupancyGrid
     from ..simulation.simulation import Simulation
@@ -35,7 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--simulator-seed",
         type=_seed,
         metavar="N",
-        help="seed of simulations and floor plans; takes precedence over the seeds of markers",
+        help="seed of simulations and floor plans; replaces the seeds of markers",
     )
     group.addoption(
         "--simulator-record",
@@ -58,9 +58,9 @@ def pytest_configure(config: pytest.Config) -> None:
 def simulation(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[SimulationFactory]:
     """A function that makes simulations: `simulation(map, parameters=, seed=, start=, robots=, size=, resolution=)`.
 
-    The map is the kind of a floor plan, a map file or a grid. Settings of the test's markers replace arguments that are left
-    out. Without any, the map is a generated office and start poses are random, in free space. `robots` may be names only,
-    which get random start poses. All simulations are closed when the test ends. See `SimulationFactory`.
+    The map is the kind of a floor plan, a map file or a grid. An argument that the test does not pass is taken from the
+    test's markers. By default, the map is a generated office and start poses are random, in free space. `robots` can be a
+    list of names, which get random start poses. All simulations are closed when the test ends. See `SimulationFactory`.
     """
     factory = SimulationFactory(_settings(request), request.config.getoption("--simulator-record"), tmp_path)
     request.node.stash.setdefault(_FACTORIES, []).append(factory)
@@ -78,7 +78,7 @@ def robot_world(simulation: SimulationFactory) -> Simulation:
 def floor_plan(request: pytest.FixtureRequest) -> Callable[..., OccupancyGrid]:
     """A function that generates maps: `floor_plan(kind, seed=, size=, resolution=)`.
 
-    Settings of the test's markers replace arguments that are left out. The default kind is an office.
+    An argument that the test does not pass is taken from the test's markers. The default kind is an office.
     """
     from ..maps.floor_plans import KINDS
     from ..maps.floor_plans import floor_plan as generate
@@ -96,7 +96,7 @@ def floor_plan(request: pytest.FixtureRequest) -> Callable[..., OccupancyGrid]:
 
 @pytest.hookimpl(hookwrapper=True, tryfirst=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
-    """Adds to the report of a failure how to repeat it, and where the recordings and pictures are."""
+    """Adds the seed, the command that repeats the test, recordings and pictures to the report of a failed test."""
     outcome: Any = yield
     report: pytest.TestReport = outcome.get_result()
     seed = item.stash.get(_SEED, None)
@@ -104,7 +104,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
         return
     factories = item.stash.get(_FACTORIES, [])
     own = sorted({str(own) for factory in factories for own in factory.own_seeds} - {str(seed)})
-    # Node ids are relative to the root of the tests; the command must work where pytest was called.
+    # Node ids are relative to pytest's root folder, but the command must work in the folder where pytest was called.
     path = os.path.relpath(item.path, item.config.invocation_params.dir)
     node = shlex.quote("::".join([path, *item.nodeid.split("::")[1:]]))
     lines = [
@@ -119,7 +119,8 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 def _settings(request: pytest.FixtureRequest) -> dict[str, Any]:
     """Returns the settings of a test's markers by name.
 
-    A marker nearer to the test takes precedence, and the seed of the command line over all of them. The default seed is 0.
+    The marker nearest to the test has priority. The seed of the command line has priority over all markers. The default seed
+    is 0.
     """
     settings: dict[str, Any] = {}
     for marker in request.node.iter_markers(MARKER):

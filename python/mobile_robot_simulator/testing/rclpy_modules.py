@@ -1,4 +1,4 @@
-"""The modules that stand in for rclpy and for message packages, each with its names."""
+"""Modules that replace rclpy and the message packages, with the objects in each."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ RCLPY: dict[str, dict[str, object]] = {
         "SetParametersResult": parameter.SetParametersResult,
     },
 }
-"""Names of rclpy and what they stand for on the bus, by module."""
+"""Contents of the modules of rclpy: the object on the bus for each name."""
 
 
 def message_packages() -> dict[str, dict[str, object]]:
@@ -83,5 +83,5 @@ def message_packages() -> dict[str, dict[str, object]]:
 
 
 def module_contents() -> dict[str, dict[str, object]]:
-    """Returns the names of all modules that are stood in for, by module: rclpy and the message packages."""
+    """Returns the contents of all replaced modules: those of rclpy and the message packages."""
     return {**RCLPY, **{name: {**RCLPY.get(name, {}), **names} for name, names in message_packages().items()}}

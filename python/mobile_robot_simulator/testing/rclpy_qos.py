@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class ReliabilityPolicy(Enum):
-    """Whether messages may be lost. The bus loses none."""
+    """Whether messages can be lost. The bus loses none."""
 
     RELIABLE = 1
     BEST_EFFORT = 2
@@ -33,7 +33,7 @@ class QoSProfile:
 
     Attributes:
         depth: Length of the queue.
-        reliability: Whether messages may be lost.
+        reliability: Whether messages can be lost.
         durability: Whether later subscribers get the last message.
         history: How many messages are queued.
     """

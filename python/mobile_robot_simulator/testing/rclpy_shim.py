@@ -1,4 +1,4 @@
-"""A stand-in for rclpy: imports of rclpy and of message packages give the nodes and messages of the in-process bus.
+"""A replacement for rclpy: imports of rclpy and of message packages give the nodes and messages of the in-process bus.
 
 A file with `from rclpy.node import Node` and `from geometry_msgs.msg import Twist` runs on the bus unchanged, whether ROS is
 installed or not:
@@ -7,7 +7,7 @@ installed or not:
         from follower import Follower
     simulation.spawn(Follower)
 
-The module `rclpy_modules` defines which names are available. Nodes are run by `Simulation`, so `rclpy.spin` and executors
+The module `rclpy_modules` defines which names are available. `Simulation` runs the nodes, so `rclpy.spin` and executors
 raise an error.
 """
 
@@ -25,7 +25,7 @@ from .rclpy_modules import module_contents
 def stand_in() -> Iterator[None]:
     """Replaces rclpy and the message packages in a `with` block.
 
-    In the block, imports of these packages give the names of the in-process bus. After the block, the modules that were
+    In the block, imports of these packages give the classes of the in-process bus. After the block, the modules that were
     imported before it are available again.
     """
     modules = _modules(module_contents())
@@ -41,12 +41,12 @@ def stand_in() -> Iterator[None]:
 
 
 def _imported(packages: set[str]) -> list[str]:
-    """Returns the names of all imported modules of some packages."""
+    """Returns the names of the imported modules that belong to the given packages."""
     return [name for name in sys.modules if name.split(".")[0] in packages]
 
 
 def _modules(contents: Mapping[str, Mapping[str, object]]) -> dict[str, ModuleType]:
-    """Returns modules with the given contents by their names, and the packages that hold them."""
+    """Returns a module for each name in `contents`, and a package for each of their parents, by name."""
     modules: dict[str, ModuleType] = {}
     for name in sorted(contents):
         package, _, submodule = name.partition(".")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .start_poses import draw_start_poses
 
-# Everything else is imported when a test needs it: pytest loads this module wherever the package is installed.
+# pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
 if TYPE_CHECKING:
     from .._core import OccupancyGrid
     from ..physics.obstacles import PoseLike
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from ..simulation.simulation import Simulation
 
 KEYWORDS = ("map", "parameters", "seed", "start", "robots", "size", "resolution")
-"""Settings of a simulation, as the marker takes them."""
+"""Keywords of the marker."""
 
 PLAN_OPTIONS = ("size", "resolution")
-"""Settings that apply to generated floor plans only."""
+"""Keywords that apply only to generated floor plans."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class MadeSimulation:
     Attributes:
         simulation: The simulation.
         folder: Folder for its recording and its picture.
-        recorder: Recorder that keeps its messages until the test has ended.
+        recorder: Recorder that keeps its messages until the test ends.
     """
 
     simulation: Simulation
@@ -48,7 +48,8 @@ class SimulationFactory:
     """Makes the simulations of one test, and saves recordings and pictures of them.
 
     Args:
-        settings: Settings of the test's markers by name, for arguments that the test leaves out; `seed` is always there.
+        settings: Settings of the test's markers by name. They replace arguments that the test does not pass. `seed` is
+            required.
         record: When to save recordings and pictures: "never", "on-failure" or "always".
         folder: Folder in which they are saved.
     """
@@ -60,7 +61,7 @@ class SimulationFactory:
 
     @property
     def own_seeds(self) -> list[int]:
-        """Seeds that the test passed itself."""
+        """Seeds that the test passed as arguments."""
         return self._own_seeds
 
     def __call__(
@@ -73,7 +74,7 @@ class SimulationFactory:
         robots: Mapping[str, PoseLike] | Sequence[str] | None = None,
         **plan: Any,
     ) -> Simulation:
-        """Makes a simulation. The settings of the markers replace the arguments that are left out.
+        """Makes a simulation. Arguments that are not passed are taken from the test's markers.
 
         Args:
             map: Kind of a floor plan, map file, or grid; default: a generated office.
@@ -112,7 +113,7 @@ class SimulationFactory:
         """Saves a recording and a picture of each simulation.
 
         Returns:
-            Lines that say where they are, or why one could not be saved. Empty if nothing is to be saved.
+            A line for each file, with its path or the reason why it was not saved. Empty if recording is off.
         """
         lines = []
         for made in self._made if self._record != "never" else []:
@@ -129,7 +130,7 @@ class SimulationFactory:
         return lines
 
     def close(self) -> None:
-        """Closes all simulations. Saves recordings and pictures first if they are always wanted."""
+        """Closes all simulations. Before that, saves recordings and pictures if `record` is "always"."""
         if self._record == "always":
             self.save()
         for made in self._made:
@@ -137,7 +138,7 @@ class SimulationFactory:
             made.recorder.discard()
 
     def _keep_messages(self, simulation: Simulation) -> None:
-        """Keeps the messages of a new simulation, for a recording that may be wanted later."""
+        """Keeps the messages of a new simulation, so that `save` can write a recording."""
         from ..recording.deferred import DeferredRecorder
 
         folder = self._folder / ("simulation" if not self._made else f"simulation-{len(self._made) + 1}")

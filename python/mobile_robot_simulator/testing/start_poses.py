@@ -1,4 +1,4 @@
-"""Random start poses for robots, in free space and apart from each other."""
+"""Random start poses for robots, in free space and at a distance from each other."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-# Imported when a test needs it: pytest loads this package in every environment in which it is installed.
+# pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
 if TYPE_CHECKING:
     from .._core import OccupancyGrid, Pose
     from ..physics.obstacles import PoseLike
 
 RADIUS = 0.3
-"""Smallest radius [m] of free space around a start pose. A larger robot gets as much as its outline needs."""
+"""Radius of free space around a start pose [m]. A larger robot gets the radius that its outline needs."""
 
 ATTEMPTS = 100
-"""Number of poses that are tried for each robot."""
+"""Number of random poses to try for each robot."""
 
 
 def draw_start_poses(
     grid: OccupancyGrid, names: Sequence[str], parameters: Mapping[str, Any], seed: int
 ) -> dict[str, PoseLike]:
-    """Returns a random start pose for each robot, with room for its outline and apart from the other robots.
+    """Returns a random start pose for each robot, where its outline touches neither walls nor other robots.
 
     Args:
         grid: The map.
         names: Names of the robots.
-        parameters: Parameters of the robots by name, which define their outlines.
+        parameters: Parameters by name. They define the outlines of the robots.
         seed: Seed of the poses.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Kept: objects of the user that are saved and restored with a simulation."""
+"""Kept: the user's objects that are saved and restored with a simulation."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Copied:
 
 
 class Savable:
-    """An object that defines what of it is saved."""
+    """An object that saves and restores itself."""
 
     def __init__(self) -> None:
         self.saved, self.scratch = [1], [1]

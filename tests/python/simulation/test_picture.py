@@ -1,4 +1,4 @@
-"""Pictures of a simulation: all paths, shapes, and the last scan from where it was taken."""
+"""Pictures of a simulation: all paths and outlines, and the last scan at the pose where it was taken."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def test_the_first_scan_is_taken_from_the_start_pose(room: mrs.OccupancyGrid) ->
 
 @pytest.mark.parametrize("map_transform", [True, False])
 def test_scans_equal_a_batch_at_the_published_poses(room: mrs.OccupancyGrid, map_transform: bool) -> None:
-    """Byte for byte, because the noise depends only on the seed and the index of the scan."""
+    """They are equal byte for byte, because the noise depends only on the seed and the index of the scan."""
     sim = mrs.Simulation(room, seed=5, parameters={"publish_map_transform": map_transform, "sigma_hit": 0.03, "z_rand": 0.1})
     scans: list[mrs.messages.LaserScan] = []
     poses: list[mrs.Pose] = []
@@ -80,7 +80,7 @@ def test_scans_equal_a_batch_at_the_published_poses(room: mrs.OccupancyGrid, map
 
 @pytest.mark.parametrize("rate", [40.0, 25.0, 3.0])
 def test_scans_between_odometry_messages_are_taken_from_the_true_pose(room: mrs.OccupancyGrid, rate: float) -> None:
-    """Also the first scans: some may be missing, but none is taken from a wrong pose."""
+    """This includes the first scans: some of them can be missing, but none is taken from a wrong pose."""
     sim = mrs.Simulation(room, parameters={"laser_frequency": rate, "apply_noise": False, "velocity_timeout": 0.0})
     sim.publish("/cmd_vel", twist(2.0, 0.0, 0.9))
     scans: list[mrs.messages.LaserScan] = []
@@ -317,7 +317,7 @@ def test_bad_maps_and_robots_are_refused(arguments, error, message):
     ("shape", "way", "error", "message"),
     [
         (0.2, (1, 1, 0), TypeError, "an obstacle's shape must be a Shape, got float"),
-        (DISC, [], ValueError, "there must be at least one waypoint, got none"),
+        (DISC, [], ValueError, "a trajectory must have at least one waypoint, got none"),
         (DISC, lambda time: None, TypeError, "trajectory of obstacle cat must return poses .* None"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Snapshots: from a restored snapshot on, everything repeats to the byte."""
+"""Snapshots: a run after a restore repeats the first run byte for byte."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The modules that stand in for rclpy: the names that they hold."""
+"""The modules that replace rclpy: which names they contain."""
 
 from __future__ import annotations
 

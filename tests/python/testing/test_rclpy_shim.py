@@ -1,4 +1,4 @@
-"""The stand-in for rclpy: files written for rclpy run unchanged on the bus, and no trace of it remains afterwards."""
+"""The replacement for rclpy: files written for rclpy run unchanged on the bus, and it leaves nothing behind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Random start poses: in free space, apart from each other, and the same for the same seed."""
+"""Random start poses: in free space, at a distance from each other, and the same for the same seed."""
 
 from __future__ import annotations
 
