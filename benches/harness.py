@@ -1,8 +1,8 @@
-"""Figures of the harness: how long drives, recordings and fresh simulations take.
+"""Benchmarks of simulations: a drive, a recorded drive, the start of a new simulation, and twenty robots.
 
-Run: python benches/harness.py [--json FILE]. Each figure is the least of a few runs, in one process, with the simulator's
-own work on one thread; beside the wall's seconds are those of the processor, which tell more on a busy machine. What is
-driven is checked: that all of it was, and that robots see one another.
+Run: python benches/harness.py [--json FILE]. Each figure is the shortest of a few runs in one process. The simulator works
+on one thread. Processor time is printed beside wall time, because it is more reliable on a busy machine. Each benchmark also
+checks its result: that the whole drive took place, and that robots see one another.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ SEED = 1
 
 
 class Figure(NamedTuple):
-    """Seconds that something took, of the wall and of the processor."""
+    """Duration of a benchmark: wall time and processor time [s]."""
 
     wall: float
     processor: float
 
 
-class Watch:
-    """Measures from when it is made."""
+class Stopwatch:
+    """Measures the time since it was created."""
 
     def __init__(self) -> None:
         self._wall, self._processor = time.perf_counter(), time.process_time()
 
     def read(self) -> Figure:
-        """How long it is since."""
+        """Returns the time since the stopwatch was created."""
         return Figure(time.perf_counter() - self._wall, time.process_time() - self._processor)
 
 
@@ -47,7 +47,7 @@ REPEATS = 3
 
 
 def office() -> mrs.OccupancyGrid:
-    """1000 x 1000 cells of 5 cm: rooms of 5 m with doors, which bound what beams see."""
+    """Returns a grid of 1000 x 1000 cells of 5 cm: rooms of 5 m with doors. The walls keep the beams short."""
     cells = np.zeros((1000, 1000), np.int8)
     cells[::100, :] = cells[:, ::100] = cells[-1, :] = cells[:, -1] = 100
     for wall in range(100, 1000, 100):
@@ -57,7 +57,7 @@ def office() -> mrs.OccupancyGrid:
 
 
 def circling(grid: mrs.OccupancyGrid) -> mrs.Simulation:
-    """A robot that circles in a room: odometry at 50 Hz, and a noisy scanner of 541 beams at 10 Hz."""
+    """Returns a simulation of a robot that drives in circles: odometry at 50 Hz, a noisy scanner with 541 beams at 10 Hz."""
     parameters = {"publish_rate": 50.0, "velocity_timeout": 0.0}
     simulation = mrs.Simulation(grid, parameters=parameters, seed=SEED, start=(22.5, 21.5, 0.0))
     simulation.publish(
@@ -67,61 +67,61 @@ def circling(grid: mrs.OccupancyGrid) -> mrs.Simulation:
 
 
 def drive(grid: mrs.OccupancyGrid) -> Figure:
-    """Ten minutes, recording off."""
+    """Drives for ten minutes without a recording."""
     simulation = circling(grid)
-    watch = Watch()
+    stopwatch = Stopwatch()
     simulation.run_for(TEN_MINUTES)
-    took = watch.read()
+    took = stopwatch.read()
     assert simulation.latest("/scan").header.stamp.nanoseconds == TEN_MINUTES * 1e9
     assert math.isclose(simulation.truth.distance, 0.5 * TEN_MINUTES)
     return took
 
 
 def recorded_drive(grid: mrs.OccupancyGrid) -> Figure:
-    """The same ten minutes, recorded to MCAP."""
+    """Drives the same ten minutes and records them to MCAP."""
     from mobile_robot_simulator.recording.recorder import Recorder
 
     with tempfile.TemporaryDirectory() as folder:
         simulation = circling(grid)
-        watch = Watch()
+        stopwatch = Stopwatch()
         with Recorder(folder) as recorder:
             simulation.record(recorder.write)
             simulation.run_for(TEN_MINUTES)
-        took = watch.read()
+        took = stopwatch.read()
         assert sum(file.stat().st_size for file in recorder.path.iterdir()) > 6000 * 541 * 4
     return took
 
 
-def fresh(grid: mrs.OccupancyGrid) -> Figure:
-    """A simulation of a map of 1000 x 1000 cells that no one has cast in, to its first scan."""
+def first_scan(grid: mrs.OccupancyGrid) -> Figure:
+    """Creates a simulation on a new map of 1000 x 1000 cells and runs it until the first scan."""
     cells = grid.cells.copy()
-    watch = Watch()
+    stopwatch = Stopwatch()
     simulation = mrs.Simulation(mrs.OccupancyGrid(cells, resolution=0.05), start=(22.5, 21.5, 0.0))
     simulation.run_for(0.1)
-    took = watch.read()
+    took = stopwatch.read()
     assert simulation.latest("/scan") is not None
     return took
 
 
 def twenty_robots(grid: mrs.OccupancyGrid) -> Figure:
-    """A minute of twenty robots that see and could touch one another, with the default rates and 541 noisy beams each."""
+    """Simulates a minute of twenty robots that see and could touch one another, each with default rates and 541 noisy beams."""
     robots = {f"robot{index}": (22.5 + 5.0 * (index % 5 - 2), 22.5 + 5.0 * (index // 5 - 2), index) for index in range(20)}
     simulation = mrs.Simulation(grid, parameters={"velocity_timeout": 0.0}, seed=SEED, robots=robots)
     for name in robots:
         simulation.publish(
             f"/{name}/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.4), angular=mrs.messages.Vector3(z=0.4))
         )
-    watch = Watch()
+    stopwatch = Stopwatch()
     simulation.run_for(60.0)
-    took = watch.read()
+    took = stopwatch.read()
     assert len(simulation.robot.surroundings) == 19 and not simulation.truth.contacts
     return took
 
 
 def main() -> None:
-    """Measure, print, and write if asked."""
+    """Runs and prints all benchmarks, and writes the figures to a file with --json."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", type=Path, help="file to write the figures to")
+    parser.add_argument("--json", type=Path, help="write the figures to this file")
     options = parser.parse_args()
     grid = office()
     grid.prepare()
@@ -136,7 +136,7 @@ def main() -> None:
     print(f"Python {platform.python_version()}, {platform.machine()}, version {mrs.__version__}")
     report("drive/ten_minutes", drive, TEN_MINUTES, 0.6)
     report("drive/ten_minutes_mcap", recorded_drive, TEN_MINUTES, 2.5)
-    report("fresh/1000x1000", fresh, 0.0, 0.05)
+    report("fresh/1000x1000", first_scan, 0.0, 0.05)
     report("robots/twenty_for_a_minute", twenty_robots, 60.0, 1.2)
     if options.json:
         options.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")

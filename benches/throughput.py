@@ -1,9 +1,9 @@
-"""What casting costs through Python: by kernel and map, by threads, and beside the same call from Rust and other packages.
+"""Benchmarks of ray casting from Python: kernels, maps and threads, compared with calls from Rust and with other packages.
 
-Run: python benches/throughput.py [MAP...]. Every kernel has a process of its own; they take turns on the same work, so that
-a busy machine slows all of them alike, and of each the median counts. All of it on one thread unless said. Peak memory is
-that of the process, Python and NumPy with it. The Rust call needs cargo; raycast2D and ir-sim are measured where they are
-installed, one scan a call.
+Run: python benches/throughput.py [MAP...]. Each kernel runs in its own process. The processes take turns on the same work,
+so a busy machine slows all of them equally. The median of each counts. All work is done on one thread unless the line says
+otherwise. Peak memory is that of the whole process, including Python and NumPy. The Rust call needs cargo. raycast2D and
+ir-sim are measured if they are installed, with one scan per call.
 """
 
 from __future__ import annotations
@@ -53,22 +53,22 @@ REAL = {
 
 
 def maps() -> Iterator[tuple[str, mrs.OccupancyGrid]]:
-    """An office of our own, and the real maps of the folder beside the project."""
+    """Yields a generated office, and the real maps in the folder beside the project."""
     yield "office", mrs.floor_plan("office", seed=SEED, size=(40.0, 40.0))
     folder = FOLDER.parent / "shared/maps"
     if not folder.is_dir():
-        print(f"passed over: no real maps in {folder}")
+        print(f"skipped: no real maps in {folder}")
         return
     for name, (path, resolution) in REAL.items():
         if (folder / path).is_file():
             pixels = np.asarray(Image.open(folder / path).convert("L"))[::-1]
-            # Dark is occupied, white is free, and grey is unknown, where no pose is put.
+            # Dark pixels are occupied, white ones free and grey ones unknown. Poses are in free cells only.
             cells = np.where(pixels < 90, 100, np.where(pixels < 250, -1, 0)).astype(np.int8)
             yield name, mrs.OccupancyGrid(cells, resolution=resolution)
 
 
 def poses(grid: mrs.OccupancyGrid, count: int) -> np.ndarray:
-    """Uniform in the free space of a grid at the origin."""
+    """Returns random poses, uniform in the free cells of a grid whose origin is (0, 0, 0): (count, 3) float64."""
     generator = np.random.default_rng(SEED)
     rows, cols = np.nonzero(grid.cells == 0)
     chosen = generator.integers(len(rows), size=count)
@@ -78,7 +78,7 @@ def poses(grid: mrs.OccupancyGrid, count: int) -> np.ndarray:
 
 
 class Worker:
-    """A process that measures what it is asked to."""
+    """A process that runs tasks and measures them."""
 
     def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         environment = {**os.environ, **environment}
@@ -87,7 +87,7 @@ class Worker:
         )
 
     def ask(self, question: str) -> Any:
-        """What it says to a line."""
+        """Sends a line to the process and returns its answer."""
         assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.write(question + "\n")
         self._process.stdin.flush()
@@ -97,12 +97,12 @@ class Worker:
         return json.loads(answer)
 
     def close(self) -> None:
-        """Let it end."""
+        """Ends the process."""
         self._process.communicate()
 
 
 def work(folder: Path) -> None:
-    """Be a worker: for each line on standard input, the seconds that it took."""
+    """Runs in a worker: for each task named on standard input, prints the time that it took [s]."""
     about = json.loads((folder / "about").read_text())
     cells = np.fromfile(folder / "cells", np.int8).reshape(-1, about["width"])
     starts, rays = (np.fromfile(folder / name).reshape(-1, 3) for name in ("poses", "rays"))
@@ -111,18 +111,18 @@ def work(folder: Path) -> None:
     grid.prepare()
     max_range = CELLS * grid.resolution
     laser, model = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=max_range), mrs.BeamModel()
-    room = np.empty((10 * SCANS, BEAMS), np.float32)
+    out = np.empty((10 * SCANS, BEAMS), np.float32)
 
     def scan(count: int, threads: int) -> None:
-        laser.scan_batch(grid, starts[:count], threads=threads, out=room[:count])
+        laser.scan_batch(grid, starts[:count], threads=threads, out=out[:count])
 
     tasks: dict[str, Callable[[], object]] = {
         "scan": lambda: scan(SCANS, 1),
-        "noisy": lambda: laser.scan_batch(grid, starts[:SCANS], noise=model, seed=1, threads=1, out=room[:SCANS]),
+        "noisy": lambda: laser.scan_batch(grid, starts[:SCANS], noise=model, seed=1, threads=1, out=out[:SCANS]),
         "rays": lambda: mrs.cast_rays(grid, rays, max_range=max_range, threads=1),
         "new array": lambda: laser.scan_batch(grid, starts[:SCANS], threads=1),
-        # As one is asked for by those who say nothing of threads.
-        "one": lambda: laser.scan_batch(grid, starts[:1], out=room[:1]),
+        # One scan with the default number of threads.
+        "one": lambda: laser.scan_batch(grid, starts[:1], out=out[:1]),
         "one thread": lambda: scan(10 * SCANS, 1),
         "two threads": lambda: scan(10 * SCANS, 2),
         "all threads": lambda: scan(10 * SCANS, os.cpu_count() or 1),
@@ -132,7 +132,7 @@ def work(folder: Path) -> None:
         if task == "memory":
             print(peak_memory(), flush=True)
         elif task in PACKAGES:
-            # What packages print is no answer.
+            # Keep the output of packages out of the answer.
             with contextlib.redirect_stdout(sys.stderr):
                 found = single_scans(grid, starts[:50].copy(), PACKAGES[task])
             print(json.dumps(found), flush=True)
@@ -143,16 +143,16 @@ def work(folder: Path) -> None:
 
 
 def peak_memory() -> float:
-    """Of this process so far [MB]."""
+    """Returns the peak memory of this process [MB]."""
     status = Path("/proc/self/status")
     if status.exists():
-        # What the kernel's resource usage says includes the process that this one was forked from.
+        # getrusage would include the memory of the process that this one was forked from.
         return float(status.read_text().split("VmHWM:")[1].split()[0]) / 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def in_turns(workers: dict[str, Worker], questions: dict[str, str], turns: int = TURNS) -> dict[str, float]:
-    """Median seconds of each worker for its question."""
+    """Returns the median time of each worker for its question [s]. The workers take turns; a first turn does not count."""
     times: dict[str, list[float]] = {name: [] for name in questions}
     for turn in range(turns + 1):
         for name, question in questions.items():
@@ -163,21 +163,21 @@ def in_turns(workers: dict[str, Worker], questions: dict[str, str], turns: int =
 
 
 def kernels() -> list[str]:
-    """Those of this machine, the plain traversal first."""
+    """Returns the names of the kernels that this machine supports, the plain traversal first."""
     code = "import mobile_robot_simulator as mrs; grid = mrs.floor_plan(); mrs.LaserScanner().scan(grid, (1.0, 1.0, 0.0))"
-    fine = []
+    supported = []
     for name in ("traversal", "portable", "avx2", "avx512"):
         environment = {**os.environ, "MOBILE_ROBOT_SIMULATOR_KERNEL": name}
         ran = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
         if ran.returncode == 0:
-            fine.append(name)
+            supported.append(name)
         else:
-            print(f"passed over: {name}: {ran.stderr.splitlines()[-1]}")
-    return fine
+            print(f"skipped: {name}: {ran.stderr.splitlines()[-1]}")
+    return supported
 
 
 def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
-    """Print all lines of a map."""
+    """Runs and prints all benchmarks on a map."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         grid.cells.tofile(folder / "cells")
@@ -211,20 +211,20 @@ def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
             worker.close()
         for package in PACKAGES:
             if importlib.util.find_spec(package) is None:
-                print(f"passed over: {package} is not installed")
+                print(f"skipped: {package} is not installed")
                 continue
             worker = Worker([sys.executable, __file__, "--work", scratch], {"MPLBACKEND": "Agg"})
             found = worker.ask(package)
             line = f"{'single scan/' + name + '/' + package:40s}{found['seconds'] / BEAMS * 1e9:9.0f} ns"
             print(
-                f"{line}{found['memory']:8.0f} MB   {found['scans']} scans, off by {found['mean']:.3f} cells in the mean, "
-                f"{found['most']:.0f} at most, {found['far']:.2%} by more than 2"
+                f"{line}{found['memory']:8.0f} MB   {found['scans']} scans, mean error {found['mean']:.3f} cells, "
+                f"largest {found['most']:.0f}, {found['far']:.2%} off by more than 2"
             )
             worker.close()
 
 
 def single_scans(grid: mrs.OccupancyGrid, starts: np.ndarray, make: Scans) -> dict[str, float]:
-    """How long scans take one by one from the centres of cells, and how far off they are."""
+    """Returns the time and the errors of single scans from the centres of cells."""
     starts[:, :2] = (np.floor(starts[:, :2] / grid.resolution) + 0.5) * grid.resolution
     scan = make(grid)
     seconds, found = [], []
@@ -244,13 +244,13 @@ def single_scans(grid: mrs.OccupancyGrid, starts: np.ndarray, make: Scans) -> di
 
 
 def ours(grid: mrs.OccupancyGrid) -> Scan:
-    """Scans of this package, as the others are measured."""
+    """Returns a function that scans with this package, one scan per call like the other packages."""
     laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
     return lambda pose: laser.scan(grid, tuple(pose))
 
 
 def raycast2d(grid: mrs.OccupancyGrid) -> Scan:
-    """Scans by raycast2D, to the corners of cells as it names them."""
+    """Returns a function that scans with raycast2D. It measures to the corners of cells."""
     import raycast2D  # type: ignore[import-untyped]
 
     image = np.where(grid.cells >= 60, 0, 255).astype(np.uint8)
@@ -265,7 +265,7 @@ def raycast2d(grid: mrs.OccupancyGrid) -> Scan:
 
 
 def ir_sim(grid: mrs.OccupancyGrid) -> Scan:
-    """Scans by ir-sim's 2D lidar, over its map of an image."""
+    """Returns a function that scans with the 2D lidar of ir-sim, which reads the map from an image."""
     import irsim  # type: ignore[import-untyped]
     import yaml
 
@@ -290,9 +290,9 @@ PACKAGES: dict[str, Scans] = {"mobile_robot_simulator": ours, "raycast2D": rayca
 
 
 def main() -> None:
-    """Measure and print."""
+    """Runs and prints the benchmarks."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("maps", nargs="*", help=f"office, {', '.join(REAL)}; all but the last if none is named")
+    parser.add_argument("maps", nargs="*", help=f"office, {', '.join(REAL)}; by default all but the last")
     parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.work:

@@ -17,7 +17,7 @@ def test_wander_touches_no_wall(seed, beams):
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
     cells[60:64, :150] = cells[100:104, 90:] = cells[20:30, 100:110] = 100
     grid = mrs.OccupancyGrid(cells, resolution=0.05)
-    # With three beams, straight ahead and to the sides, only a slow robot in the open sees enough.
+    # Three beams, straight ahead and to the sides, miss obstacles between them. So that drive is only one second long.
     driver, seconds = Wander(speed=0.5), 120.0 if beams > 3 else 1.0
     simulation = mrs.Simulation(
         grid, parameters={"laser_beam_count": beams}, seed=seed, start=grid.draw_free_pose(radius=0.6, seed=seed)
