@@ -104,7 +104,7 @@ def first_scan(grid: mrs.OccupancyGrid) -> Figure:
 
 
 def twenty_robots(grid: mrs.OccupancyGrid) -> Figure:
-    """Simulates a minute of twenty robots that see and could touch one another, each with default rates and 541 noisy beams."""
+    """Simulates a minute of twenty robots that see and could touch one another, with default rates and 541 noisy beams."""
     robots = {f"robot{index}": (22.5 + 5.0 * (index % 5 - 2), 22.5 + 5.0 * (index // 5 - 2), index) for index in range(20)}
     simulation = mrs.Simulation(grid, parameters={"velocity_timeout": 0.0}, seed=SEED, robots=robots)
     for name in robots:

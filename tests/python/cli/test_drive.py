@@ -1,0 +1,41 @@
+"""Drive: its path, its results and its random start. The summary is tested here too."""
+
+import json
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.cli.drive import WANTED_CLEARANCE, Drive, draw_start
+from mobile_robot_simulator.cli.script import Script
+
+FORWARD = Script(((0.0, 0.5, 0.0, 0.0),))
+
+
+def room(rows: int, cols: int) -> mrs.OccupancyGrid:
+    cells = np.zeros((rows, cols), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.05)
+
+
+def test_a_drive_counts_what_happened(tmp_path):
+    drive = Drive(room(80, 120), FORWARD, {}, 3, start=mrs.Pose(2.0, 2.0))
+    seen = []
+    summary = drive.run(2.0, progress=seen.append)
+    assert seen == [1.0, 2.0]
+    assert summary.distance == pytest.approx(1.0) and summary.end == pytest.approx((3.0, 2.0, 0.0))
+    assert summary.scans == 20 and summary.beams == 20 * 541 and summary.unknown_share == 0.0
+    assert drive.path[0] == summary.start == (2.0, 2.0, 0.0) and len(drive.path) == 21
+    summary.save(tmp_path / "summary.json")
+    assert json.loads((tmp_path / "summary.json").read_text())["seed"] == 3
+    assert ("distance driven", "1.0 m") in summary.rows()
+
+
+def test_a_random_start_has_room_to_turn_where_the_map_has_it():
+    wide, narrow = room(80, 120), room(20, 120)
+    start = draw_start(wide, 0.2, 1)
+    assert wide.is_free_disc(start.x, start.y, WANTED_CLEARANCE)
+    start = draw_start(narrow, 0.2, 1)
+    assert narrow.is_free_disc(start.x, start.y, 0.2)
+    with pytest.raises(ValueError, match="no known free place"):
+        draw_start(narrow, 2.0, 1)
