@@ -108,8 +108,8 @@ def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = No
     """Checks that no robot has come too near to a wall, an obstacle or another robot so far.
 
     The clearance is checked at the points of `GroundTruth.path`: at each change of velocity and at least every 0.1 s.
-    Between two such points, the true clearance can be smaller, by at most the distance that the robot drives in half the
-    time between them.
+    Between two such points, the true clearance can be smaller by about the distance that the robot and what is near it move
+    in half the time between them.
 
     Args:
         sim: The simulation.
@@ -273,7 +273,7 @@ def _chosen(sim: Simulation, robot: str | None) -> list[SimulatedRobot]:
 
 
 def _point(row: NDArray[np.float64]) -> str:
-    """Returns a text for a point of a path: time [s], x [m], y [m], yaw [rad]."""
+    """Returns the position and the time of a row of `GroundTruth.path` as a text."""
     return f"at ({row[1]:.3f}, {row[2]:.3f}) at {row[0]:.3f} s"
 
 
