@@ -1,4 +1,4 @@
-"""Chooses the nodes that a ROS process runs, and turns what ROS was given into their parameters."""
+"""Chooses the nodes that a ROS process runs, and checks the parameters that ROS passes to them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..parameters import LaserParameters, MapParameters, Parameters, RobotParame
 from .nav2_loopback_names import SYNONYMS, translate
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
-"""Parameters of each node, under the name that the command line has for the node."""
+"""Parameter class of each node, by the name of the node on the command line."""
 
 STARTUP_ONLY = ("publish_clock",)
 """Parameters that cannot change while a node runs, because they decide which clock it uses."""
 
 
 class Behaviour(Protocol):
-    """The robot, the laser or the map server, as a ROS process uses it."""
+    """What a ROS process uses of a robot, laser or map server."""
 
     @property
     def parameters(self) -> Any:
@@ -34,19 +34,19 @@ class Behaviour(Protocol):
 
 
 def models_of(name: str) -> list[type[Parameters]]:
-    """Returns the parameters of the nodes that run under a name: of one node, or of every node for `all`."""
+    """Returns the parameter classes of the nodes to run: of the named node, or of every node for `all`."""
     return list(MODELS.values()) if name == "all" else [MODELS[name]]
 
 
 def create_behaviour(parameters: Parameters, node: Node) -> Behaviour:
-    """Creates the robot, the laser or the map server, whichever the parameters are for.
+    """Creates the robot, the laser or the map server. The class of the parameters decides which one.
 
     Args:
         parameters: Checked parameters.
         node: ROS node on which it runs.
 
     Raises:
-        ValueError: The map file holds no map.
+        ValueError: The map file is invalid.
         OSError: The map file cannot be read.
     """
     if isinstance(parameters, RobotParameters):
@@ -65,10 +65,10 @@ def split_arguments(
     Args:
         name: Name of the node, or `all`. Only `map` and `all` take a map file.
         arguments: The command line after that name.
-        is_ros_argument: Returns whether an argument is for ROS. The first such argument and all that follow it go to ROS.
+        is_ros_argument: Returns True if an argument is for ROS. The first such argument and all that follow it go to ROS.
 
     Raises:
-        ValueError: There is another argument before those for ROS.
+        ValueError: There is an unexpected argument before those for ROS.
     """
     first = next((index for index, argument in enumerate(arguments) if is_ros_argument(argument)), len(arguments))
     own, for_ros = list(arguments[:first]), list(arguments[first:])
@@ -80,11 +80,11 @@ def split_arguments(
 
 
 class ParameterResolver:
-    """Turns the parameters that ROS was given for a node into checked parameters, for all nodes of a process.
+    """Turns the values that ROS has for a node into checked parameters. One resolver serves all nodes of a process.
 
     Args:
         name: Name of the node that runs, or `all`.
-        defaults: Defaults of this ROS version that differ from those of the parameters.
+        defaults: Defaults of this ROS version, by parameter class, where they differ from the defaults of the class.
         map_file: Map file from the command line, which overrides `yaml_filename`.
     """
 
@@ -95,12 +95,13 @@ class ParameterResolver:
         self._announced: set[str] = set()
 
     def resolve(self, model: type[Parameters], given: Mapping[str, Any], logger: Logger) -> Parameters | None:
-        """Returns the parameters of one node, or None for a map server without a map file where that is allowed (`all`).
+        """Returns the parameters of one node. With `all`, the map server is optional: returns None if it has no map file.
 
-        A name of nav2_loopback_sim is translated, and logged once in a process. Our own name for the same parameter wins.
+        Parameter names of nav2_loopback_sim are translated to ours, and each translation is logged once per process. If a
+        parameter is given under both names, ours wins.
 
         Args:
-            model: Class of the node's parameters.
+            model: Parameter class of the node.
             given: Values by name. Names that are not parameters of this node are ignored.
             logger: Logger of the node.
 
@@ -128,7 +129,7 @@ class ParameterResolver:
 
 
 def warn_about_unknown(names: Iterable[str], logger: Logger) -> None:
-    """Logs a warning, with the nearest known name, for each name that no node has as a parameter."""
+    """Logs a warning for each name that is not a parameter of any node. The warning suggests the nearest known name."""
     for name in names:
         if name not in SYNONYMS:
             try:
@@ -138,7 +139,7 @@ def warn_about_unknown(names: Iterable[str], logger: Logger) -> None:
 
 
 def change_parameters(behaviour: Behaviour, values: Mapping[str, Any]) -> str | None:
-    """Changes parameters of a running node, all of them or none.
+    """Changes parameters of a running node: either all of them, or none if a value is refused.
 
     Args:
         behaviour: Robot, laser or map server.

@@ -17,13 +17,13 @@ M = TypeVar("M", bound=Message)
 
 @dataclass(frozen=True)
 class MessageConverter:
-    """Converts messages, given how the Python messages of one ROS version differ from those of the other.
+    """Converts messages for one ROS version. The fields say how its Python messages differ from those of the other version.
 
     Args:
-        pack_array: Converts a NumPy array for a field of a ROS message; called with the array and the field's present value.
-        seconds: Name of the seconds in a time.
-        nanoseconds: Name of the nanoseconds in a time.
-        wrap_message_type: Changes a class of messages before it is published and subscribed to.
+        pack_array: Converts a NumPy array for a field of a ROS message. Called with the array and the field's current value.
+        seconds: Attribute of a ROS time that holds the seconds.
+        nanoseconds: Attribute of a ROS time that holds the nanoseconds.
+        wrap_message_type: Returns the class to publish and subscribe with, given the message class of the ROS installation.
     """
 
     pack_array: Callable[[Any, Any], Any]
@@ -45,7 +45,7 @@ class MessageConverter:
         return getattr(import_module(f"{package}.{kind}"), name)
 
     def find_message_type(self, ros_type: str) -> Any:
-        """Returns the class with which messages are published and subscribed to. Arguments and errors as in `find_type`."""
+        """Returns the class to publish and subscribe with. Arguments and errors as in `find_type`."""
         return self.wrap_message_type(self.find_type(ros_type))
 
     def to_ros(self, message: Message, ros_class: Any) -> Any:
@@ -53,7 +53,7 @@ class MessageConverter:
         return self.fill(ros_class(), message)
 
     def fill(self, ros_message: Any, message: Message) -> Any:
-        """Copies the values of one of our messages into a ROS message, and returns that.
+        """Copies the values of one of our messages into a ROS message, and returns the ROS message.
 
         Filling the same ROS message again and again is faster than making new ones.
 
@@ -107,7 +107,7 @@ class MessageConverter:
 
 @cache
 def _field_plan(message_class: type[Message]) -> list[tuple[str, Any, np.dtype[Any] | None]]:
-    """Returns for each field: its name, the class of the messages in it or None, the dtype of its array or None."""
+    """Returns for each field: its name, the class of the message(s) in it or None, the dtype of its array or None."""
     hints, empty = get_type_hints(message_class), message_class()
     plan: list[tuple[str, Any, np.dtype[Any] | None]] = []
     for name in (each.name for each in fields(message_class)):

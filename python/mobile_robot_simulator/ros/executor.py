@@ -14,14 +14,14 @@ from .paced_clock import PacedClock
 Returned = TypeVar("Returned")
 
 POLL_PERIOD = 0.002
-"""Seconds between two readings of a clock that ROS controls: it may change its speed or jump at any time."""
+"""Largest time between two readings of a clock that ROS controls [s]. Such a clock may change its speed or jump."""
 
 
 class Executor:
     """Runs callbacks one at a time, so that all of them form one mutually exclusive callback group.
 
-    The executor calls timers on a thread of its own. All other callbacks run on the thread that calls them, which belongs to
-    rospy or rclpy; that thread waits until the callback before has returned.
+    Timer callbacks run on a thread of the executor. All other callbacks run on the thread that calls them, which belongs to
+    rospy or rclpy. That thread waits until the previous callback has returned.
 
     An exception in a callback shuts the executor down, and `wait` raises it.
     """
@@ -79,7 +79,7 @@ class Executor:
             self._timers_changed.notify()
 
     def shutdown(self, error: BaseException | None = None) -> None:
-        """Makes `wait` return, or raise the error if one is given. The first error counts."""
+        """Makes `wait` return, or raise the error if one is given. After several errors, `wait` raises the first."""
         self._error = self._error or error
         self._has_ended.set()
 
@@ -89,7 +89,7 @@ class Executor:
         Must be called on the main thread, because it installs signal handlers.
 
         Raises:
-            BaseException: What a callback raised.
+            BaseException: The exception of a callback.
         """
         try:
             signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -114,15 +114,16 @@ class Executor:
                 for timer in due:
                     timer.fire()
             except Exception:
-                # `serialized` has kept the error, and `wait` raises it.
+                # `serialized` has passed the error to `shutdown`, so `wait` raises it.
                 return
 
 
 class ExecutorTimer:
-    """Timer that fires at the multiples of its period on a clock. After several missed multiples, it fires once.
+    """Timer that fires at each multiple of its period on a clock. If it has missed several multiples, it fires only once.
 
-    Timers with related periods therefore fire together, in the order of their creation, and the executor's thread wakes up
-    once for all of them. At the rates of the nodes, waking up costs more than the work of the callbacks.
+    Timers are due at the same time whenever their multiples coincide. For example, periods of 10 ms and 20 ms coincide every
+    20 ms. The executor's thread then wakes up once and runs all of them, in the order of their creation. This saves time,
+    because at the rates of the nodes, waking up costs more than the callbacks.
 
     Args:
         clock: Clock that the timer follows.

@@ -1,4 +1,4 @@
-"""IntraProcessTopics: delivers messages between the nodes of one ROS process without going through ROS."""
+"""IntraProcessTopics: delivers messages between the nodes of one ROS process directly, without ROS, where possible."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ SubscribeThroughRos = Callable[[], Callable[[], object]]
 
 
 class IntraProcessTopics:
-    """The topics of one process, with the route that messages take to its subscriptions: direct, or through ROS.
+    """The topics of one process. Chooses how messages reach its subscriptions: directly, or through ROS.
 
-    Sending a message through ROS to the same process costs several times as much as making and using the message. So a
-    message is delivered directly while only this process publishes the topic. Once another process publishes it too, all
-    messages of the topic come through ROS, and none arrives twice.
+    Sending a message through ROS to the same process costs several times as much as making and using the message. So
+    messages are delivered directly while only this process publishes the topic. While another process publishes it too, all
+    messages of the topic come through ROS, so that none arrives twice.
 
-    Only subscriptions with `QoS.DEFAULT` are delivered directly. All others, latched ones among them, always use ROS.
+    Only subscriptions with `QoS.DEFAULT` receive messages directly. All others, including latched ones, always use ROS.
     """
 
     def __init__(self) -> None:
@@ -27,29 +27,29 @@ class IntraProcessTopics:
 
     @property
     def names(self) -> set[str]:
-        """Names of the topics with both a publisher and a subscription (of `QoS.DEFAULT`) in this process."""
+        """Names of the topics that have both a publisher and a subscription with `QoS.DEFAULT` in this process."""
         return {topic.name for topic in tuple(self._topics.values()) if topic.publisher_count and topic.subscriptions}
 
     def topic(self, name: str, msg_type: type[Message]) -> IntraProcessTopic:
-        """Returns the topic of a name and a type; the same object at every call.
+        """Returns the topic with this name and type. Every call returns the same object.
 
         Args:
             name: Fully resolved name, such as /robot/odom.
-            msg_type: Class of its messages. Topics of the same name and another type are separate.
+            msg_type: Class of its messages. The same name with another type is a separate topic.
         """
         return self._topics.setdefault((name, msg_type), IntraProcessTopic(name))
 
     def advertise(self, name: str, msg_type: type[Message]) -> IntraProcessTopic:
-        """Counts one more publisher of a topic in this process, and returns the topic. Same arguments as `topic`."""
+        """Adds 1 to the publisher count of a topic, and returns the topic. Same arguments as `topic`."""
         topic = self.topic(name, msg_type)
         topic.publisher_count += 1
         return topic
 
     def update_routes(self, has_other_publishers: Callable[[IntraProcessTopic], bool]) -> None:
-        """Chooses the route of every topic again. Must be called when publishers may have come or gone.
+        """Chooses the route of every topic again. Must be called regularly, because publishers come and go.
 
         Args:
-            has_other_publishers: Returns whether another process publishes the topic. It is only called for topics with a
+            has_other_publishers: Returns True if another process publishes the topic. Only called for topics with a
                 publisher in this process.
         """
         for topic in self._topics.values():
@@ -58,7 +58,7 @@ class IntraProcessTopics:
 
 
 class IntraProcessTopic:
-    """A topic as one process knows it.
+    """The publishers and subscriptions of one process for one topic.
 
     Args:
         name: Fully resolved name.
@@ -66,7 +66,7 @@ class IntraProcessTopic:
     Attributes:
         name: Fully resolved name.
         publisher_count: Number of publishers in this process.
-        subscriptions: Subscriptions of this process with `QoS.DEFAULT`.
+        subscriptions: Subscriptions in this process that can receive messages directly, which are those with `QoS.DEFAULT`.
     """
 
     def __init__(self, name: str) -> None:
@@ -76,19 +76,19 @@ class IntraProcessTopic:
         self._direct_callbacks: tuple[Callable[[Any], None], ...] = ()
 
     def deliver(self, message: Message) -> None:
-        """Calls all subscriptions that do not get the message through ROS."""
+        """Calls the callbacks of all subscriptions that do not use ROS."""
         for callback in self._direct_callbacks:
             callback(message)
 
     def subscribe(
         self, qos: QoS, callback: Callable[[Any], None], subscribe_through_ros: SubscribeThroughRos
     ) -> IntraProcessSubscription:
-        """Calls the callback with every message, on whichever route it comes.
+        """Creates a subscription, which receives every message of the topic directly or through ROS.
 
         Args:
             qos: Quality of service. Only `QoS.DEFAULT` allows direct delivery.
             callback: Called with messages that are delivered directly.
-            subscribe_through_ros: Subscribes the callback through ROS.
+            subscribe_through_ros: Called when the messages have to come through ROS.
         """
         subscription = IntraProcessSubscription(self, callback, subscribe_through_ros)
         can_be_direct = qos is QoS.DEFAULT
@@ -99,13 +99,13 @@ class IntraProcessTopic:
         return subscription
 
     def set_route(self, *, direct: bool) -> None:
-        """Delivers messages to all subscriptions directly, or through ROS."""
+        """Delivers messages to `subscriptions` directly if `direct`, otherwise through ROS."""
         for subscription in self.subscriptions:
             subscription.set_route(direct=direct)
         self._collect_callbacks()
 
     def unsubscribe(self, subscription: IntraProcessSubscription) -> None:
-        """Ends a subscription, on either route."""
+        """Ends a subscription, whether it is direct or through ROS."""
         subscription.set_route(direct=True)
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
@@ -116,12 +116,12 @@ class IntraProcessTopic:
 
 
 class IntraProcessSubscription:
-    """A callback for the messages of a topic, subscribed through ROS or not.
+    """One subscription to a topic. At any time it either receives messages directly, or is subscribed through ROS.
 
     Args:
         topic: Topic of the subscription.
         callback: Called with messages that are delivered directly.
-        subscribe_through_ros: Subscribes the callback through ROS.
+        subscribe_through_ros: Called when the messages have to come through ROS.
     """
 
     def __init__(
@@ -133,11 +133,11 @@ class IntraProcessSubscription:
 
     @property
     def is_direct(self) -> bool:
-        """True if the subscription does not exist in ROS."""
+        """True if the subscription does not use ROS at present."""
         return self._unsubscribe_from_ros is None
 
     def set_route(self, *, direct: bool) -> None:
-        """Ends the subscription through ROS, or starts it. Does nothing if the route stays the same."""
+        """Ends the subscription through ROS if `direct`, otherwise starts it. Does nothing if it is already so."""
         if direct and self._unsubscribe_from_ros is not None:
             self._unsubscribe_from_ros()
             self._unsubscribe_from_ros = None

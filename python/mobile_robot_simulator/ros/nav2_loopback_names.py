@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 ANGLES = {"scan_angle_min": -math.pi, "scan_angle_max": math.pi, "scan_angle_increment": 0.02617}
-"""Its three scan angles with their defaults [rad]. They are translated together."""
+"""The three scan angles of nav2_loopback_sim with their defaults there [rad]. They are translated together."""
 
 _RENAMED = {
     "publish_map_odom_tf": "publish_map_transform",
@@ -29,12 +29,13 @@ SYNONYMS = (*_RENAMED, *_TRANSLATED, *ANGLES)
 
 
 def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Returns our parameters and values for each parameter of nav2_loopback_sim among those given.
+    """Returns, for each given parameter of nav2_loopback_sim, our parameters with their values.
 
-    If both rates of the odometry are given (`update_duration`, `odom_publish_dur`), both get the higher rate.
+    Two periods of the odometry, `update_duration` and `odom_publish_dur`, set `publish_rate`. If both are given, the shorter
+    one counts.
 
     Args:
-        given: Values by name, of nav2_loopback_sim and others. Other names are ignored.
+        given: Values by name. Names outside `SYNONYMS` are ignored.
 
     Raises:
         ValueError: A value cannot be translated.
@@ -59,7 +60,10 @@ def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _beams(angles: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns field of view and number of beams. A gap of less than half a beam to a full circle counts as a full circle."""
+    """Returns field of view and number of beams.
+
+    If less than half an increment is missing to a full circle, the scan is a full circle.
+    """
     low, high, step = (float(angles[name]) for name in ANGLES)
     _positive("scan_angle_increment", step)
     if not low < high or not math.isclose(low, -high, abs_tol=step / 2.0):

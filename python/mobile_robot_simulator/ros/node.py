@@ -1,4 +1,4 @@
-"""RosNode: what the node interface is on ROS 1 and on ROS 2 alike."""
+"""RosNode: the part of the node interface that ROS 1 and ROS 2 share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class RosProcess:
     """The executor, the topics and the paced clock that all nodes of a process share.
 
     Attributes:
-        executor: Runs the callbacks of all nodes.
+        executor: Runs the callbacks of all nodes, one at a time.
         topics: Topics between the nodes of this process.
     """
 
@@ -28,14 +28,14 @@ class RosProcess:
         self._paced_clock: PacedClock | None = None
 
     def clock_for(self, parameters: Parameters, *, use_sim_time: bool) -> PacedClock | None:
-        """Returns the clock that a node uses: the paced clock of the process, or None for the clock of ROS.
+        """Returns the clock for a new node: the paced clock of the process, or None for the clock of ROS.
 
-        A node that publishes /clock cannot follow it. So it uses the paced clock, and so do all nodes after it. Without
-        `use_sim_time`, every node uses the paced clock.
+        A node that publishes /clock uses the paced clock, because it cannot also follow /clock. Without `use_sim_time`,
+        every node uses the paced clock. Once one node of the process uses it, all nodes created later use it too.
 
         Args:
             parameters: Parameters of the node.
-            use_sim_time: Whether the clock of ROS follows /clock.
+            use_sim_time: True if the clock of ROS follows /clock.
         """
         if getattr(parameters, "publish_clock", False) or not use_sim_time:
             self._paced_clock = self._paced_clock or PacedClock()
@@ -43,10 +43,10 @@ class RosProcess:
 
 
 class RosNode(ABC):
-    """A ROS node under the node interface: callbacks are serialized, and local messages are delivered directly.
+    """Node interface on ROS: callbacks run one at a time, and messages within the process are delivered directly.
 
     Args:
-        process: Process of the node.
+        process: What all nodes of the process share.
         clock: Clock that the node uses instead of the clock of ROS, or None.
     """
 
@@ -61,7 +61,7 @@ class RosNode(ABC):
         return self._clock or self._ros_clock()
 
     def set_speed(self, factor: float) -> None:
-        """Sets simulated seconds per wall second from now on. Without effect on a node that follows the clock of ROS."""
+        """Sets the simulated seconds per wall second from now on. Has no effect on a node that follows the clock of ROS."""
         if self._clock is not None:
             self._clock.set_speed(factor)
             self._executor.wake()
@@ -98,7 +98,7 @@ class RosNode(ABC):
         self._executor.destroy_timer(timer)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]) -> Any:
-        """Offers a service. Returns None, and logs the reason, if the type of the service is not installed."""
+        """Offers a service, and returns its handle. If its type is not installed, logs that and returns None."""
         try:
             ros_type = self._find_service_type(srv_type.ros_type)
         except ImportError:

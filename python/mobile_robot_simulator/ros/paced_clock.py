@@ -9,7 +9,7 @@ from ..instant import Instant
 
 
 class PacedClock:
-    """Clock that starts at wall time and runs `speed` times as fast, at first 1.
+    """Clock that starts at the current wall time and then runs `speed` times as fast as wall time. `speed` starts at 1.
 
     A change of speed never makes the time jump. One thread may read the clock while another changes its speed.
 
@@ -24,7 +24,7 @@ class PacedClock:
     def __init__(self, wall: Callable[[], int] = time.time_ns) -> None:
         self._wall = wall
         start = wall()
-        # One tuple (start [ns], wall time at the start [ns], speed), so that other threads never read half of a change.
+        # Simulated time [ns], wall time [ns] and speed at the last change. One tuple, so that no thread reads half a change.
         self._pace = (start, start, 1.0)
 
     @property
@@ -39,7 +39,7 @@ class PacedClock:
     def set_speed(self, speed: float) -> None:
         """Runs the clock `speed` times as fast as wall time from now on.
 
-        Timers must be told, with `Executor.wake`.
+        Afterwards, `Executor.wake` must be called, so that timers follow the new speed.
 
         Args:
             speed: Simulated seconds per second of wall time, positive.

@@ -65,7 +65,7 @@ class Ros1Node(RosNode):
     """The node interface on ROS 1. A ROS 1 process is one ROS node, so all `Ros1Node` objects share its name and parameters.
 
     Args:
-        process: Process of the node.
+        process: What all nodes of the process share.
         clock: Clock that the node uses instead of rospy's time, or None.
     """
 
@@ -116,7 +116,7 @@ class Ros1Node(RosNode):
         return unregister
 
     def _find_service_type(self, ros_type: str) -> Any:
-        """Returns a class whose requests and responses hold NumPy arrays."""
+        """Returns a service class whose requests and responses hold arrays as NumPy arrays."""
         ros_class = ROS1.find_type(ros_type)
         parts = {name: numpy_msg(getattr(ros_class, name)) for name in ("_request_class", "_response_class")}
         return type(ros_class.__name__, (ros_class,), parts)
@@ -134,7 +134,7 @@ class _RosClock:
 
 @dataclass
 class _Publisher:
-    """`message` is filled and published each time."""
+    """Publishes messages by filling one ROS message, `message`, again each time."""
 
     message: Any
     publisher: Any
@@ -234,13 +234,13 @@ def _logger() -> Logger:
 
 
 def _private_parameters() -> dict[str, Any]:
-    """Returns the node's private parameters from the parameter server."""
+    """Returns the node's private parameters, by name, from the parameter server."""
     found = rospy.get_param("~", {})
     return dict(found) if isinstance(found, dict) else {}
 
 
 def _is_reachable(node: str) -> bool:
-    """Returns whether a node accepts connections. The master still lists nodes that were killed."""
+    """Returns True if a node accepts connections. The master alone cannot tell, because it still lists killed nodes."""
     try:
         uri = urlsplit(rosgraph.Master(rospy.get_name()).lookupNode(node))
         socket.create_connection((uri.hostname, uri.port), CONNECTION_TIMEOUT).close()
@@ -250,10 +250,12 @@ def _is_reachable(node: str) -> bool:
 
 
 class _MasterMonitor:
-    """Queries the master once per `POLL_PERIOD`, on its own thread, because ROS 1 does not report these changes.
+    """Watches the master for changed parameters and for other publishers.
 
-    A parameter that has changed on the parameter server is changed in the nodes. If the nodes refuse the value, their own
-    value is written back. If other nodes publish a topic, its messages come through ROS.
+    If a parameter changes on the parameter server, it is changed in the nodes. If a node refuses the value, the node's value
+    is written back. While other ROS nodes publish a topic, its messages come through ROS.
+
+    rospy has no callback for these changes, so a thread queries the master once per `POLL_PERIOD`.
     """
 
     def __init__(self, behaviours: list[Behaviour], given: dict[str, Any], process: RosProcess) -> None:
@@ -268,7 +270,7 @@ class _MasterMonitor:
                 self._check_publishers()
                 self._check_parameters()
             except (OSError, rosgraph.MasterException):
-                # The master is away. Try again later.
+                # The master cannot be reached. Try again later.
                 continue
 
     def _check_publishers(self) -> None:

@@ -62,7 +62,7 @@ class Ros2Node(RosNode):
 
     Args:
         node: The rclpy node.
-        process: Process of the node.
+        process: What all nodes of the process share.
         clock: Clock that the node uses instead of the clock of its rclpy node, or None.
     """
 
@@ -130,7 +130,7 @@ class Ros2Node(RosNode):
 
 
 def _offered_qos(qos: QoS) -> QoSProfile:
-    """Returns the strictest profile that publishers can offer, so that every subscription is compatible."""
+    """Returns the profile of a publisher. It is reliable, so reliable and best-effort subscriptions are both compatible."""
     return QoSProfile(
         depth=1 if qos in (QoS.LATCHED, QoS.CLOCK) else 10,
         reliability=ReliabilityPolicy.RELIABLE,
@@ -139,7 +139,7 @@ def _offered_qos(qos: QoS) -> QoSProfile:
 
 
 def _requested_qos(qos: QoS) -> QoSProfile:
-    """Returns the weakest profile that a subscription needs, so that every publisher is compatible."""
+    """Returns the profile of a subscription. Where losses are harmless, it also receives from best-effort publishers."""
     return QoSProfile(
         depth=1 if qos is QoS.CLOCK else 100,
         reliability=ReliabilityPolicy.BEST_EFFORT if qos in (QoS.SENSOR_DATA, QoS.CLOCK) else ReliabilityPolicy.RELIABLE,
@@ -148,7 +148,7 @@ def _requested_qos(qos: QoS) -> QoSProfile:
 
 
 class _Publisher:
-    """`message` is filled and published each time."""
+    """Publishes messages by filling one ROS message, `message`, again each time."""
 
     def __init__(self, message: Any, publisher: Any, topic: IntraProcessTopic, *, is_latched: bool) -> None:
         self.message, self.publisher, self.topic, self.is_latched = message, publisher, topic, is_latched
@@ -218,20 +218,20 @@ def run(name: str, arguments: list[str]) -> None:
 
 
 def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterResolver) -> Parameters | None:
-    """Returns the parameters of a node, and declares them. Returns None for a map server without a map file.
+    """Declares the parameters of a node and returns them. Returns None if `ParameterResolver.resolve` does.
 
-    rclpy has already declared those that were given on the command line or in a file. They get their checked value.
+    rclpy has already declared those that were given on the command line or in a file. They are set to their checked values.
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
     from_rclpy = {"use_sim_time", "start_type_description_service"}
-    foreign = [name for name in given if name not in from_rclpy and not name.startswith("qos_overrides.")]
-    warn_about_unknown(foreign, node.get_logger())
+    from_user = [name for name in given if name not in from_rclpy and not name.startswith("qos_overrides.")]
+    warn_about_unknown(from_user, node.get_logger())
     parameters = resolver.resolve(model, given, node.get_logger())
     if parameters is None:
         return None
     for name, info in model.model_fields.items():
         value = getattr(parameters, name)
-        # Dynamic, because the parameters check their types themselves: 30 is as good as 30.0.
+        # Dynamic typing, because the parameter classes check types themselves. They accept 30 for 30.0.
         descriptor = ParameterDescriptor(name=name, description=info.description or "", dynamic_typing=True)
         if name in given:
             node.set_descriptor(name, descriptor)
@@ -264,8 +264,8 @@ def _has_other_publishers(node: Any, topic: IntraProcessTopic) -> bool:
 class _SpinningNode:
     """A node and the thread that receives its messages.
 
-    Each node has an rclpy executor of its own, because the work of an rclpy executor at each message grows with the number
-    of subscriptions, timers and services in it.
+    Each node has its own rclpy executor, because the work per message of an rclpy executor grows with its number of
+    subscriptions, timers and services.
     """
 
     def __init__(self, node: Any, executor: Executor) -> None:
