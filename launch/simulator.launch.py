@@ -13,7 +13,7 @@ PACKAGE = "mobile_robot_simulator"
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Describes the three nodes.
+    """Returns the description of the three nodes.
 
     `publish_map_transform` is on. All other parameters that are not in `params_file` have their defaults on ROS 2.
     """
@@ -30,7 +30,7 @@ def generate_launch_description() -> LaunchDescription:
                 "params_file", default_value="/dev/null", description="parameter file, in the format of --params-file"
             ),
             DeclareLaunchArgument(
-                "use_sim_time", default_value="true", description="the laser and the map server follow /clock"
+                "use_sim_time", default_value="true", description="true: the laser and the map server follow /clock"
             ),
             DeclareLaunchArgument(
                 "speed_factor", default_value="1.0", description="simulated seconds per second of wall time"
