@@ -18,7 +18,7 @@ PATH = [0.0, 0.0, 2.0, 0.0, 2.0, 1.5]
 
 
 def drive_on_the_bus() -> np.ndarray[Any, Any]:
-    """Returns the positions x, y [m] of the robot, shape (N, 2), driven on the bus with the stand-in of rclpy."""
+    """Drives the path on the bus, with the stand-in for rclpy. Returns the robot's positions x, y [m], shape (N, 2)."""
     from mobile_robot_simulator.testing.rclpy_shim import stand_in
 
     sys.path.insert(0, str(EXAMPLE))
@@ -32,7 +32,7 @@ def drive_on_the_bus() -> np.ndarray[Any, Any]:
     return sim.truth.path[:, 1:3]
 
 
-def test_one_controller_runs_drive_on_the_bus_and_on_rclpy(world: Any) -> None:
+def test_one_controller_drives_the_same_path_on_the_bus_and_on_rclpy(world: Any) -> None:
     expected = drive_on_the_bus()
     world.start("robot", publish_rate=50.0, cmd_vel_stamped=False)
     odom = world.subscribe("/odom", ODOM)

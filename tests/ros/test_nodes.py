@@ -141,7 +141,7 @@ def test_the_laser_of_all_follows_the_transforms_of_other_nodes(world: Any, map_
     world.publisher("/cmd_vel", TWIST)(twist(0.3, 0.5))
     odom.next(lambda it: it.twist.twist.linear.x > 0.0)
     odom.next(lambda it: it.twist.twist.linear.x == 0.0)
-    # Longer than odometry extrapolates a pose: the transforms of the robot itself must still arrive.
+    # Odometry extrapolates a pose for less time than this, so the robot's own transforms must still arrive.
     time.sleep(1.5)
     assert odom[-1].pose.pose.position.x > 0.05
     scan.next(sees_from(map_from_odom * odom_pose(odom[-1])))
@@ -289,7 +289,7 @@ def test_rates_are_kept_at_a_low_cpu_load(world: Any, map_file: Path) -> None:
         f"latency of a scan: median {np.median(delays) * 1e3:.2f} ms, 99 % {np.quantile(delays, 0.99) * 1e3:.2f} ms"
     )
     assert rates == (pytest.approx(40.0, rel=0.05), pytest.approx(100.0, rel=0.05))
-    # Less than 0.1 on an idle machine. More where other processes use the caches.
+    # It is less than 0.1 on an idle machine, and more if other processes compete for the caches.
     assert share < 0.25
 
 

@@ -1,4 +1,4 @@
-"""The nodes with parts of ROS 1 that ROS 2 has not: its command-line tools, bags and launch files."""
+"""What is particular to ROS 1: its command-line tools, its bags, its launch file and its parameter server."""
 
 from __future__ import annotations
 

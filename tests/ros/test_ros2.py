@@ -1,4 +1,4 @@
-"""The nodes with parts of ROS 2: /clock, QoS, parameter files, nav2_loopback_sim's parameters, and the launch file."""
+"""What is particular to ROS 2: /clock, QoS, parameter files, parameters of nav2_loopback_sim, and its launch file."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def test_a_workspace_installs_the_package(tmp_path: Path) -> None:
 
 
 def test_the_launch_file_describes_three_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """PyPI has no launch_ros, so stand-ins replace the classes that the launch file uses."""
+    """PyPI has no launch_ros, so this test replaces the classes that the launch file uses."""
 
     def stand_in(*arguments: Any, **options: Any) -> Any:
         return SimpleNamespace(arguments=arguments, **options)

@@ -41,7 +41,7 @@ def seconds(stamp: Any) -> float:
 
 
 def wait_until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
-    """Waits until the condition is true, and returns its value."""
+    """Waits until the condition returns a true value, and returns that value."""
     end = time.monotonic() + timeout
     while time.monotonic() < end:
         if value := condition():
@@ -72,11 +72,11 @@ class Inbox(list[Any]):
 
 
 class Process:
-    """A process whose output is kept."""
+    """A running command, whose output goes to a file."""
 
     def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
         self._log = Path(tempfile.mkstemp(suffix=".log")[1])
-        # Without it, the output of rostopic stays in its buffer.
+        # Otherwise rostopic would keep its output in a buffer.
         environment = {**environment, "PYTHONUNBUFFERED": "1"}
         with self._log.open("w") as log:
             self._process = subprocess.Popen(arguments, env=environment, stdout=log, stderr=subprocess.STDOUT)
@@ -134,12 +134,12 @@ class World(ABC):
     def end(self) -> None:
         for process in self.processes:
             process.kill()
-        # pytest shows it if the test fails.
+        # pytest shows this output if the test fails.
         print(*(process.output for process in self.processes))
 
 
 class Ros1World(World):
-    """One master for all tests, because rospy can only use one. It has a free port, and each test cleans up after itself."""
+    """One master for all tests, because a process can only use rospy with one. `end` removes what a test has left on it."""
 
     _master: Process | None = None
 

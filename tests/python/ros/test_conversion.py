@@ -1,4 +1,4 @@
-"""MessageConverter: our messages to those of a ROS installation and back, with stand-ins for its classes."""
+"""MessageConverter: converts our messages to ROS messages and back. Simple objects stand in for the ROS classes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def ros_transform() -> SimpleNamespace:
     return SimpleNamespace(header=ros_header(), child_frame_id="", transform=transform)
 
 
-def test_times_have_the_names_of_the_installation() -> None:
+def test_times_use_the_field_names_of_the_ros_version() -> None:
     ros_time = CONVERTER.fill(SimpleNamespace(secs=0, nsecs=0), Time(3, 5))
     assert (ros_time.secs, ros_time.nsecs) == (3, 5)
     assert CONVERTER.from_ros(ros_time, Time) == Time(3, 5)

@@ -1,4 +1,4 @@
-"""Parameters of nav2_loopback_sim have the meaning that they have there."""
+"""Parameters of nav2_loopback_sim keep their meaning when they are translated to ours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""RosNode: what the nodes on ROS 1 and ROS 2 share, on a ROS that only notes what is done with it."""
+"""RosNode: what ROS 1 and ROS 2 share, tested on a fake ROS that records calls."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from mobile_robot_simulator.ros.node import RosNode, RosProcess
 from mobile_robot_simulator.ros.paced_clock import PacedClock
 
 
-class NotingNode(RosNode):
-    """Keeps the subscriptions through ROS and the log; the types of services are given."""
+class FakeRosNode(RosNode):
+    """Records subscriptions through ROS and log messages. Knows only the given service types, by name."""
 
     converter = MessageConverter(lambda values, _: values)
 
@@ -66,16 +66,16 @@ def test_a_node_is_paced_unless_it_follows_the_clock_of_ros(parameters: Any, use
     assert isinstance(clock, PacedClock) == is_paced
 
 
-def test_nodes_after_one_that_publishes_the_clock_share_its_clock() -> None:
+def test_nodes_created_after_one_that_publishes_the_clock_share_its_clock() -> None:
     process = RosProcess()
     clock = process.clock_for(RobotParameters(publish_clock=True), use_sim_time=True)
     for use_sim_time in (True, False):
         assert process.clock_for(LaserParameters(), use_sim_time=use_sim_time) is clock
 
 
-def test_the_speed_is_that_of_the_paced_clock_only() -> None:
+def test_set_speed_changes_only_a_paced_clock() -> None:
     clock = PacedClock()
-    paced, following = NotingNode(RosProcess(), clock), NotingNode(RosProcess())
+    paced, following = FakeRosNode(RosProcess(), clock), FakeRosNode(RosProcess())
     paced.set_speed(3.0)
     following.set_speed(3.0)
     assert (paced.get_clock(), clock.speed) == (clock, 3.0)
@@ -83,7 +83,7 @@ def test_the_speed_is_that_of_the_paced_clock_only() -> None:
 
 
 def test_a_subscription_receives_converted_messages_until_it_is_destroyed() -> None:
-    node, received = NotingNode(RosProcess()), list[String]()
+    node, received = FakeRosNode(RosProcess()), list[String]()
     subscription = node.create_subscription(String, "chatter", received.append, QoS.DEFAULT)
     assert subscription.topic.name == "/robot/chatter"
     node.receivers["chatter"](String("hello"))
@@ -93,7 +93,7 @@ def test_a_subscription_receives_converted_messages_until_it_is_destroyed() -> N
 
 
 def test_a_service_answers_converted_requests() -> None:
-    node = NotingNode(RosProcess(), Trigger=Trigger)
+    node = FakeRosNode(RosProcess(), Trigger=Trigger)
 
     def succeed(request: Any, response: Any) -> Any:
         response.success = True
@@ -105,7 +105,7 @@ def test_a_service_answers_converted_requests() -> None:
     assert ros_response.success
 
 
-def test_a_service_of_a_type_that_is_not_installed_is_left_out() -> None:
-    node = NotingNode(RosProcess())
+def test_a_service_whose_type_is_not_installed_is_not_offered() -> None:
+    node = FakeRosNode(RosProcess())
     assert node.create_service(Trigger, "/reset", lambda request, response: response) is None
     assert node.log == ["service /reset is not offered, because std_srvs/srv/Trigger is not installed"]

@@ -11,7 +11,7 @@ PACKAGE = ElementTree.parse(ROOT / "package.xml").getroot()
 
 
 def test_the_version_is_that_of_cargo_toml() -> None:
-    # ROS tools read package.xml and cannot take the version from Cargo.toml, its only owner. So it stands there twice.
+    # Cargo.toml owns the version, but ROS tools only read package.xml. So the version must be repeated there.
     match = re.search(r'^version = "(.+)"$', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)
     assert match is not None
     assert PACKAGE.findtext("version") == match[1]
