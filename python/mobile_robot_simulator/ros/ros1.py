@@ -38,8 +38,8 @@ try:
     from rospy.numpy_msg import numpy_msg
 except ImportError as error:
     raise ImportError(
-        f"ROS 1 is missing ({error}): source the setup.bash of a ROS 1 installation and install this package for its Python, "
-        "CPython 3.10 or later; docs/guides/ros.md explains how to install ROS 1 from Debian"
+        f"ROS 1 is missing ({error}): source the setup.bash of a ROS 1 installation and install this package for its Python "
+        "(CPython 3.10 or later); docs/guides/ros.md explains how to install ROS 1 from Debian"
     ) from error
 
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"publish_clock": False, "clock_rate": 100.0}}
