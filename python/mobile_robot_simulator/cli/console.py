@@ -1,4 +1,4 @@
-"""Where commands print: results to standard output, errors and progress to standard error."""
+"""Output of commands: results go to standard output, errors and progress to standard error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drive: a simulated robot with a driver, what happened on the way, and a picture."""
+"""Drive: a simulated robot with a driver. Collects results and draws a picture of the path."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Drive:
         driver: Sends the velocity commands.
         parameters: Parameter values by name.
         seed: Random seed.
-        start: First pose in the map frame. None draws one from free space.
+        start: First pose in the map frame. None chooses a random free pose.
         radius: Radius of the robot [m], for collisions and for the random start pose.
 
     Attributes:
@@ -132,7 +132,7 @@ class Drive:
         DrivePicture(self._grid, path, scan_points=points, laser_pose=pose).save(file)
 
     def _follow(self, odometry: Odometry) -> None:
-        """Records the true pose at each odometry message."""
+        """Records the true pose at an odometry message, and counts collisions and time in unknown space."""
         pose = self.simulation.pose
         self.path.append((pose.x, pose.y, pose.yaw))
         touching = self._touches(pose)
@@ -149,7 +149,7 @@ class Drive:
 
 
 def draw_start(grid: OccupancyGrid, radius: float, seed: int) -> Pose:
-    """Returns a random free pose with room to turn, or at least with room for the robot.
+    """Returns a random free pose with `WANTED_CLEARANCE` around it or, if the map has none, with room for the robot.
 
     Raises:
         ValueError: There is no free place for the robot.

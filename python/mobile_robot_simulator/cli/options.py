@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and what commands make of them."""
+"""Arguments and options that several commands share, and functions that read their values."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, A
 
 
 def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
-    """Returns the grid of a map file, in which unknown cells are as the laser's parameter `unknown` says."""
+    """Returns the grid of a map file. The laser's parameter `unknown` decides whether unknown cells block beams."""
     return load_map(map_file, unknown=for_node(LaserParameters, values).unknown)
 
 
 def seed_of(seed: int | None, values: dict[str, Any]) -> int:
-    """Returns the seed of the command line, or else of the parameters.
+    """Returns the seed from the command line if there is one, otherwise the parameter `seed`.
 
     Raises:
         ValueError: The seed is out of range.

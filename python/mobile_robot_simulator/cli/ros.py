@@ -10,7 +10,7 @@ from typing import Annotated, NoReturn
 import typer
 
 PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
-"""Settings of commands that pass further arguments on to ROS."""
+"""Typer settings for commands that pass their extra arguments on to ROS."""
 
 
 class RosNode(str, Enum):

@@ -1,4 +1,4 @@
-"""Script: a driver that sends the velocity commands of a file."""
+"""Script: a driver that sends velocity commands from a file."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ class Script:
         rows: list[tuple[float, float, float, float]] = []
         for number, cells in enumerate(lines[1:], start=2):
             if cells:
-                rows.append(_row(cells, where=f"{path}, line {number}", earlier=rows[-1][0] if rows else None))
+                rows.append(_row(cells, where=f"{path}, line {number}", previous_time=rows[-1][0] if rows else None))
         if not rows:
             raise ValueError(f"{path}: there must be at least one command, got none")
         return cls(tuple(rows))
 
     def start(self, node: Node, commander: Commander) -> None:
-        """Starts to send the commands. Their times count from now."""
+        """Starts to send the commands. Their times are relative to this call."""
         velocity: tuple[float, float, float] | None = None
 
         def send() -> None:
@@ -69,15 +69,15 @@ class Script:
         node.create_timer(REPEAT, send)
 
 
-def _row(cells: list[str], *, where: str, earlier: float | None) -> tuple[float, float, float, float]:
-    """Returns the command of a line. `earlier` is the time of the command before."""
+def _row(cells: list[str], *, where: str, previous_time: float | None) -> tuple[float, float, float, float]:
+    """Returns the command of a line. `previous_time` [s] is that of the previous command."""
     try:
         time, vx, vy, wz = map(float, cells)
     except ValueError:
         raise ValueError(f"{where}: must be four numbers, got {','.join(cells)!r}") from None
     if not all(map(math.isfinite, (time, vx, vy, wz))):
         raise ValueError(f"{where}: must be finite, got {','.join(cells)!r}")
-    if time < 0.0 or (earlier is not None and time <= earlier):
+    if time < 0.0 or (previous_time is not None and time <= previous_time):
         raise ValueError(f"{where}: times must be at least 0 and increase, got {time}")
     return time, vx, vy, wz
 

@@ -16,16 +16,17 @@ from .commander import Commander
 HEADINGS = np.linspace(-2.0, 2.0, 41)
 """Candidate headings relative to the robot [rad]. The middle one is straight ahead."""
 
-_Lanes = tuple[NDArray[np.float32], NDArray[np.float32]]
+_BeamDirections = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 @dataclass(frozen=True)
 class Wander:
     """A driver that roams and avoids obstacles.
 
-    For each candidate heading, the driver measures how far a lane as wide as the robot is free. It turns to the heading with
-    the best score: a long free lane close to the preferred heading. The preferred heading is straight ahead, except for a
-    short random turn every few seconds. The speed is limited so that the robot can stop inside its lane.
+    For each candidate heading, the driver measures how far a lane is free. A lane is as wide as the robot with the margin on
+    both sides. The driver turns to the heading with the best score: a long free lane close to the preferred heading. The
+    preferred heading is straight ahead, except for a short random turn every few seconds. The speed is limited so that the
+    robot can stop inside its lane.
 
     Args:
         radius: Radius of the robot [m].
@@ -52,14 +53,15 @@ class Wander:
 
 
 class _Wandering:
-    """The state of a wandering robot: its preferred heading, and whether it turns on the spot."""
+    """The state of a wandering robot: its preferred heading [rad], and its turn rate on the spot [rad/s] or 0."""
 
     def __init__(self, driver: Wander, node: Node, commander: Commander, seed: int) -> None:
         self._driver, self._node, self._commander = driver, node, commander
-        self._draw = random.Random(seed).random  # documented to give the same numbers on every platform
-        self._lanes: dict[int, _Lanes] = {}
-        self._preferred, self._preferred_until_ns = 0.0, 0
-        self._turning = 0.0
+        # For one seed, Python guarantees the same numbers from `Random.random` on every platform.
+        self._draw = random.Random(seed).random
+        self._directions: dict[int, _BeamDirections] = {}
+        self._preferred_heading, self._preferred_until_ns = 0.0, 0
+        self._spot_turn_rate = 0.0
 
     def steer(self, scan: LaserScan) -> None:
         """Sends the velocity command that follows from a scan."""
@@ -67,44 +69,44 @@ class _Wandering:
         self._update_preferred_heading()
         free = self._free_distances(scan)
         ahead = float(free[len(HEADINGS) // 2]) - driver.radius - driver.margin
-        if self._turning and ahead < 0.5:
-            # Keep turning the same way until there is room. Otherwise a robot in a corner would turn back and forth.
-            command(0.0, 0.0, self._turning)
+        if self._spot_turn_rate and ahead < 0.5:
+            # Keep turning the same way until there is space ahead. Otherwise a robot in a corner would turn back and forth.
+            command(0.0, 0.0, self._spot_turn_rate)
             return
-        # A lane without any return leads out of the building, for example through an open door: it scores low.
+        # A lane without any return leads out of the building, for example through an open door. So it scores low.
         appeal = np.where(free < scan.range_max, np.minimum(free, 4.0), 1.0)
-        score = appeal - 0.5 * np.abs(HEADINGS - self._preferred)
+        score = appeal - 0.5 * np.abs(HEADINGS - self._preferred_heading)
         heading = float(HEADINGS[int(np.argmax(score))])
         if ahead < 0.1:
-            self._turning = math.copysign(driver.turn_rate, heading or self._preferred or 1.0)
-            command(0.0, 0.0, self._turning)
+            self._spot_turn_rate = math.copysign(driver.turn_rate, heading or self._preferred_heading or 1.0)
+            command(0.0, 0.0, self._spot_turn_rate)
             return
-        self._turning = 0.0
+        self._spot_turn_rate = 0.0
         turn = max(-driver.turn_rate, min(driver.turn_rate, 1.5 * heading))
         command(min(driver.speed, 0.8 * ahead) * max(0.0, math.cos(heading)), 0.0, turn)
 
     def _update_preferred_heading(self) -> None:
-        """Alternates between a short random turn and a longer time straight on. A lasting turn would be a circle."""
+        """Alternates between a random turn for 1 s and straight ahead for 4 to 10 s. A longer turn would become a circle."""
         now = self._node.get_clock().now().nanoseconds
         if now >= self._preferred_until_ns:
-            self._preferred = 0.0 if self._preferred else 3.0 * (self._draw() - 0.5)
-            self._preferred_until_ns = now + round((1.0 if self._preferred else 4.0 + 6.0 * self._draw()) * 1e9)
+            self._preferred_heading = 0.0 if self._preferred_heading else 3.0 * (self._draw() - 0.5)
+            self._preferred_until_ns = now + round((1.0 if self._preferred_heading else 4.0 + 6.0 * self._draw()) * 1e9)
 
     def _free_distances(self, scan: LaserScan) -> NDArray[np.float32]:
-        """Returns how far the lane along each candidate heading is free [m]; range_max if nothing in it returns."""
-        cos, sin = self._lane_directions(scan)
-        # A return that is too close (-inf) counts as very near. A beam without a return counts as in no lane (0).
+        """Returns the free length of the lane along each candidate heading [m], or range_max if no beam in it returns."""
+        cos, sin = self._beam_directions(scan)
+        # A return that is too close (-inf) becomes 1 mm. A beam without a return becomes 0, so that no lane contains it.
         ranges = np.where(scan.ranges < scan.range_max, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
         along, across = ranges * cos, np.abs(ranges * sin)
         in_lane = (across < self._driver.radius + self._driver.margin) & (along > 0.0)
         free: NDArray[np.float32] = np.where(in_lane, along, np.float32(scan.range_max)).min(axis=1)
         return free
 
-    def _lane_directions(self, scan: LaserScan) -> _Lanes:
-        """Returns the cosine and sine of the angle between each heading and each beam, (headings, beams)."""
+    def _beam_directions(self, scan: LaserScan) -> _BeamDirections:
+        """Returns the cosine and the sine of the angle from each heading to each beam, both of shape (headings, beams)."""
         count = len(scan.ranges)
-        if count not in self._lanes:
+        if count not in self._directions:
             angles = scan.angle_min + np.arange(count) * scan.angle_increment
             offsets = angles[None, :] - HEADINGS[:, None]
-            self._lanes[count] = np.cos(offsets).astype(np.float32), np.sin(offsets).astype(np.float32)
-        return self._lanes[count]
+            self._directions[count] = np.cos(offsets).astype(np.float32), np.sin(offsets).astype(np.float32)
+        return self._directions[count]

@@ -1,4 +1,4 @@
-"""What commands make of their options."""
+"""Options: parameter values, seeds and maps that commands read from them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Script: commands of a file, sent at their times."""
+"""Script: sends the commands of a file at their times."""
 
 import numpy as np
 import pytest
