@@ -1,4 +1,4 @@
-"""DeferredRecorder: keeps the messages of a simulation that may be saved as a recording later."""
+"""DeferredRecorder: keeps messages, and saves them as a recording only on request."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
     from .recorder import Recorder
 
 MOST_IN_MEMORY = 10_000
-"""Number of messages kept in memory, about 10 MB. With more, all messages go to disk.
+"""Number of messages at which all messages are moved from memory to disk. In memory, they take about 10 MB.
 
-A test of a minute stays below this number, so it does not pay for writing, which takes longer than the simulation itself. A
-long simulation would pay more for keeping its messages: the garbage collector would visit them again and again.
+A test of one simulated minute has fewer messages, so it never writes, which would take longer than the simulation itself. In
+a long simulation, keeping messages would cost more than writing them: the garbage collector visits all of them repeatedly.
 """
 
 
 class DeferredRecorder:
-    """Keeps messages, and saves them as a recording only when asked to. Many messages are moved to disk.
+    """Keeps messages, and saves them as a recording only on request. From `MOST_IN_MEMORY` messages on, they go to disk.
 
-    An error while messages are moved to disk does not disturb the simulation: `save` raises it.
+    An error while messages are moved to disk does not stop the simulation. `save` raises it later.
 
     Args:
         folder: Folder of the recording, as for `Recorder`.
@@ -63,7 +63,7 @@ class DeferredRecorder:
         return self._recorder.path
 
     def discard(self) -> None:
-        """Drops the messages and deletes those on disk. A saved recording stays."""
+        """Deletes the messages in memory and on disk. A saved recording is kept."""
         self._close()
         if self._recorder is not None and not self._saved:
             shutil.rmtree(self._recorder.path, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""The folder of a recording: names in it, and how a new recording replaces an older one."""
+"""The folder of a recording: file names in it, and the replacement of an older recording."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _ROS1_START = b"#ROSBAG V2.0\n"
 
 @contextmanager
 def room_for_recording(folder: Path, *, overwrite: bool) -> Iterator[Path]:
-    """Makes room for a new recording, which the caller begins in this context.
+    """Moves older recordings aside, so that the caller can begin a new recording in this context.
 
-    Older recordings are moved aside. They are deleted at the end of the context, or moved back if it ends with an error.
+    The older recordings are deleted at the end of the context, or moved back if the context ends with an error.
 
     Args:
         folder: Folder of the recording. Missing folders are created.
@@ -36,10 +36,10 @@ def room_for_recording(folder: Path, *, overwrite: bool) -> Iterator[Path]:
     older = [path for path in (folder / NAME, folder / f"{NAME}.bag") if os.path.lexists(path)]
     for path in older:
         if not _is_recording(path):
-            raise FileExistsError(errno.EEXIST, "Something that is not a recording has the recording's name", str(path))
+            raise FileExistsError(errno.EEXIST, "This path holds something that is not a recording", str(path))
         if not overwrite:
-            kept = "A recording exists already and is kept. To replace it, use --overwrite (overwrite=True)"
-            raise FileExistsError(errno.EEXIST, kept, str(path))
+            message = "A recording already exists and is kept. To replace it, use --overwrite (overwrite=True)"
+            raise FileExistsError(errno.EEXIST, message, str(path))
     folder.mkdir(parents=True, exist_ok=True)
     if not older:
         yield folder
@@ -66,7 +66,7 @@ def _remove(path: Path) -> None:
 
 
 def _is_recording(path: Path) -> bool:
-    """Returns whether a path holds nothing but a recording, so that it can be replaced."""
+    """Returns True if a path holds nothing except a recording, so that it may be deleted. An empty folder counts too."""
     if path.is_symlink():
         return False
     if path.is_dir():

@@ -1,4 +1,4 @@
-"""Latched topics, of which late subscribers get the last message."""
+"""Latched topics: a new subscriber receives the last message."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ _LATCHED = ("map", "tf_static")
 
 
 def is_latched(topic: str) -> bool:
-    """Returns whether a topic is latched, in any namespace."""
+    """Returns True if a topic is latched. Its namespace does not matter."""
     return topic.rpartition("/")[2] in _LATCHED

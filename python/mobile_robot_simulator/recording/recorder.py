@@ -27,14 +27,14 @@ except ImportError as error:
 __all__ = ["Format", "Recorder"]
 
 _BATCH = 1024
-"""Messages that are handed to the writer thread together. A hand-over costs about as much as writing ten messages."""
+"""Number of messages passed to the writer thread at once. Passing work to it costs about as much as writing ten messages."""
 
 
 class Recorder:
     """Writes messages to a recording in a folder. Use it as a context manager, which closes the recording.
 
-    A message is copied when it is written and may change afterwards. The recording can be opened however the ``with`` block
-    ends, Ctrl-C included. It then contains all messages written so far.
+    Each message is copied when it is written, so it may change afterwards. If an error or Ctrl-C ends the ``with`` block
+    early, the recording can still be opened and contains all messages written so far.
 
     Args:
         path: Folder of the recording, created if needed. The recording in it is ``recording/`` (rosbag2: metadata.yaml and

@@ -21,7 +21,7 @@ class Ros1Bag:
 
     Attributes:
         path: The file.
-        end_of_time: First time that the format cannot hold [ns].
+        end_of_time: The format can store times below this one [ns].
     """
 
     end_of_time = 2**32 * 1_000_000_000

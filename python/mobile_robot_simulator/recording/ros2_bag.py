@@ -22,14 +22,14 @@ class Ros2Bag:
 
     Attributes:
         path: The rosbag2 folder.
-        end_of_time: First time that the format cannot hold [ns].
+        end_of_time: The format can store times below this one [ns].
     """
 
     end_of_time = 2**63
 
     def __init__(self, folder: Path, format: str) -> None:
         self.path = folder / NAME
-        # Version 9 is written by Jazzy and later, but Humble cannot read it. All of them read version 8.
+        # Jazzy and later write version 9, which Humble cannot read. All of them can read version 8.
         self._writer = Writer(self.path, version=8, storage_plugin=StoragePlugin[format.upper()])
         self._writer.open()
         self.write, self.close, self.abort = self._writer.write, self._writer.close, self._writer.abort
@@ -45,7 +45,7 @@ class Ros2Bag:
 
 
 def _offered_qos(topic: str) -> Qos:
-    """Returns what a publisher of the topic offers: reliable, which best-effort subscribers accept too."""
+    """Returns the QoS of a publisher of the topic. It is reliable, which best-effort subscribers accept too."""
     latched = is_latched(topic)
     forever = QosTime(9223372036, 854775807)
     return Qos(

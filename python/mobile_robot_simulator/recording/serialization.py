@@ -1,4 +1,4 @@
-"""Messages as the bytes that ROS 1 and ROS 2 use."""
+"""Serializes messages in the encodings of ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def ros2_types() -> Typestore:
 
 @cache
 def ros1_types() -> Typestore:
-    """Returns the message definitions of ROS 1 Noetic, with TFMessage."""
+    """Returns the message definitions of ROS 1 Noetic, including TFMessage, which rosbags does not define for it."""
     types = get_typestore(Stores.ROS1_NOETIC)
     types.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
     return types
@@ -39,7 +39,7 @@ def to_ros2_bytes(message: Message) -> memoryview:
         ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
     """
     try:
-        # Mypy takes a class to be unhashable if its instances are.
+        # The argument is a class, which is hashable. Mypy rejects it, because instances of the class are not hashable.
         for name, array_of, dtype in _array_fields(type(message)):  # type: ignore[arg-type]
             if array_of(message).dtype != dtype:
                 raise TypeError(f"{name} must have dtype {dtype}, got {array_of(message).dtype}")
@@ -57,9 +57,9 @@ def to_ros1_bytes(message: Message) -> memoryview:
 
 @cache
 def _array_fields(kind: type[Message]) -> list[tuple[str, Callable[[Message], Any], np.dtype[Any]]]:
-    """Returns name, getter and element type of the fields that are arrays.
+    """Returns name, getter and element type of each field that is an array.
 
-    They need a check, because serialization would reinterpret the bytes of an array with another element type.
+    `to_ros2_bytes` checks the element types, because serialization would reinterpret the bytes of another type.
     """
     return [(name, attrgetter(name), value.dtype) for name, value in _leaf_fields(kind()) if isinstance(value, np.ndarray)]
 

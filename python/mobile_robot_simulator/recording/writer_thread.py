@@ -12,7 +12,7 @@ _Job: TypeAlias = tuple[Callable[[], None], list[BaseException | None], threadin
 
 
 class WriterThread:
-    """A thread that runs one function after another, each to its end.
+    """A thread that runs functions one after another, each to completion.
 
     Python raises KeyboardInterrupt in the main thread only, so work in this thread never leaves half a record behind. The
     implementation uses bare locks and queues: `concurrent.futures` and `threading.Event` can keep a lock forever when
@@ -24,7 +24,7 @@ class WriterThread:
         threading.Thread(target=_run_jobs, args=[self._queue], name="recorder", daemon=True).start()
 
     def run(self, work: Callable[[], None]) -> None:
-        """Runs a function in the thread, waits for its end, and raises its error. Ctrl-C is raised only after the end."""
+        """Runs a function in the thread, waits until it ends, and raises its error. Ctrl-C is raised only after that."""
         ended = threading.Lock()
         ended.acquire()
         outcome: list[BaseException | None] = []
@@ -38,7 +38,7 @@ class WriterThread:
             raise outcome[0]
 
     def stop(self) -> None:
-        """Ends the thread after the functions that wait."""
+        """Ends the thread after all functions passed to `run` so far."""
         self._queue.put(None)
 
 

@@ -25,7 +25,7 @@ def test_a_drive_is_read_back_field_by_field(tmp_path: Path, format: Format) -> 
     written = drive()
     got = read(record(tmp_path, format, written))
     assert len(got) == len(written)
-    # Messages with the same time have no fixed order in SQLite and in chunks.
+    # SQLite and chunks do not keep the order of messages with the same time.
     by_topic_and_time: Callable[[Any], Any] = lambda entry: (entry[0], entry[2])  # noqa: E731
     floor = 1 if format == "bag" else 0
     for (topic, message, time_ns), (got_topic, got_message, got_time_ns) in zip(
