@@ -1,7 +1,7 @@
 """Pictures of grids, scans and drives: in Matplotlib axes, or as PNG, PDF and SVG files.
 
 `plot_grid`, `plot_scan` and `plot_drive` draw in Matplotlib axes and return them. The classes `GridPicture`, `ScanPicture`
-and `DrivePicture` hold what is to be drawn and can also save it to a file. Saving needs no display and does not import
+and `DrivePicture` hold what to draw, and can also save it to a file. Saving needs no display and does not import
 pyplot. The same picture gives the same file, byte for byte, with the same version of Matplotlib.
 """
 

@@ -14,7 +14,7 @@ class GridPicture(Picture):
     """A picture of a whole grid.
 
     Args:
-        grid: Grid to draw, down-sampled to the pixels of the axes. Walls stay visible.
+        grid: Grid to draw. If it has more cells than the axes have pixels, it is down-sampled. Thin walls stay visible.
     """
 
     def __init__(self, grid: OccupancyGrid) -> None:
@@ -30,15 +30,15 @@ class GridPicture(Picture):
 
 
 def plot_grid(grid: OccupancyGrid, ax: Axes | None = None) -> Axes:
-    """Draws a whole grid and returns its axes: what `OccupancyGrid.plot` does.
+    """Draws a whole grid in Matplotlib axes and returns the axes. `OccupancyGrid.plot` calls this.
 
     Args:
-        grid: Grid to draw, down-sampled to the pixels of the axes. Walls stay visible.
+        grid: Grid to draw. If it has more cells than the axes have pixels, it is down-sampled. Thin walls stay visible.
         ax: Axes to draw in. None opens a new pyplot figure.
     """
     return GridPicture(grid).plot(ax)
 
 
 def grid_png(grid: OccupancyGrid) -> bytes:
-    """Returns a PNG image of a whole grid, at most about 800 pixels a side: what notebooks show for a grid."""
+    """Returns a PNG image of a whole grid, at most about 800 pixels a side. Notebooks show it for a grid."""
     return GridPicture(grid).to_png()

@@ -1,4 +1,4 @@
-"""Layers of a picture, each drawn in axes that show the map frame: cells, paths, robots, scans, shapes and goals."""
+"""Layers of a picture: functions that draw cells, paths, robots, scans, shapes and goals in axes of the map frame."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .style import FREE, GOAL, INK, OCCUPIED, ROBOT, SCAN, SHAPE, TIME, UNKNOWN
 from .view import Points, map_from_cells
 
 _ARROW = Path([(1.0, 0.0), (-0.8, 0.7), (-0.4, 0.0), (-0.8, -0.7), (1.0, 0.0)], closed=True)
-_LONGEST_PATH = 4000  # longer paths are thinned out
+_ENOUGH_POSES = 4000  # a path with at least twice as many is thinned out, but keeps at least this many
 _NO_LABEL = "_"
 
 
 def draw_cells(axes: Axes, grid: OccupancyGrid) -> None:
-    """Draws the cells in view, down-sampled to about one per pixel by their maximum, so that no wall disappears."""
+    """Draws the cells in view. If there are several per pixel, draws their maximum, so that no wall disappears."""
     transform = map_from_cells(grid)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     corners = transform.inverted().transform([(left, bottom), (right, bottom), (right, top), (left, top)])
@@ -71,9 +71,9 @@ def draw_outline(axes: Axes, outline: Points) -> None:
 
 
 def draw_path(axes: Axes, path: Points, *, labels: tuple[str, str] = (_NO_LABEL, _NO_LABEL)) -> None:
-    """Draws a ring at the start of a path, and the path over a white border, thinned out if it is long."""
+    """Draws a path as a coloured line with a white border, and a ring at its start. A long path is thinned out."""
     axes.plot(*path[0, :2], "o", ms=8, mfc="white", mec=TIME(0.0), mew=2.2, zorder=6, label=labels[0])
-    points = path[:: max(1, len(path) // _LONGEST_PATH), :2]
+    points = path[:: max(1, len(path) // _ENOUGH_POSES), :2]
     if len(path) > 1:
         points = np.vstack([points, path[-1:, :2]])
     axes.plot(*points.T, color="white", lw=4.2, alpha=0.85, solid_joinstyle="round", zorder=4)
@@ -107,7 +107,7 @@ def draw_goal(axes: Axes, goal: Points) -> None:
 
 
 def draw_scan(axes: Axes, ends: Points, laser: Points, *, label: str) -> None:
-    """Draws the end points of beams and, if `laser` has a row, the beams. The more beams, the fainter each."""
+    """Draws the end points of beams and, if `laser` has a row, the beams. With more beams, each is fainter."""
     if not len(ends):
         return
     if len(laser):

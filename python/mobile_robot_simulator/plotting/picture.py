@@ -1,4 +1,4 @@
-"""Picture: something to draw, in axes or as a file."""
+"""Picture: base class of pictures, which can be drawn in Matplotlib axes or saved to a file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LEFT, _RIGHT, _BOTTOM, _TOP = 0.65, 0.25, 0.85, 0.25  # space around the axes [
 _TITLE = 0.25  # extra space above the axes for a title [in]
 _LEGEND = 0.48  # distance from the axes down to the legend [in]
 
-# Metadata to leave out of each kind of file: dates and versions would make the bytes differ.
+# Metadata to leave out, by kind of file. Otherwise dates and versions would make the bytes of equal pictures differ.
 _METADATA: dict[str, dict[str, None]] = {
     ".png": {"Software": None},
     ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
@@ -29,7 +29,7 @@ _METADATA: dict[str, dict[str, None]] = {
 
 
 class Picture(ABC):
-    """A part of the map frame with something drawn in it. Subclasses say which part, and what.
+    """Base class of pictures. A subclass defines the part of the map frame to show (`view`) and what to draw in it (`draw`).
 
     Attributes:
         title: Title above the axes, or None.
@@ -43,7 +43,7 @@ class Picture(ABC):
 
     @abstractmethod
     def draw(self, axes: Axes) -> None:
-        """Draws in axes that show the view already."""
+        """Draws in axes that already show the view."""
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the picture in Matplotlib axes and returns the axes.
@@ -64,7 +64,7 @@ class Picture(ABC):
         return axes
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Saves the picture, with a legend below the axes. An older file is replaced in one step.
+        """Saves the picture, with a legend below the axes. An existing file is replaced in one step.
 
         Args:
             file: File to write. Its ending selects the format: .png, .pdf or .svg.

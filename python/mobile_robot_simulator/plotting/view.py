@@ -1,4 +1,4 @@
-"""Which part of the map frame a picture shows."""
+"""Views: the part of the map frame that a picture shows."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def finite_rows(name: str, values: ArrayLike | Pose | None, widths: tuple[int, .
 
 
 def view_of(points: Points, *, margin: float) -> Points:
-    """Returns the lower left and upper right corner, (2, 2), of a view that contains all points.
+    """Returns the lower left and upper right corner [m], (2, 2), of a view that contains all points.
 
     The margin is a fraction of the longest side. A narrow view is widened, so that no picture becomes a thin strip.
     """
@@ -50,16 +50,17 @@ def map_from_cells(grid: OccupancyGrid) -> Affine2D:
 
 
 def grid_corners(grid: OccupancyGrid) -> Points:
-    """Returns the corners of a grid in the map frame, (4, 2)."""
+    """Returns the four corners of a grid in the map frame [m], (4, 2)."""
     height, width = grid.shape
     corners: Points = map_from_cells(grid).transform([(0, 0), (width, 0), (width, height), (0, height)])
     return corners
 
 
 def known_corners(grid: OccupancyGrid, near: Points) -> Points:
-    """Returns the lower left and upper right corner, (2, 2), of the known cells near some points, in the map frame.
+    """Returns the lower left and upper right corner [m], (2, 2), of the known cells near some points in the map frame.
 
-    The corners are at most as far from the points as the points extend, or 10 m. Without known cells, all cells count.
+    Near means within the bounding box of the points, extended on each side by its longest side, but at least by 10 m. If
+    no cell is known, all cells count.
     """
     known = grid.cells >= 0
     rows, cols = (np.flatnonzero(known.any(axis=axis)) for axis in (1, 0))

@@ -1,4 +1,4 @@
-"""DrivePicture: everything drawn lies at its place in the map, and the view holds all of it."""
+"""DrivePicture: everything is drawn at its place in the map, and the view contains all of it."""
 
 from __future__ import annotations
 
