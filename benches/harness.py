@@ -1,8 +1,8 @@
 """Benchmarks of simulations: a drive, a recorded drive, the start of a new simulation, and twenty robots.
 
-Run: python benches/harness.py [--json FILE]. Each figure is the shortest of a few runs in one process. The simulator works
-on one thread. Processor time is printed beside wall time, because it is more reliable on a busy machine. Each benchmark also
-checks its result: that the whole drive took place, and that robots see one another.
+Run: python benches/harness.py [--json FILE]. Each figure is the shortest time of a few runs in one process. The simulator
+uses one thread. Processor time is printed beside wall time, because it is more reliable on a busy machine. Each benchmark
+also checks its result: that the whole drive took place, and that robots see one another.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Benchmarks of ray casting from Python: kernels, maps and threads, compared with calls from Rust and with other packages.
 
 Run: python benches/throughput.py [MAP...]. Each kernel runs in its own process. The processes take turns on the same work,
-so a busy machine slows all of them equally. The median of each counts. All work is done on one thread unless the line says
-otherwise. Peak memory is that of the whole process, including Python and NumPy. The Rust call needs cargo. raycast2D and
-ir-sim are measured if they are installed, with one scan per call.
+so a busy machine slows all of them equally. Each figure is a median. All work is done on one thread unless the printed
+line says otherwise. Peak memory is that of the whole process, including Python and NumPy. The Rust call needs cargo.
+raycast2D and ir-sim are measured if they are installed, with one scan per call.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ REAL = {
 
 
 def maps() -> Iterator[tuple[str, mrs.OccupancyGrid]]:
-    """Yields a generated office, and the real maps in the folder beside the project."""
+    """Yields a generated office, and real maps if the folder with them exists beside the project."""
     yield "office", mrs.floor_plan("office", seed=SEED, size=(40.0, 40.0))
     folder = FOLDER.parent / "shared/maps"
     if not folder.is_dir():
@@ -102,7 +102,7 @@ class Worker:
 
 
 def work(folder: Path) -> None:
-    """Runs in a worker: for each task named on standard input, prints the time that it took [s]."""
+    """Runs in a worker process. Reads tasks from standard input and prints the result of each: mostly its duration [s]."""
     about = json.loads((folder / "about").read_text())
     cells = np.fromfile(folder / "cells", np.int8).reshape(-1, about["width"])
     starts, rays = (np.fromfile(folder / name).reshape(-1, 3) for name in ("poses", "rays"))
@@ -132,7 +132,7 @@ def work(folder: Path) -> None:
         if task == "memory":
             print(peak_memory(), flush=True)
         elif task in PACKAGES:
-            # Keep the output of packages out of the answer.
+            # What packages print must not mix with the answer on standard output.
             with contextlib.redirect_stdout(sys.stderr):
                 found = single_scans(grid, starts[:50].copy(), PACKAGES[task])
             print(json.dumps(found), flush=True)
@@ -152,7 +152,7 @@ def peak_memory() -> float:
 
 
 def in_turns(workers: dict[str, Worker], questions: dict[str, str], turns: int = TURNS) -> dict[str, float]:
-    """Returns the median time of each worker for its question [s]. The workers take turns; a first turn does not count."""
+    """Returns the median time of each worker for its question [s]. The workers take turns. The first turn is not counted."""
     times: dict[str, list[float]] = {name: [] for name in questions}
     for turn in range(turns + 1):
         for name, question in questions.items():
