@@ -183,6 +183,15 @@ def test_unknown_values_cannot_be_written() -> None:
         to_yaml({"laser_fow": 1.0})
 
 
-def test_an_unknown_name_in_an_assignment_suggests_the_nearest() -> None:
-    with pytest.raises(ValueError, match="did you mean 'publish_rate'"):
-        read_assignment("publish_rat:=1")
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [
+        ("laser_beams_count", "laser_beam_count"),
+        ("laser_frequence", "laser_frequency"),
+        ("publish_rat", "publish_rate"),
+        ("sigma", "sigma_hit"),
+    ],
+)
+def test_an_unknown_name_in_an_assignment_suggests_the_nearest(name: str, near: str) -> None:
+    with pytest.raises(ValueError, match=f"unknown parameter '{name}'; did you mean '{near}'"):
+        read_assignment(f"{name}:=1")

@@ -104,8 +104,8 @@ def test_parameters_of_nav2_loopback_sim_are_logged_once(world: Any, map_file: P
     for name in ("update_duration", "base_frame_id", "scan_angle_min", "enable_stamped_cmd_vel"):
         assert process.output.count(f"{name} (a parameter of nav2_loopback_sim) sets") == 1
     result = world.try_parameter(LASER, "scan_range_max", 5.0)
-    assert not result.successful
-    assert result.reason.endswith("can only be set at startup; set laser_max_range instead")
+    refusal = "scan_range_max (a parameter of nav2_loopback_sim) can only be set at startup; set laser_max_range instead"
+    assert (result.successful, result.reason) == (False, refusal)
 
 
 def test_a_refused_change_has_a_reason(world: Any) -> None:

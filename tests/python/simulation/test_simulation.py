@@ -11,6 +11,8 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
+from mobile_robot_simulator.bus.node import Node
+from mobile_robot_simulator.bus.parameter import Parameter
 from mobile_robot_simulator.simulation import simulation
 from simulations import twist
 
@@ -188,6 +190,17 @@ def test_a_node_of_the_user_can_drive_the_robot(room: mrs.OccupancyGrid) -> None
     node.create_timer(0.1, lambda: publisher.publish(twist(1.0)))
     sim.run_for(2.0)
     assert sim.pose.x == pytest.approx(1.9, abs=1e-12)
+
+
+def test_spawn_passes_namespace_and_parameters_to_the_node(room: mrs.OccupancyGrid) -> None:
+    class Talker(Node):
+        def __init__(self) -> None:
+            super().__init__("talker", parameter_overrides=[Parameter("a", value=1), Parameter("b", value=2)])
+            self.a, self.b = (self.declare_parameter(name).value for name in "ab")
+            self.topic = self.create_publisher(mrs.messages.String, "~/said", 1).topic_name
+
+    talker = mrs.Simulation(room).spawn(Talker, namespace="/robot1", parameters={"b": 3})
+    assert (talker.a, talker.b, talker.topic) == (1, 3, "/robot1/talker/said")
 
 
 def test_a_request_can_be_changed_after_the_call(room: mrs.OccupancyGrid) -> None:

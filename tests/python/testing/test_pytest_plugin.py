@@ -56,6 +56,7 @@ def test_a_failure_reports_seed_command_recording_and_picture(run):
     assert result.ret == 1
     out = result.stdout.str()
     assert "did not come within 0.3 m of (1, 5) in 3 s: it was never nearer than 4.000 m" in out
+    assert "nearest: 4.000 m away, at (1.000, 1.000) at 0.000 s" in out
     assert "seed: 5" in result.outlines
     node = r"test_a_failure\S*py::test_fails"
     assert re.search(rf"^repeat with: pytest {node} --simulator-seed 5$", out, re.MULTILINE)
