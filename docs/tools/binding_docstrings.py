@@ -1,4 +1,4 @@
-"""A griffe extension: docstrings of the Rust binding for the API reference.
+"""A griffe extension that adds the docstrings of the Rust binding to the API reference.
 
 The stub `_core.pyi` has the types, the compiled module has the docstrings. Each docstring is written once, in Rust.
 """
@@ -16,7 +16,7 @@ PREFIX = f"{core.__name__}."
 
 
 class BindingDocstrings(griffe.Extension):
-    """Fills in what the stub does not say."""
+    """Adds to the objects of the stub what the stub does not contain."""
 
     def on_object(self, *, obj: griffe.Object, **_: Any) -> None:
         """Takes the docstring from the object of the same name in the compiled module."""
@@ -29,7 +29,7 @@ class BindingDocstrings(griffe.Extension):
             obj.docstring = griffe.Docstring(inspect.cleandoc(text), parent=obj, parser="google")
 
     def on_class(self, *, cls: griffe.Class, **_: Any) -> None:
-        """Shows the signature of `__new__`, which is how the binding constructs, where others have `__init__`."""
+        """Shows the signature of `__new__` as that of `__init__`: the classes of the binding have no `__init__`."""
         new = cls.members.get("__new__")
         if cls.path.startswith(PREFIX) and isinstance(new, griffe.Function):
             init = griffe.Function("__init__", parameters=griffe.Parameters(*list(new.parameters)[1:]), lineno=new.lineno)

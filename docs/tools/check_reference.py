@@ -19,7 +19,7 @@ INVENTORY = Path(__file__).parents[2] / "site" / "objects.inv"
 
 
 def public_modules() -> list[ModuleType]:
-    """The package and its public submodules."""
+    """Returns the package and its public submodules."""
     names = [name for name in dir(package) if not name.startswith("_") and _is_submodule(name)]
     return [package, *(import_module(f"{package.__name__}.{name}") for name in names)]
 
@@ -30,7 +30,11 @@ def _is_submodule(name: str) -> bool:
 
 
 def problems(documented: set[str]) -> list[str]:
-    """One line for each public name that is not documented."""
+    """Returns a line for each public name that is not in the reference or has no docstring.
+
+    Args:
+        documented: Full names of all documented objects.
+    """
     lines = []
     for module in public_modules():
         for name in module.__all__:
@@ -47,7 +51,7 @@ def problems(documented: set[str]) -> list[str]:
 
 
 def _undocumented(cls: type) -> list[str]:
-    """Public methods and properties of a class that have no docstring."""
+    """Returns the names of public methods and properties of a class that have no docstring."""
     members = [(name, value) for name, value in vars(cls).items() if not name.startswith("_")]
     return [
         name
@@ -57,7 +61,7 @@ def _undocumented(cls: type) -> list[str]:
 
 
 def main() -> None:
-    """Checks the documentation that was built."""
+    """Checks the built documentation; exits with an error if a name is missing."""
     with INVENTORY.open("rb") as file:
         found = problems(set(Inventory.parse_sphinx(file)))
     if found:

@@ -1,4 +1,4 @@
-"""A griffe extension: sections of docstrings that griffe would show as coloured boxes.
+"""A griffe extension for sections of docstrings that griffe would show as coloured boxes.
 
 `Example:` becomes a section of examples. A section with a title of our own, such as `Commands:`, becomes a paragraph that
 starts with the title in bold.
@@ -26,7 +26,7 @@ class DocstringSections(griffe.Extension):
 
 
 def rewritten(section: re.Match[str]) -> str:
-    """The section, as griffe understands it."""
+    """Returns a section as `Examples:` or, if its title is not in `KNOWN`, as a paragraph with a bold title."""
     title, body = section.groups()
     if title in KNOWN:
         return section.group()

@@ -16,17 +16,17 @@ REFERENCE = Path(__file__).parents[1] / "reference"
 
 
 def pages() -> dict[Path, str]:
-    """The generated pages: their files and contents."""
+    """Returns the contents of the generated pages by file."""
     return {REFERENCE / "parameters.md": parameters_page(), REFERENCE / "command_line.md": command_line_page()}
 
 
 def parameters_page() -> str:
-    """All parameters of all nodes: name, default, meaning."""
+    """Returns a page with all parameters of all nodes: name, default, meaning."""
     lines = [
         "# Parameters",
         "",
-        "This page is generated from the code. `mobile-robot-simulator parameters` prints the same as a YAML file, which",
-        "`--params-file` reads.",
+        "This page is generated from the code. `mobile-robot-simulator parameters` prints the same list as a YAML file",
+        "for the option `--params-file`.",
     ]
     for model in NODES:
         summary = (model.__doc__ or "").strip().splitlines()[0]
@@ -38,7 +38,7 @@ def parameters_page() -> str:
 
 
 def default_of(model: type[Parameters], name: str) -> str:
-    """The default of a parameter, as it stands in a YAML file."""
+    """Returns the default of a parameter as it is written in a YAML file."""
     default = model.model_fields[name].get_default()
     if model.model_fields[name].is_required():
         return "required"
@@ -48,11 +48,11 @@ def default_of(model: type[Parameters], name: str) -> str:
 
 
 def command_line_page() -> str:
-    """The help texts of the command and of its subcommands, as Typer writes them."""
+    """Returns a page with the help texts of the command and of its subcommands, as Typer prints them."""
     command = [sys.executable, "-m", "typer", "mobile_robot_simulator.cli.main", "utils", "docs"]
     options = ["--name", "mobile-robot-simulator", "--title", "Command line"]
     text = subprocess.run([*command, *options], capture_output=True, text=True, check=True, timeout=60).stdout.strip()
-    # Square brackets outside of code would be read as links.
+    # Markdown would read square brackets outside of code as links.
     parts = text.split("```")
     parts[::2] = [part.replace("[", "\\[") for part in parts[::2]]
     return "```".join(parts) + "\n"
