@@ -124,6 +124,7 @@ def test_the_fit_test_rejects_wrong_parameters() -> None:
             assert_fits(found, mrs.BeamModel(**{**options, **change}), 5.0, 30.0)
 
 
+@pytest.mark.slow
 def test_means_equal_the_computed_values() -> None:
     """E[z] = 8.155287 and E[short] = 1.552873. The tolerance is 6.2 standard errors of the mean."""
     noise = model(sigma_hit=0.2, lambda_short=0.5, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)

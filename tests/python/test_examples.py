@@ -6,6 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.slow
+
 
 def test_the_tests_of_the_example_project_pass():
     check = Path(__file__).parents[1] / "check_examples.py"

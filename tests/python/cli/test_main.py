@@ -4,6 +4,8 @@ import pytest
 
 import mobile_robot_simulator as mrs
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
 pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed")
 

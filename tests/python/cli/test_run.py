@@ -12,6 +12,8 @@ pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
 pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed")
 from rosbags.highlevel import AnyReader
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("form", ["mcap", "bag", "sqlite3"])
 def test_run_saves_a_bag_a_picture_and_a_summary(command, room, tmp_path, form):

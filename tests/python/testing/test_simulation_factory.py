@@ -21,6 +21,7 @@ def test_a_marked_start_takes_precedence_over_marked_robots(tmp_path):
     assert list(factory(hall(6.0)).robots) == [""]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("record", "count"), [("never", 0), ("on-failure", 2), ("always", 2)])
 def test_recordings_and_pictures_are_saved_when_asked(tmp_path, record, count):
     pytest.importorskip("rosbags")
