@@ -41,7 +41,7 @@ build: .venv/release
 	@touch $@
 
 .venv/development: .venv/tools $(CORE_SOURCES)
-	PIP_QUIET=1 $(BIN)/maturin develop --locked
+	PIP_QUIET=1 $(BIN)/maturin develop --profile quick --locked
 	@rm -f .venv/release
 	@touch $@
 
@@ -50,7 +50,7 @@ demo: build
 	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
 
 check: .venv/development lint-rust lint-python
-	cargo test --quiet --locked --lib
+	cargo test --quiet --locked --profile quick --lib
 	$(BIN)/pytest --quiet --numprocesses auto -m "not slow" $(PYTEST_ARGS)
 
 test: build lint docs test-rust test-python

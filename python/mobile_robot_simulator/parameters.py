@@ -248,7 +248,8 @@ class LaserParameters(Parameters):
             )
         if self.laser_mount is not None and self.laser_frame_id == self.base_link_frame:
             raise ValueError(
-                f"laser_mount requires a laser_frame_id other than base_link_frame, got {self.laser_frame_id} for both"
+                "laser_mount needs a laser_frame_id other than base_link_frame, "
+                f"got {self.laser_mount} for {self.laser_frame_id}"
             )
         if self.z_hit + self.z_short + self.z_max + self.z_rand == 0.0:
             raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")

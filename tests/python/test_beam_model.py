@@ -89,6 +89,7 @@ PARTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", PARTS.values(), ids=PARTS)
 @pytest.mark.parametrize(("true_range", "max_range", "sigma", "rate"), CASES)
 def test_readings_fit_the_model(
@@ -98,12 +99,14 @@ def test_readings_fit_the_model(
     assert_fits(readings(noise, true_range, max_range, 100_000), noise, true_range, max_range)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", PARTS.values(), ids=PARTS)
 def test_readings_of_beams_that_hit_nothing_fit_the_model(weights: dict[str, float]) -> None:
     noise = model(sigma_hit=0.5, lambda_short=0.1, **weights)
     assert_fits(readings(noise, None, 30.0, 400_000), noise, None, 30.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", PARTS.values(), ids=PARTS)
 def test_readings_of_a_true_range_of_zero_fit_the_model(weights: dict[str, float]) -> None:
     noise = model(sigma_hit=0.3, lambda_short=2.0, **weights)
@@ -135,6 +138,7 @@ def test_means_equal_the_computed_values() -> None:
     assert short.max() <= 5.0
 
 
+@pytest.mark.slow
 def test_hits_have_the_tails_of_a_normal() -> None:
     deviations = (readings(model(sigma_hit=0.01, z_hit=1.0), 5.0, 30.0, 1_000_000) - 5.0) / 0.01
     for bound in (1.0, 2.0, 3.0, 3.66, 4.0, 4.5):

@@ -34,6 +34,7 @@ def scan(kernel: str | None) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kernel", ["traversal", "portable", "avx2", "avx512"])
 def test_every_kernel_gives_the_same_bytes(kernel: str) -> None:
     found = scan(kernel)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -98,6 +99,7 @@ def test_modules_of_a_room_import_each_other_one_way(path: Path) -> None:
                 waiting.append(other)
 
 
+@cache
 def modules_imported(path: Path) -> list[Path]:
     """Files of the package from which a file imports."""
     found = []

@@ -72,6 +72,7 @@ def test_the_package_offers_names_to_build_with_and_submodules() -> None:
     assert set(dir(mrs)) == {*BUILT_WITH, *SUBMODULES, "__version__"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SUBMODULES)
 def test_a_submodule_is_reached_by_attribute_and_by_import(name: str) -> None:
     """Uses a fresh interpreter for each name, because an import elsewhere would set the attribute."""

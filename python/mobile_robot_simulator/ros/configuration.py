@@ -113,7 +113,9 @@ class ParameterResolver:
         if model is MapParameters and "yaml_filename" not in values:
             if self._map_is_optional:
                 return None
-            raise ValueError("map needs a map file: give MAP.yaml or the parameter yaml_filename")
+            raise ValueError(
+                "map needs a map file: give MAP.yaml or the parameter yaml_filename (on ROS 1: _yaml_filename:=MAP.yaml)"
+            )
         return model.checked(values)
 
     def _translated(self, model: type[Parameters], given: Mapping[str, Any], logger: Logger) -> dict[str, Any]:

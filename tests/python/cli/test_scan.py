@@ -12,6 +12,7 @@ def test_scan_prints_json(command, room):
     assert len(content["ranges"]) == 3 and content["range_max"] == 30.0
 
 
+@pytest.mark.slow
 def test_scan_saves_a_picture(command, room, tmp_path):
     pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed")
     picture = tmp_path / "scan.png"

@@ -33,6 +33,7 @@ def test_maps_without_known_cells_tiny_maps_and_maps_far_away_can_be_drawn(tmp_p
     ScanPicture(grid, (x, y, 0.0), np.zeros((0, 2))).save(tmp_path / "scan.png")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_the_same_arguments_give_the_same_bytes(tmp_path: Path, suffix: str) -> None:
     files = [tmp_path / f"{name}{suffix}" for name in "abc"]

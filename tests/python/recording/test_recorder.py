@@ -80,6 +80,7 @@ record(Path({folder!r}), {format!r}, drive())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", FORMATS)
 def test_the_same_messages_give_the_same_bytes(tmp_path: Path, format: Format) -> None:
     first, second = (contents(record(tmp_path / name, format, drive())) for name in ("first", "second"))
@@ -99,6 +100,7 @@ def test_an_error_leaves_a_complete_recording(tmp_path: Path, format: Format, er
     assert [time_ns for _, _, time_ns in read(recorder.path)] == [5]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", FORMATS)
 def test_an_interruption_at_any_moment_leaves_a_complete_recording(
     tmp_path: Path, format: Format, monkeypatch: pytest.MonkeyPatch
