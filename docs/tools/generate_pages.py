@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -52,6 +53,11 @@ def command_line_page() -> str:
     command = [sys.executable, "-m", "typer", "mobile_robot_simulator.cli.main", "utils", "docs"]
     options = ["--name", "mobile-robot-simulator", "--title", "Command line"]
     text = subprocess.run([*command, *options], capture_output=True, text=True, check=True, timeout=60).stdout.strip()
+    # Typer cuts long help texts in its list of commands. The whole text stands below the command's own heading.
+    for cut in re.findall(r"^\* `(.+)`: .*\.\.\.$", text, re.MULTILINE):
+        _, _, section = text.partition(f"## `mobile-robot-simulator {cut}`\n\n")
+        whole = " ".join(section.partition("\n\n")[0].split())
+        text = re.sub(rf"^\* `{cut}`: .*$", lambda _, line=f"* `{cut}`: {whole}": line, text, flags=re.MULTILINE)
     # Markdown would read square brackets outside of code as links.
     parts = text.split("```")
     parts[::2] = [part.replace("[", "\\[") for part in parts[::2]]
