@@ -68,6 +68,9 @@ class BusNode(Handle):
         self._handles: dict[Any, Callable[[], object]] = {}
         bus.nodes.append(self)
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.get_fully_qualified_name()!r})"
+
     # --- names and time ---
 
     def get_name(self) -> str:

@@ -14,8 +14,9 @@ error_console = Console(stderr=True)
 
 
 def print_table(title: str, rows: Iterable[tuple[str, str]]) -> None:
-    """Prints a table of names and values."""
-    table = Table(title=title, show_header=False)
+    """Prints a title on a line of its own, so that a long path stays whole, and a table of names and values."""
+    console.print(title, highlight=False, markup=False, soft_wrap=True)
+    table = Table(show_header=False)
     for name, value in rows:
         table.add_row(name, value)
     console.print(table)

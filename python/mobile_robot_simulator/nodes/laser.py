@@ -115,6 +115,9 @@ class LaserScannerSimulator(Handle):
         self._scans: Publisher[LaserScan] | None = None
         self._use_parameters(parameters or LaserParameters())
 
+    def __repr__(self) -> str:
+        return f"LaserScannerSimulator({self.scanner!r})"
+
     @property
     def parameters(self) -> LaserParameters:
         """Current parameters."""

@@ -37,6 +37,9 @@ class MapServer(Handle):
         self._message = to_message(grid, frame_id)
         self._running: Handles | None = None
 
+    def __repr__(self) -> str:
+        return f"MapServer(topic={self._topic!r}, service={self._service!r})"
+
     def start(self) -> None:
         """Publishes the map and starts to answer requests. Has no effect if the server is running."""
         if self._running is not None:

@@ -155,6 +155,9 @@ class MobileRobotSimulator(Handle):
         self.reset()
         self._world.join(self)
 
+    def __repr__(self) -> str:
+        return f"MobileRobotSimulator({self.body_name!r}, {self.pose!r})"
+
     @property
     def parameters(self) -> RobotParameters:
         """Current parameters."""

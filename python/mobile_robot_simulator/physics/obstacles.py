@@ -45,6 +45,9 @@ class Obstacle(Handle):
         self.name, self.shape = name, shape
         self._pose_at = _pose_function(trajectory)
 
+    def __repr__(self) -> str:
+        return f"Obstacle({self.name!r}, {self.shape!r})"
+
     def pose(self, time_ns: int) -> Pose:
         """Returns the pose in the map frame at a time.
 

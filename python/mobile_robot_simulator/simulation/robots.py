@@ -38,7 +38,7 @@ class SimulatedRobot(Handle):
     truth: GroundTruth
 
     def __repr__(self) -> str:
-        return f"SimulatedRobot({self.name!r} {self.place})"
+        return f"SimulatedRobot({self.title} {self.place})"
 
     @property
     def pose(self) -> Pose:

@@ -104,7 +104,7 @@ def test_robots_have_different_seeds_and_are_reset_together():
 
 def test_the_repr_shows_name_and_pose():
     sim = pair()
-    assert repr(sim.named("robot1")) == "SimulatedRobot('robot1' at (5.00, 10.00, 0.00))"
+    assert repr(sim.named("robot1")) == "SimulatedRobot(robot robot1 at (5.00, 10.00, 0.00))"
     assert repr(sim.named("robot2").truth).startswith("GroundTruth(robot 'robot2' at (9.00, 10.00, 3.14), ")
 
 
