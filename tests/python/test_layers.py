@@ -133,3 +133,31 @@ def lines_of_eager_imports(nodes: Iterable[ast.AST]) -> set[int]:
         elif not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             lines |= lines_of_eager_imports(ast.iter_child_nodes(node))
     return lines
+
+
+TESTED_ELSEWHERE = {
+    "cli/console.py": "the tests of each command read what it prints",
+    "cli/ros.py": "needs ROS: tests/ros",
+    "cli/summary.py": "cli/test_drive.py reads the summary of a drive",
+    "maps/floor_plans": "maps/test_floor_plans.py checks the plans that its modules draw together",
+    "maps/map_image.py": "maps/test_map_files.py reads every encoding through load_map",
+    "nodes/interface.py": "protocols only",
+    "plotting/layers.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
+    "plotting/style.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
+    "recording/format.py": "a type only",
+    "recording/latching.py": "recording/test_ros1_bag.py and test_ros2_bag.py read the bags",
+    "ros/ros1.py": "needs ROS: tests/ros",
+    "ros/ros2.py": "needs ROS: tests/ros",
+}
+"""Modules, or folders of modules, without a test of their stem, and why."""
+
+
+def test_every_module_has_a_test_of_its_stem_or_a_reason() -> None:
+    here = Path(__file__).parent
+    without = {
+        str(path.relative_to(PACKAGE))
+        for path in files()
+        if path.name != "__init__.py" and not (here / path.relative_to(PACKAGE).parent / f"test_{path.name}").exists()
+    }
+    named = {next((each for each in TESTED_ELSEWHERE if name.startswith(each)), name) for name in without}
+    assert named == set(TESTED_ELSEWHERE)
