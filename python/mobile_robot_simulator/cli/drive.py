@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import OccupancyGrid, Pose
+from ..instant import NANOSECONDS
 from ..messages import LaserScan, Odometry
 from ..simulation.simulation import Simulation
 from .commander import Commander
@@ -75,19 +76,21 @@ class Drive:
         """Drives and returns the results. Ctrl-C ends the drive early; the results then cover the time until Ctrl-C.
 
         Args:
-            duration: Simulated time [s].
+            duration: Simulated time [s], rounded to nanoseconds.
             real_time: Run at `speed_factor` times real time instead of as fast as possible.
             progress: Called repeatedly with the simulated time [s].
         """
         simulation, began = self.simulation, time.perf_counter()
         speed = simulation.robot.parameters.speed_factor
-        step = 0.02 * speed if real_time else 1.0
+        # Whole nanoseconds: a rest of less than half of one would never get shorter.
+        end_ns = round(duration * NANOSECONDS)
+        step_ns = max(1, round(0.02 * speed * NANOSECONDS)) if real_time else NANOSECONDS
         interrupted = False
         try:
-            while (left := duration - simulation.time) > 0.0:
+            while (left_ns := end_ns - round(simulation.time * NANOSECONDS)) > 0:
                 if real_time:
                     time.sleep(max(0.0, simulation.time / speed - (time.perf_counter() - began)))
-                simulation.run_for(min(step, left))
+                simulation.run_for(min(step_ns, left_ns) / NANOSECONDS)
                 progress(simulation.time)
         except KeyboardInterrupt:
             interrupted = True

@@ -39,3 +39,29 @@ def test_a_random_start_has_room_to_turn_where_the_map_has_it():
     assert narrow.is_free_disc(start.x, start.y, 0.2)
     with pytest.raises(ValueError, match="no known free place"):
         draw_start(narrow, 2.0, 1)
+
+
+@pytest.mark.parametrize("duration", [3.3333333333, 2.00000000049, 1e-12])
+@pytest.mark.parametrize(("real_time", "speed_factor"), [(False, 1.0), (True, 1000.0)])
+def test_a_drive_ends_whatever_fraction_of_a_nanosecond_its_duration_has(duration, real_time, speed_factor):
+    drive = Drive(room(80, 120), FORWARD, {"speed_factor": speed_factor}, 3, start=mrs.Pose(2.0, 2.0))
+    calls = []
+
+    def count(time: float) -> None:
+        calls.append(time)
+        assert len(calls) < 100, "the drive does not end"
+
+    summary = drive.run(duration, real_time=real_time, progress=count)
+    assert summary.simulated_seconds == round(duration, 9)
+
+
+def test_a_drive_slower_than_a_nanosecond_per_step_goes_on():
+    drive = Drive(room(80, 120), FORWARD, {"speed_factor": 1e-9}, 3, start=mrs.Pose(2.0, 2.0))
+    seen = []
+
+    def interrupt(time: float) -> None:
+        seen.append(time)
+        raise KeyboardInterrupt
+
+    assert drive.run(1.0, real_time=True, progress=interrupt).interrupted
+    assert seen == [1e-9]
