@@ -62,7 +62,8 @@ impl BeamBits {
         mix(self.state.wrapping_add(self.increment.wrapping_mul(beam)))
     }
 
-    /// Returns a stream for a beam that needs more than 64 bits. It is independent of [`of`](Self::of).
+    /// Returns a stream of random bits for a beam that needs more than the 64 bits from [`of`](Self::of). The stream is
+    /// independent of those 64 bits.
     #[must_use]
     pub fn stream(&self, beam: u64) -> SplitMix64 {
         SplitMix64::from_seed(self.of(!beam).to_le_bytes())

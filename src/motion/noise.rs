@@ -91,9 +91,9 @@ impl MotionNoise {
         self.sample(pose, twist, duration, &mut random::stream(seed ^ ODOMETRY, index)).checked()
     }
 
-    /// Returns the covariance of (x, y, yaw) \[m, m, rad\] after a step, given that before the step: `F·P·Fᵀ + V·M·Vᵀ`.
+    /// Returns the covariance of (x, y, yaw) \[m, m, rad\] after a step: `F·P·Fᵀ + V·M·Vᵀ`.
     ///
-    /// - P is `covariance`, in the frame in which `pose` is given.
+    /// - P is `covariance`: the covariance before the step, in the frame in which `pose` is given.
     /// - F and V are the exact derivatives of the arc: F with respect to the pose, V with respect to (v, ω, γ).
     /// - M is the diagonal matrix of the variances in [`MotionNoise`].
     /// - `pose` is the pose at the start of the step: the true pose, or the one the robot believes in.

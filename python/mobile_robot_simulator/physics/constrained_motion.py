@@ -138,7 +138,7 @@ class ConstrainedMotion(Motion):
         super().stop(time_ns)
 
     def place(self, pose: Pose, time_ns: int) -> None:
-        """Moves the robot, wheel pose included, to a pose in the motion's own frame. A command in force continues."""
+        """Moves the robot to a pose in the motion's own frame and sets `wheel_pose` to it. A command in force continues."""
         self.step(time_ns)
         super().place(pose, time_ns)
         self._reached = None

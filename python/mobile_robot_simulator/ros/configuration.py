@@ -20,7 +20,7 @@ STARTUP_ONLY = ("publish_clock",)
 
 
 class Behaviour(Protocol):
-    """What a ROS process uses of a robot, laser or map server."""
+    """The properties and methods of a robot, laser or map server that a ROS process uses."""
 
     @property
     def parameters(self) -> Any:

@@ -33,7 +33,7 @@ fn truncate(a: f32) -> i32 {
 
 /// Writes the lanes whose bit is set, one after the other from index `at` on.
 ///
-/// There are no branches: every lane is written, and the next lane overwrites it if its bit is not set.
+/// There are no branches: every lane is written. If the bit of a lane is not set, the next lane is written over that lane.
 #[inline(always)]
 fn store_selected<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT]) {
     let numbers: &mut [T; COUNT] = numbers[at..].first_chunk_mut().expect("room for a whole vector");
