@@ -194,7 +194,7 @@ class Motion:
         self._begin(time_ns, STANDING, time_ns)
 
     def place(self, pose: Pose, time_ns: int) -> None:
-        """Moves the robot, wheel pose included, to a pose in the motion's own frame. A command in force continues."""
+        """Moves the robot to a pose in the motion's own frame and sets `wheel_pose` to it. A command in force continues."""
         self._begin(time_ns, self._command, self._until_ns, pose=pose)
         if self._wheels is not None:
             self._wheels = pose
