@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from .._core import OccupancyGrid, Pose
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Odometry
@@ -31,13 +29,13 @@ class Drive:
         parameters: Parameter values by name.
         seed: Random seed.
         start: First pose in the map frame. None chooses a random free pose.
-        radius: Radius of the robot [m], for collisions and for the random start pose.
+        radius: Radius of the robot [m], for its random start pose. If `parameters` have neither `robot_radius` nor
+            `footprint`, it is also the radius of the footprint, and `contact` is `report` by default.
 
     Attributes:
         simulation: The simulation with the robot.
-        path: True poses (x, y [m], yaw [rad]) in the map frame: the first, then one for each odometry message.
+        odometry_messages: Number of odometry messages so far.
         scans: Number of scans so far.
-        collisions: Number of times that the robot began to touch a wall.
         in_unknown: Number of odometry messages sent from an unknown cell or from outside of the map.
 
     Raises:
@@ -55,11 +53,11 @@ class Drive:
         radius: float = 0.2,
     ) -> None:
         start = start if start is not None else draw_start(grid, radius, seed)
-        self._grid, self._radius, self._seed = grid, radius, seed
+        self._grid, self._start, self._seed = grid, start, seed
+        if not {"robot_radius", "footprint"} & {key.rpartition(":")[2] for key in parameters}:
+            parameters = {"robot_radius": radius, "contact": "report", **parameters}
         self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
-        self.path = [(start.x, start.y, start.yaw)]
-        self.scans = self.collisions = self.in_unknown = 0
-        self._touching = self._touches(start)
+        self.odometry_messages = self.scans = self.in_unknown = 0
         robot, laser = self.simulation.robot.parameters, self.simulation.laser.parameters
         self.simulation.subscribe(robot.odometry_topic, Odometry, self._follow)
         self.simulation.subscribe(laser.laser_topic, LaserScan, self._count)
@@ -108,16 +106,16 @@ class Drive:
             beams=beams,
             beams_per_second=beams / wall_seconds,
             distance=simulation.robot.distance,
-            collisions=self.collisions,
-            unknown_share=self.in_unknown / len(self.path),
-            start=self.path[0],
+            collisions=len(simulation.truth.contacts),
+            unknown_share=self.in_unknown / max(1, self.odometry_messages),
+            start=(self._start.x, self._start.y, self._start.yaw),
             end=(end.x, end.y, end.yaw),
             seed=self._seed,
             interrupted=interrupted,
         )
 
     def draw(self, file: Path) -> None:
-        """Saves a picture of the map, the path and the last scan.
+        """Saves the picture of the simulation.
 
         Args:
             file: File to write. Its ending selects the format: .png, .pdf or .svg.
@@ -125,27 +123,14 @@ class Drive:
         Raises:
             ImportError: Matplotlib is not installed.
         """
-        from ..plotting import DrivePicture
-
-        simulation = self.simulation
-        scan = simulation.latest(simulation.laser.parameters.laser_topic)
-        pose = simulation.pose
-        points = None if scan is None else simulation.laser.scanner.end_points(pose, scan.ranges)
-        path = np.array([*self.path, tuple(pose)])
-        DrivePicture(self._grid, path, scan_points=points, laser_pose=pose).save(file)
+        self.simulation.draw(file)
 
     def _follow(self, odometry: Odometry) -> None:
-        """Records the true pose at an odometry message, and counts collisions and time in unknown space."""
+        """Counts the odometry messages, and those sent from unknown space."""
         pose = self.simulation.pose
-        self.path.append((pose.x, pose.y, pose.yaw))
-        touching = self._touches(pose)
-        self.collisions += touching and not self._touching
         cell = self._grid.cell_at(pose.x, pose.y)
+        self.odometry_messages += 1
         self.in_unknown += cell is None or bool(self._grid.cells[cell] < 0)
-        self._touching = touching
-
-    def _touches(self, pose: Pose) -> bool:
-        return not self._grid.is_free_disc(pose.x, pose.y, self._radius)
 
     def _count(self, scan: LaserScan) -> None:
         self.scans += 1

@@ -34,7 +34,10 @@ def run(
     ] = None,
     driver: Annotated[DriverName, typer.Option(help="Built-in driver used without --commands.")] = DriverName.wander,
     radius: Annotated[
-        float, typer.Option(help="Radius of the robot in metres, used to avoid walls and to count collisions.")
+        float,
+        typer.Option(
+            help="Radius of the footprint in metres. Contact is counted; it stops the robot with -p contact:=stop."
+        ),
     ] = 0.2,
     out: Annotated[Path, typer.Option(help="Folder for the recording, drive.png and summary.json.")] = Path("drive"),
     seed: Seed = None,

@@ -19,7 +19,7 @@ class Summary:
         beams: Number of beams in all scans.
         beams_per_second: Beams per second of wall time.
         distance: Distance driven [m].
-        collisions: Number of times that the robot began to touch a wall.
+        collisions: Number of contacts of the robot's footprint that began.
         unknown_share: Share of odometry messages sent from unknown cells or from outside of the map, 0 to 1.
         start: First pose in the map frame: x, y [m], yaw [rad].
         end: Last pose in the map frame: x, y [m], yaw [rad].

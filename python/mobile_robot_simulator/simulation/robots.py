@@ -194,10 +194,10 @@ class Robots(Handle):
 
     def _check_start(self, pose: Pose, shape: Shape | None) -> None:
         """Raises ValueError if the start pose touches a wall, an obstacle or another robot."""
-        if shape is not None and touches(self._grid, shape, pose):
-            raise ValueError(f"start must leave the robot room beside walls, got {_shown(pose)}")
         if not self._grid.is_free_disc(pose.x, pose.y, 0.0):
             raise ValueError(f"start must not be inside a wall, got {_shown(pose)}")
+        if shape is not None and touches(self._grid, shape, pose):
+            raise ValueError(f"start must leave the robot room beside walls, got {_shown(pose)}")
         touched = None if shape is None else self._world.touched(shape, pose)
         if touched is not None:
             raise ValueError(f"start must leave the robot room beside {touched}, got {_shown(pose)}")

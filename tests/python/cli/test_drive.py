@@ -25,7 +25,7 @@ def test_a_drive_counts_what_happened(tmp_path):
     assert seen == [1.0, 2.0]
     assert summary.distance == pytest.approx(1.0) and summary.end == pytest.approx((3.0, 2.0, 0.0))
     assert summary.scans == 20 and summary.beams == 20 * 541 and summary.unknown_share == 0.0
-    assert drive.path[0] == summary.start == (2.0, 2.0, 0.0) and len(drive.path) == 21
+    assert summary.start == (2.0, 2.0, 0.0) and drive.odometry_messages == 20
     summary.save(tmp_path / "summary.json")
     assert json.loads((tmp_path / "summary.json").read_text())["seed"] == 3
     assert ("distance driven", "1.0 m") in summary.rows()
@@ -65,3 +65,26 @@ def test_a_drive_slower_than_a_nanosecond_per_step_goes_on():
 
     assert drive.run(1.0, real_time=True, progress=interrupt).interrupted
     assert seen == [1e-9]
+
+
+@pytest.mark.parametrize("parameters", [{}, {"robot_radius": 0.2}, {"robot_radius": 0.2, "contact": "stop"}])
+def test_a_drive_counts_the_contacts_of_the_truth(parameters):
+    """A robot drives into a wall at 1 m/s."""
+    drive = Drive(room(80, 120), Script(((0.0, 1.0, 0.0, 0.0),)), parameters, 3, start=mrs.Pose(5.0, 2.0))
+    summary = drive.run(2.0)
+    (contact,) = drive.simulation.truth.contacts
+    assert summary.collisions == 1 and contact.what == "a wall"
+    assert contact.pose.x == pytest.approx(5.95 - 0.2, abs=1e-5)
+    through = drive.simulation.robot.parameters.contact == "report"
+    assert summary.end[0] == pytest.approx(7.0 if through else 5.75, abs=1e-5)
+
+
+def test_the_picture_of_a_drive_is_that_of_its_simulation(tmp_path):
+    """It shows the scan from the mount of the scanner, at the pose at which it was taken."""
+    pytest.importorskip("matplotlib")
+    parameters = {"laser_frame_id": "laser", "laser_mount": [0.5, 0.2, 0.3], "laser_frequency": 1.5}
+    drive = Drive(room(80, 120), FORWARD, parameters, 3, start=mrs.Pose(2.0, 2.0))
+    drive.run(2.0)
+    drive.draw(tmp_path / "drive.png")
+    drive.simulation.draw(tmp_path / "simulation.png")
+    assert (tmp_path / "drive.png").read_bytes() == (tmp_path / "simulation.png").read_bytes()
