@@ -1,8 +1,8 @@
 """Pictures of grids, scans and drives: in Matplotlib axes, or as PNG, PDF and SVG files.
 
-`plot_grid`, `plot_scan` and `plot_drive` draw in Matplotlib axes and return them. The classes `GridPicture`, `ScanPicture`
-and `DrivePicture` hold what to draw, and can also save it to a file. Saving needs no display and does not import
-pyplot. The same picture gives the same file, byte for byte, with the same version of Matplotlib.
+`GridPicture`, `ScanPicture` and `DrivePicture` hold what to draw. They draw it in Matplotlib axes or save it to a file.
+Saving needs no display and does not import pyplot. The same picture gives the same file, byte for byte, with the same
+version of Matplotlib.
 """
 
 try:
@@ -10,10 +10,10 @@ try:
 except ImportError as error:
     raise ImportError("pictures need matplotlib: pip install 'mobile-robot-simulator[plotting]'") from error
 
-from .drive import DrivePicture, plot_drive
+from .drive import DrivePicture
 from .grid import GridPicture, grid_png, plot_grid
 from .picture import Picture
-from .scan import ScanPicture, plot_scan
+from .scan import ScanPicture
 
 __all__ = [
     "DrivePicture",
@@ -21,7 +21,5 @@ __all__ = [
     "Picture",
     "ScanPicture",
     "grid_png",
-    "plot_drive",
     "plot_grid",
-    "plot_scan",
 ]

@@ -39,21 +39,3 @@ class ScanPicture(Picture):
         draw_cells(axes, self._grid)
         draw_scan(axes, self._scan_points, self._laser, label="scan")
         draw_robot(axes, self._laser[0], label="laser")
-
-
-def plot_scan(
-    grid: OccupancyGrid, pose: PoseLike, scan_points: Points, *, title: str | None = None, ax: Axes | None = None
-) -> Axes:
-    """Draws a scan in its map and returns the axes.
-
-    Args:
-        grid: Map that was scanned.
-        pose: Pose of the laser in the map frame: x, y [m], yaw [rad].
-        scan_points: End points of the beams in the map frame [m], (M, 2) float64.
-        title: Title above the axes.
-        ax: Axes to draw in. None opens a new pyplot figure.
-
-    Raises:
-        ValueError: An array has a wrong shape or a number that is not finite.
-    """
-    return ScanPicture(grid, pose, scan_points, title=title).plot(ax)

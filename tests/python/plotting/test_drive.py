@@ -11,7 +11,7 @@ from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 from mobile_robot_simulator import OccupancyGrid, Pose, Shape
-from mobile_robot_simulator.plotting import DrivePicture, plot_drive, style
+from mobile_robot_simulator.plotting import DrivePicture, style
 from rendering import GOAL, HITS, PATH, ROBOT, SCAN, SHAPE, Rendered, room
 
 # --- Where things are drawn ---
@@ -147,11 +147,11 @@ def test_arrays_are_checked(arguments: dict[str, Any], match: str) -> None:
 
 def test_given_axes_show_the_drive_and_keep_their_legend() -> None:
     axes = Figure().add_subplot()
-    assert plot_drive(room(), PATH, goal=(1.0, 3.0), title="Office", ax=axes) is axes
+    assert DrivePicture(room(), PATH, goal=(1.0, 3.0), title="Office").plot(axes) is axes
     assert axes.get_legend_handles_labels()[1] == ["start", "path", "end", "goal"] and axes.get_legend() is None
     assert axes.get_title() == "Office" and axes.get_xlim()[0] < 0.5 and axes.get_xlim()[1] > 4.5
 
 
 def test_without_axes_a_pyplot_figure_opens_with_a_legend(agg: None) -> None:
-    axes = plot_drive(room(), PATH)
+    axes = DrivePicture(room(), PATH).plot()
     assert axes is pyplot.gca() and axes.get_legend() is not None

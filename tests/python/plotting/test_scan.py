@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from mobile_robot_simulator import Pose
-from mobile_robot_simulator.plotting import ScanPicture, plot_scan
+from mobile_robot_simulator.plotting import ScanPicture
 from rendering import HITS, Rendered, room
 
 
@@ -19,7 +19,7 @@ def test_the_view_contains_the_end_points_of_the_beams() -> None:
 
 def test_given_axes_show_the_scan() -> None:
     axes = Figure().add_subplot()
-    assert plot_scan(room(), Pose(2.5, 2.5), HITS, ax=axes) is axes
+    assert ScanPicture(room(), Pose(2.5, 2.5), HITS).plot(axes) is axes
     assert axes.get_legend_handles_labels()[1] == ["scan", "laser"]
 
 
