@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from ..instant import NANOSECONDS
@@ -30,6 +31,7 @@ class Executor:
         self._callback_lock = threading.RLock()
         self._timers_changed = threading.Condition(threading.Lock())
         self._has_ended = threading.Event()
+        self._is_signalled = False
         self._error: BaseException | None = None
         self._timers: list[ExecutorTimer] = []
         threading.Thread(target=self._run_timers, name="timers", daemon=True).start()
@@ -83,22 +85,39 @@ class Executor:
         self._error = self._error or error
         self._has_ended.set()
 
-    def wait(self) -> None:
-        """Blocks until `shutdown`, SIGINT (Ctrl-C) or SIGTERM. From then on, both signals are ignored.
+    @contextmanager
+    def until_signalled(self) -> Iterator[None]:
+        """Ends the block on SIGINT (Ctrl-C) or SIGTERM. After the block, both signals are ignored.
 
-        Must be called on the main thread, because it installs signal handlers.
+        Must be used on the main thread, because it installs signal handlers. A signal raises KeyboardInterrupt in the block.
+        It also makes `wait` return at once: rospy and rclpy catch every exception in places, so a KeyboardInterrupt that is
+        raised before `wait` can get lost.
+        """
+
+        def end(*_: object) -> None:
+            # Not `shutdown`: its event has a lock, which this thread may hold while the handler runs.
+            self._is_signalled = True
+            raise KeyboardInterrupt
+
+        try:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, end)
+            yield
+        except KeyboardInterrupt:
+            pass
+        finally:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
+            self.shutdown()
+
+    def wait(self) -> None:
+        """Blocks until `shutdown`, or until a signal in `until_signalled`.
 
         Raises:
             BaseException: The exception of a callback.
         """
-        try:
-            signal.signal(signal.SIGTERM, signal.default_int_handler)
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+        if not self._is_signalled:
             self._has_ended.wait()
-        except KeyboardInterrupt:
-            self._has_ended.set()
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self._error is not None:
             raise self._error
 

@@ -198,19 +198,18 @@ def run(name: str, arguments: list[str]) -> None:
         raise OSError(f"no ROS master at {rosgraph.get_master_uri()}: start roscore first")
     models = models_of(name)
     node_name = models[0].node_name if len(models) == 1 else "mobile_robot_simulator"
-    rospy.init_node(node_name, argv=["mobile-robot-simulator", *ros_arguments], disable_signals=True)
     process = RosProcess()
     try:
-        given = _private_parameters()
-        warn_about_unknown(given, _logger())
-        behaviours = _create_behaviours(models, ParameterResolver(name, DEFAULTS, map_file), given, process)
-        for behaviour in behaviours:
-            process.executor.serialized(behaviour.start)()
-        _MasterMonitor(behaviours, given, process)
-        rospy.on_shutdown(process.executor.shutdown)
-        process.executor.wait()
-    except KeyboardInterrupt:
-        pass
+        with process.executor.until_signalled():
+            rospy.init_node(node_name, argv=["mobile-robot-simulator", *ros_arguments], disable_signals=True)
+            rospy.on_shutdown(process.executor.shutdown)
+            given = _private_parameters()
+            warn_about_unknown(given, _logger())
+            behaviours = _create_behaviours(models, ParameterResolver(name, DEFAULTS, map_file), given, process)
+            for behaviour in behaviours:
+                process.executor.serialized(behaviour.start)()
+            _MasterMonitor(behaviours, given, process)
+            process.executor.wait()
     finally:
         rospy.signal_shutdown("done")
 

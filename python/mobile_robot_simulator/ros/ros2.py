@@ -196,18 +196,17 @@ def run(name: str, arguments: list[str]) -> None:
     context = rclpy.get_default_context()
     process, resolver, spinning = RosProcess(), ParameterResolver(name, DEFAULTS, map_file), list[_SpinningNode]()
     try:
-        for model in models_of(name):
-            node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
-            parameters = _declare_parameters(node, model, resolver)
-            if parameters is not None:
-                _start_behaviour(node, parameters, process)
-                spinning.append(_SpinningNode(node, process.executor))
-        has_other_publishers = partial(_has_other_publishers, spinning[0].node)
-        check_publishers = partial(process.topics.update_routes, has_other_publishers)
-        process.executor.create_timer(PacedClock(), POLL_PERIOD, check_publishers)
-        process.executor.wait()
-    except KeyboardInterrupt:
-        pass
+        with process.executor.until_signalled():
+            for model in models_of(name):
+                node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
+                parameters = _declare_parameters(node, model, resolver)
+                if parameters is not None:
+                    _start_behaviour(node, parameters, process)
+                    spinning.append(_SpinningNode(node, process.executor))
+            has_other_publishers = partial(_has_other_publishers, spinning[0].node)
+            check_publishers = partial(process.topics.update_routes, has_other_publishers)
+            process.executor.create_timer(PacedClock(), POLL_PERIOD, check_publishers)
+            process.executor.wait()
     finally:
         rclpy.try_shutdown()
         for each in spinning:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import signal
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 
 import pytest
 
@@ -65,8 +67,7 @@ def test_callbacks_run_one_at_a_time() -> None:
     assert most == [1]
 
 
-def test_wait_raises_what_a_timer_raised(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(signal, "signal", lambda *_: None)
+def test_wait_raises_what_a_timer_raised() -> None:
     executor = Executor()
 
     def fail() -> None:
@@ -75,6 +76,37 @@ def test_wait_raises_what_a_timer_raised(monkeypatch: pytest.MonkeyPatch) -> Non
     executor.create_timer(PacedClock(), 0.01, fail)
     with pytest.raises(ZeroDivisionError):
         executor.wait()
+
+
+@pytest.fixture
+def restore_signal_handlers() -> Iterator[None]:
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("restore_signal_handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_block(number: signal.Signals) -> None:
+    executor = Executor()
+    with executor.until_signalled():
+        signal.raise_signal(number)
+        pytest.fail("the block went on")
+    executor.wait()
+    assert signal.getsignal(number) == signal.SIG_IGN
+
+
+@pytest.mark.usefixtures("restore_signal_handlers")
+def test_a_signal_ends_the_wait_even_if_other_code_has_caught_its_exception() -> None:
+    executor, ended = Executor(), list[bool]()
+    with executor.until_signalled():
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGINT)
+        waiting = threading.Thread(target=lambda: (executor.wait(), ended.append(True)), daemon=True)
+        waiting.start()
+        waiting.join(10.0)
+    assert ended == [True]
 
 
 def test_a_serialized_callback_may_call_another_one() -> None:
