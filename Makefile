@@ -2,6 +2,7 @@
 #
 # make build         makes .venv with the development tools and an importable release build
 # make demo          drives a robot through a generated floor plan; the recording and a picture are in demo/
+# make speed         measures the speed of scans on generated maps, for each kernel
 # make check         lints and the fast tests, with a development build: within a minute when little has changed
 # make test          lints, documentation and all tests
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
@@ -24,7 +25,7 @@ export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo check test lint lint-rust lint-python lint-workflows test-rust test-python docs test-ros wheel lock clean
+.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python docs test-ros wheel lock clean
 
 build: .venv/release
 
@@ -48,6 +49,13 @@ build: .venv/release
 demo: build
 	$(BIN)/mobile-robot-simulator floor-plan demo/office.yaml --seed 1
 	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
+
+SPEED := target/speed
+speed: build
+	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/office.yaml --seed 1 --size 60 40
+	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/corridor.yaml --seed 1 --kind corridor --size 120 60
+	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/warehouse.yaml --seed 1 --kind warehouse --size 80 50
+	cargo bench --quiet --locked --bench ratios -- $(foreach plan,office corridor warehouse,$(SPEED)/$(plan).pgm) empty
 
 check: .venv/development lint-rust lint-python
 	cargo test --quiet --locked --profile quick --lib

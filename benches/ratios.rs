@@ -1,16 +1,19 @@
 //! `cargo bench --bench ratios [-- MAP...]`: speed of each kernel relative to the plain traversal, in one run.
 //!
+//! A MAP is the name of a map in `workloads`, or the image of a map with cells of 5 cm. Without one, all named maps are used.
+//!
 //! Kernels take turns, so a busy machine slows all of them equally. In its turn a kernel casts a whole batch, so it does not
 //! profit from what the kernel before it left in the cache. Figures are medians of the turns, on one thread.
 
 mod workloads;
 
+use std::path::Path;
 use std::time::Instant;
 
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{BeamModel, BeamModelOptions, Noise, Obstacles, OccupancyGrid};
 
-use workloads::{kernels, laser, maps, poses};
+use workloads::{kernels, laser, maps, poses, read};
 
 const TURNS: usize = 9;
 
@@ -27,15 +30,25 @@ fn main() {
     }
     println!();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || wanted.iter().any(|name| name == map)) {
-        let build = build(&grid);
-        let [scans, noisy] = scans(&grid, &kernels);
-        line(&format!("scan {map}"), build, &scans, |nth| scans[0] / scans[nth]);
-        // Relative to the same scans without noise.
-        line(&format!("with noise {map}"), build, &noisy, |nth| noisy[nth] / scans[nth]);
-        let [rays] = rays(&grid, &kernels);
-        line(&format!("rays {map}"), build, &rays, |nth| rays[0] / rays[nth]);
+    let (images, names): (Vec<_>, Vec<_>) = wanted.iter().map(Path::new).partition(|map| map.extension().is_some());
+    for image in &images {
+        let grid = read(image, 0.05).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
+        measure(&image.file_stem().unwrap_or_default().to_string_lossy(), &grid, &kernels);
     }
+    for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || names.contains(&Path::new(map))) {
+        measure(map, &grid, &kernels);
+    }
+}
+
+/// Measures all kernels on a map and prints a line for each kind of batch.
+fn measure(map: &str, grid: &OccupancyGrid, kernels: &[Kernel]) {
+    let build = build(grid);
+    let [scans, noisy] = scans(grid, kernels);
+    line(&format!("scan {map}"), build, &scans, |nth| scans[0] / scans[nth]);
+    // Relative to the same scans without noise.
+    line(&format!("with noise {map}"), build, &noisy, |nth| noisy[nth] / scans[nth]);
+    let [rays] = rays(grid, kernels);
+    line(&format!("rays {map}"), build, &rays, |nth| rays[0] / rays[nth]);
 }
 
 /// Returns the nanoseconds per cell to build the free boxes: the median of several runs.

@@ -54,18 +54,22 @@ pub fn maps() -> impl Iterator<Item = (&'static str, OccupancyGrid)> {
     if !folder.is_dir() {
         eprintln!("skipped: no real maps in {}", folder.display());
     }
-    let real = REAL.into_iter().filter_map(move |(name, image, resolution)| {
-        let pixels = image::open(folder.join(image)).ok()?.into_luma8();
-        // Dark is occupied, white is free, grey is unknown. Poses are in free cells only.
-        let value = |pixel: u8| if pixel < 90 { 100 } else { -i8::from(pixel < 250) };
-        let lines = pixels.as_raw().chunks(pixels.width() as usize).rev();
-        Some((name, grid(lines.flatten().map(|&pixel| value(pixel)).collect(), pixels.width() as usize, resolution)))
-    });
+    let real = REAL
+        .into_iter()
+        .filter_map(move |(name, image, resolution)| Some((name, read(&folder.join(image), resolution).ok()?)));
     let generated = GENERATED.into_iter().map(|(name, blocks)| {
         let value = |index: usize| if blocks(index % SIDE, index / SIDE) { 100 } else { 0 };
         (name, grid((0..SIDE * SIDE).map(value).collect(), SIDE, 0.05))
     });
     real.chain(generated)
+}
+
+/// Reads a map from an image. Dark is occupied, white is free, grey is unknown. Poses are in free cells only.
+pub fn read(image: &Path, resolution: f64) -> Result<OccupancyGrid, image::ImageError> {
+    let pixels = image::open(image)?.into_luma8();
+    let value = |pixel: u8| if pixel < 90 { 100 } else { -i8::from(pixel < 250) };
+    let lines = pixels.as_raw().chunks(pixels.width() as usize).rev();
+    Ok(grid(lines.flatten().map(|&pixel| value(pixel)).collect(), pixels.width() as usize, resolution))
 }
 
 fn grid(cells: Vec<i8>, width: usize, resolution: f64) -> OccupancyGrid {
