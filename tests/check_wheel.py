@@ -29,6 +29,14 @@ def check_ranges() -> None:
     assert ranges.tolist() == [1.0, 0.5, 1.0, 5.0], ranges
 
 
+def check_metadata() -> None:
+    """`pip show` finds the project's page, what the package does, its authors and its licence."""
+    metadata = distribution("mobile-robot-simulator").metadata
+    pages = [url for url in metadata.get_all("Project-URL") or () if url.startswith("Homepage, ")]
+    fields = [metadata[name] for name in ("Summary", "Author", "License-Expression")]
+    assert pages and all(fields), f"pip show shows too little: {pages}, {fields}"
+
+
 def check_command() -> None:
     """The console command starts and says what it is."""
     command = Path(sys.executable).with_name("mobile-robot-simulator")
@@ -38,7 +46,7 @@ def check_command() -> None:
 
 def main() -> None:
     """Run the checks named on the command line, all if none is named."""
-    checks = {"files": check_files, "ranges": check_ranges, "command": check_command}
+    checks = {"files": check_files, "metadata": check_metadata, "ranges": check_ranges, "command": check_command}
     for name in sys.argv[1:] or checks:
         checks[name]()
     print(f"mobile-robot-simulator {mrs.__version__}, Python {sys.version.split()[0]}, NumPy {np.__version__}: works")
