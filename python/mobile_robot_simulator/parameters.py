@@ -57,6 +57,7 @@ def _check_topic(name: str) -> str:
 
 
 Topic = Annotated[str, AfterValidator(_check_topic)]
+OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic(name))]
 
 
 def _corners_to_text(value: object) -> object:
@@ -144,6 +145,15 @@ class RobotParameters(Parameters):
     contact: Literal["stop", "slide", "report"] = Field(
         "stop", description="effect of contact with walls, obstacles and other robots: stop, slide or report"
     )
+    map_service: Topic = Field(
+        "/static_map", description="name of the GetMap service, for the map of a robot with a footprint (not in Simulation)"
+    )
+    map_topic: OptionalTopic = Field(
+        "/map", description="topic of maps that replace the current one; empty for none (not in Simulation)"
+    )
+    unknown: Literal["free", "occupied"] = Field(
+        "free", description="treatment of unknown cells: free, or occupied, which a footprint collides with"
+    )
     velocity_limits: LimitTriple | None = Field(
         None, description="largest absolute velocity [vx, vy, wz] [m/s, m/s, rad/s]; null for no limits"
     )
@@ -205,9 +215,7 @@ class LaserParameters(Parameters):
         "/odom", description="topic of the odometry; its twist extrapolates the pose of the robot between transforms"
     )
     map_service: Topic = Field("/static_map", description="name of the GetMap service")
-    map_topic: Annotated[str, AfterValidator(lambda name: name and _check_topic(name))] = Field(
-        "/map", description="topic of maps that replace the current one; empty for none"
-    )
+    map_topic: OptionalTopic = Field("/map", description="topic of maps that replace the current one; empty for none")
     laser_frame_id: Name = Field(
         "base_link", description="frame of the scanner; its pose on the robot is read from tf if tf has one"
     )

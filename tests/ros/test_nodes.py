@@ -196,19 +196,60 @@ def test_late_subscribers_receive_the_map_even_a_large_one(world: Any, tmp_path:
     assert np.array_equal(np.asarray(answer.data, np.int8).reshape(1000, 1000), large.cells)
 
 
+def map_message(grid: mrs.OccupancyGrid) -> Any:
+    message = find(MAP)()
+    message.header.frame_id = "map"
+    message.info.resolution, (message.info.height, message.info.width) = grid.resolution, grid.shape
+    message.info.origin.position.x, message.info.origin.position.y, _ = grid.origin
+    message.info.origin.orientation.w = 1.0
+    message.data = grid.cells.ravel().tolist()
+    return message
+
+
 def test_a_new_map_replaces_the_current_one(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, laser_frequency=20.0, **QUIET)
     scan = world.subscribe("/scan", SCAN)
     before = np.asarray(scan.next().ranges)
-    message = find(MAP)()
-    message.header.frame_id = "map"
-    message.info.resolution, message.info.width, message.info.height = 1.0, 5, 5
-    message.info.origin.position.x = message.info.origin.position.y = -2.5
-    message.info.origin.orientation.w = 1.0
-    message.data = [100 if 0 in (row % 4, column % 4) else 0 for row in range(5) for column in range(5)]
-    world.publisher("/map", MAP, latched=True)(message)
+    cells = np.zeros((5, 5), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    world.publisher("/map", MAP, latched=True)(
+        map_message(mrs.OccupancyGrid(cells, resolution=1.0, origin=(-2.5, -2.5, 0.0)))
+    )
     after = scan.next(lambda it: it.ranges[90] == pytest.approx(1.5))
     assert not np.array_equal(before, np.asarray(after.ranges))
+
+
+def corridor(wall: float) -> mrs.OccupancyGrid:
+    """A map of 6 m around the origin with one wall, whose near side is at x = wall [m]."""
+    cells = np.zeros((60, 60), np.int8)
+    cells[:, round(10 * wall) + 30] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1, origin=(-3.0, -3.0, 0.0))
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_a_footprint_stops_at_the_walls_of_the_served_map(world: Any, tmp_path: Path, together: bool) -> None:
+    parameters = {"robot_radius": 0.3, "publish_rate": 50.0, "velocity_timeout": 5.0, "cmd_vel_stamped": False}
+    map_file = tmp_path / "near.yaml"
+    mrs.save_map(corridor(0.8), map_file)
+    process = world.start("all", map_file=map_file, **parameters) if together else world.start("robot", **parameters)
+    odom = world.subscribe("/odom", ODOM)
+    publish = world.publisher("/cmd_vel", TWIST)
+    if not together:
+        publish(twist(0.5, 0.0))
+        odom.wait_for(20)
+        assert odom[-1].pose.pose.position.x == 0.0
+        world.start("map", map_file=map_file)
+    wait_until(lambda: "using a map of 60x60 cells" in process.output, "the map")
+    publish(twist(0.5, 0.0))
+    stopped = odom.next(lambda it: it.pose.pose.position.x > 0.45 and it.twist.twist.linear.x == 0.0)
+    assert stopped.pose.pose.position.x == pytest.approx(0.5, abs=1e-6)
+
+    count = process.output.count("using a map")
+    world.publisher("/map", MAP, latched=True)(map_message(corridor(1.5)))
+    wait_until(lambda: process.output.count("using a map") > count, "the changed map")
+    publish(twist(0.5, 0.0))
+    stopped = odom.next(lambda it: it.pose.pose.position.x > 1.15 and it.twist.twist.linear.x == 0.0)
+    assert stopped.pose.pose.position.x == pytest.approx(1.2, abs=1e-6)
 
 
 @pytest.mark.parametrize("from_tf", [True, False])

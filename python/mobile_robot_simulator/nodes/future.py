@@ -11,38 +11,51 @@ from ..handle import Handle
 
 @dataclass(frozen=True)
 class FutureSnapshot:
-    """Saved state of a future: whether it is done, its result, and the callbacks that wait for it."""
+    """Saved state of a future: whether it is done, its result or exception, and the callbacks that wait for it."""
 
     done: bool
     result: Any
+    exception: Exception | None
     callbacks: tuple[Callable[[Future], None], ...]
 
 
 class Future(Handle):
-    """The response of a service call, available later."""
+    """The response of a service call, available later. If the call has failed, the exception replaces the response."""
 
     def __init__(self) -> None:
         self._done = False
         self._result: Any = None
+        self._exception: Exception | None = None
         self._callbacks: list[Callable[[Future], None]] = []
 
     def done(self) -> bool:
-        """Returns True once the response has arrived."""
+        """Returns True once the response has arrived or the call has failed."""
         return self._done
 
     def result(self) -> Any:
-        """Returns the response, or None before it has arrived."""
+        """Returns the response, or None before it has arrived.
+
+        Raises:
+            Exception: The call has failed.
+        """
+        if self._exception is not None:
+            raise self._exception
         return self._result
+
+    def exception(self) -> Exception | None:
+        """Returns why the call has failed, or None if it has not."""
+        return self._exception
 
     def set_result(self, result: Any) -> None:
         """Sets the response and calls the waiting callbacks."""
-        self._done, self._result = True, result
-        callbacks, self._callbacks = self._callbacks, []
-        for callback in callbacks:
-            callback(self)
+        self._end(result, None)
+
+    def set_exception(self, exception: Exception) -> None:
+        """Sets why the call has failed and calls the waiting callbacks."""
+        self._end(None, exception)
 
     def add_done_callback(self, callback: Callable[[Future], None]) -> None:
-        """Calls the callback with this future when the response arrives, or now if it has already arrived."""
+        """Calls the callback with this future when it is done, or now if it is already done."""
         if self._done:
             callback(self)
         else:
@@ -50,8 +63,15 @@ class Future(Handle):
 
     def save(self) -> FutureSnapshot:
         """Returns the state that `restore` takes."""
-        return FutureSnapshot(self._done, self._result, tuple(self._callbacks))
+        return FutureSnapshot(self._done, self._result, self._exception, tuple(self._callbacks))
 
     def restore(self, state: FutureSnapshot) -> None:
         """Puts the future back into a saved state."""
-        self._done, self._result, self._callbacks = state.done, state.result, list(state.callbacks)
+        self._done, self._result, self._exception = state.done, state.result, state.exception
+        self._callbacks = list(state.callbacks)
+
+    def _end(self, result: Any, exception: Exception | None) -> None:
+        self._done, self._result, self._exception = True, result, exception
+        callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            callback(self)

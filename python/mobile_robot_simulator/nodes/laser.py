@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,21 +11,14 @@ import numpy as np
 from .. import messages
 from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose
 from ..handle import Handle, Handles
-from ..messages import GetMap, Header, LaserScan, TFMessage, Time, TransformStamped
+from ..messages import Header, LaserScan, TFMessage, Time, TransformStamped
 from ..parameters import LaserParameters
 from ..physics.world import Carrier
-from .future import Future
-from .interface import Client, Node, Publisher, QoS
-from .map_messages import carries_grid, from_message, with_unknown
+from .interface import Node, Publisher, QoS
+from .map_listener import MapListener, MapListenerSnapshot
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
 
 NO_INTENSITIES = np.zeros(0, np.float32)
-
-MAP_REQUEST_PERIOD = 1.0
-"""Time between two attempts to request the map [s]."""
-
-MAP_REQUEST_TIMEOUT_NS = 10_000_000_000
-"""Time after which an unanswered map request is repeated [ns]."""
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
 """Parameters that hold the weights of the beam model."""
@@ -52,9 +44,8 @@ class LaserSnapshot:
         parameters: Parameters.
         scanner: Scanner with its mount.
         beam_model: Noise of the ranges.
-        grid: Map, None before it has arrived. The cells themselves are not saved.
+        maps: State of the map listener, with the map.
         scan_count: Number of scans so far. The noise of a scan depends on its number.
-        map_requested_ns: Time of the unanswered map request [ns], None if there is none.
         running: Publishers, subscriptions and timers, None while the node is stopped.
         scans: Publisher of the scans, None before the first start.
         transforms: State of the transform buffer.
@@ -63,9 +54,8 @@ class LaserSnapshot:
     parameters: LaserParameters
     scanner: LaserScanner
     beam_model: BeamModel
-    grid: OccupancyGrid | None
+    maps: MapListenerSnapshot
     scan_count: int
-    map_requested_ns: int | None
     running: Handles | None
     scans: Publisher[LaserScan] | None
     transforms: TransformSnapshot
@@ -104,16 +94,16 @@ class LaserScannerSimulator(Handle):
         transforms: TransformBuffer | None = None,
     ) -> None:
         self._node = node
-        self._grid = grid
+        parameters = parameters or LaserParameters()
+        self._maps = MapListener(node, self._prepare, parameters.unknown, grid)
         self._prepared_grid: OccupancyGrid | None = None
         self._carrier = carrier
         self._transforms = TransformBuffer() if transforms is None else transforms
         self._listener = TransformListener(node, self._transforms) if transforms is None else None
         self._scan_count = 0
-        self._map_requested_ns: int | None = None
         self._running: Handles | None = None
         self._scans: Publisher[LaserScan] | None = None
-        self._use_parameters(parameters or LaserParameters())
+        self._use_parameters(parameters)
 
     def __repr__(self) -> str:
         return f"LaserScannerSimulator({self.scanner!r})"
@@ -142,8 +132,6 @@ class LaserScannerSimulator(Handle):
         if after == before:
             return
         self._use_parameters(after)
-        if self._grid is not None and after.unknown != before.unknown:
-            self._grid = with_unknown(self._grid, after.unknown)
         if self._running is None or all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
             return
         try:
@@ -168,7 +156,7 @@ class LaserScannerSimulator(Handle):
         with Handles() as handles:
             self._create_publishers(handles)
             self._create_subscriptions(handles)
-            self._create_map_client(handles)
+            self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             scanning = self._node.create_timer(1.0 / self._parameters.laser_frequency, self._publish_scan)
             handles.add(self._node.destroy_timer, scanning)
             self._running = handles
@@ -185,9 +173,8 @@ class LaserScannerSimulator(Handle):
             parameters=self._parameters,
             scanner=self._scanner,
             beam_model=self._beam_model,
-            grid=self._grid,
+            maps=self._maps.save(),
             scan_count=self._scan_count,
-            map_requested_ns=self._map_requested_ns,
             running=self._running,
             scans=self._scans,
             transforms=self._transforms.save(),
@@ -196,8 +183,8 @@ class LaserScannerSimulator(Handle):
     def restore(self, state: LaserSnapshot) -> None:
         """Puts the node back into a saved state."""
         self._parameters, self._scanner, self._beam_model = state.parameters, state.scanner, state.beam_model
-        self._grid, self._scan_count, self._map_requested_ns = state.grid, state.scan_count, state.map_requested_ns
-        self._running, self._scans = state.running, state.scans
+        self._maps.restore(state.maps)
+        self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
         self._transforms.restore(state.transforms)
 
     def _restart(self) -> None:
@@ -217,28 +204,15 @@ class LaserScannerSimulator(Handle):
             static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
 
     def _create_subscriptions(self, handles: Handles) -> None:
-        """Subscribes to transforms, odometry and maps."""
-        node, parameters = self._node, self._parameters
+        """Subscribes to transforms and odometry."""
         if self._listener is not None:
-            self._listener.start(parameters.odometry_topic)
+            self._listener.start(self._parameters.odometry_topic)
             handles.add(self._listener.stop)
-        if parameters.map_topic:
-            maps = node.create_subscription(messages.OccupancyGrid, parameters.map_topic, self._take_map, QoS.LATCHED)
-            handles.add(node.destroy_subscription, maps)
-
-    def _create_map_client(self, handles: Handles) -> None:
-        """Requests the map now, and periodically until it has arrived."""
-        node = self._node
-        self._map_requested_ns = None
-        client = node.create_client(GetMap, self._parameters.map_service)
-        handles.add(node.destroy_client, client)
-        self._request_map(client)
-        requesting = node.create_timer(MAP_REQUEST_PERIOD, partial(self._request_map, client))
-        handles.add(node.destroy_timer, requesting)
 
     def _use_parameters(self, parameters: LaserParameters) -> None:
         scanner, beam_model = parameters.scanner(), parameters.beam_model
         self._parameters, self._scanner, self._beam_model = parameters, scanner, beam_model
+        self._maps.set_unknown(parameters.unknown)
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
             normalised = {name: round(getattr(beam_model, name), 6) for name in weights}
@@ -246,32 +220,6 @@ class LaserScannerSimulator(Handle):
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds
-
-    def _request_map(self, client: Client) -> None:
-        """Requests the map, unless it has arrived or a request is pending."""
-        now_ns = self._now_ns()
-        requested_ns = self._map_requested_ns
-        is_waiting = requested_ns is not None and 0 <= now_ns - requested_ns < MAP_REQUEST_TIMEOUT_NS
-        if self._grid is None and not is_waiting and client.service_is_ready():
-            self._map_requested_ns = now_ns
-            client.call_async(GetMap.Request()).add_done_callback(self._take_map_response)
-
-    def _take_map_response(self, future: Future) -> None:
-        self._map_requested_ns = None
-        self._take_map(future.result().map)
-
-    def _take_map(self, message: messages.OccupancyGrid) -> None:
-        """Replaces the map, unless the message carries the same one or is invalid."""
-        if self._grid is not None and carries_grid(message, self._grid):
-            return
-        try:
-            self._grid = from_message(message, unknown=self._parameters.unknown)
-        except ValueError as error:
-            self._node.get_logger().warning(f"map refused: {error}")
-            return
-        self._prepare(self._grid)
-        height, width = self._grid.shape
-        self._node.get_logger().info(f"using a map of {width}x{height} cells of {self._grid.resolution:g} m")
 
     def _prepare(self, grid: OccupancyGrid) -> None:
         """Builds the beam lookup tables of a new grid on all cores. The first scan would build them on one thread."""
@@ -284,11 +232,11 @@ class LaserScannerSimulator(Handle):
         assert self._scans is not None
         now_ns, parameters = self._now_ns(), self._parameters
         map_from_base = self._base_pose(now_ns)
-        if self._grid is None or map_from_base is None:
+        if self._maps.grid is None or map_from_base is None:
             return
         self._update_mount(now_ns)
         scanner = self._scanner
-        ranges = self._measure(self._grid, map_from_base)
+        ranges = self._measure(self._maps.grid, map_from_base)
         self._scans.publish(
             LaserScan(
                 Header(Time.from_nanoseconds(now_ns), parameters.laser_frame_id),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import messages
-from .._core import MotionNoise, Pose, Shape
+from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
 from ..messages import (
     Clock,
@@ -34,6 +34,8 @@ from ..physics.motion import Motion, MotionSnapshot, Velocity
 from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerSnapshot
 from ..physics.world import Placed, World
 from .interface import Node, Publisher, QoS
+from .map_listener import MapListener, MapListenerSnapshot
+from .steady_time import SteadyTime
 
 RESTART_PARAMETERS = (
     "publish_map_transform",
@@ -43,6 +45,8 @@ RESTART_PARAMETERS = (
     "velocity_topic",
     "odometry_topic",
     "cmd_vel_stamped",
+    "map_service",
+    "map_topic",
 )
 """Changing one of these restarts the node."""
 
@@ -89,6 +93,7 @@ class RobotSnapshot:
         believed_pose: Pose that the odometry last reported, in the odometry frame.
         motion: The motion and its saved state.
         odometer: The odometer and its saved state.
+        maps: State of the map listener, with the map.
     """
 
     parameters: RobotParameters
@@ -100,6 +105,7 @@ class RobotSnapshot:
     believed_pose: Pose
     motion: tuple[Motion, MotionSnapshot]
     odometer: tuple[Odometer, OdometerSnapshot]
+    maps: MapListenerSnapshot
 
 
 class MobileRobotSimulator(Handle):
@@ -118,6 +124,10 @@ class MobileRobotSimulator(Handle):
     Constraints:
         With velocity and acceleration limits the robot follows a command only within these limits. With a footprint it
         collides with walls, obstacles and other robots. Without both, it follows commands exactly.
+    Map:
+        A robot with a footprint needs the map. If its world has none, the node requests the map from `map_service` and
+        retries until it arrives; a map on `map_topic` replaces the current one. The robot ignores commands until it has a
+        map.
     Odometry:
         The odometry is exact by default. With `odometry_alphas` it drifts, and its covariance reports the drift. The
         transform map -> odom then corrects the drift, so that map -> base_link stays the true pose.
@@ -129,7 +139,8 @@ class MobileRobotSimulator(Handle):
         node: Node to publish and subscribe through.
         parameters: Parameters. Default: `RobotParameters()`.
         start_pose: Pose at the start and after a reset, in the map frame. Default: `Pose()`.
-        world: World that the robot moves in. If None, the robot is alone in an empty world, on the time of the node's clock.
+        world: World that the robot moves in. If None, the robot is alone in a world without a map, on the time of the node's
+            clock.
         name: Name of the robot in contact events.
     """
 
@@ -145,7 +156,9 @@ class MobileRobotSimulator(Handle):
         self._node = node
         self.body_name = name
         self._parameters = parameters or RobotParameters()
-        self._world = world or World(lambda: node.get_clock().now().nanoseconds)
+        self._world = world or World(SteadyTime(node.get_clock()))
+        self._is_map_given = self._world.grid is not None
+        self._maps = MapListener(node, self._use_map, self._parameters.unknown, self._world.grid)
         self._start_pose = start_pose or Pose()
         self._running: Handles | None = None
         self._publishers: RobotPublishers | None = None
@@ -236,7 +249,8 @@ class MobileRobotSimulator(Handle):
         if self._running is None:
             return
         self._node.set_speed(after.speed_factor)
-        if all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
+        needs_map_as_before = (before.shape is None) == (after.shape is None)
+        if needs_map_as_before and all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
             return
         try:
             self._restart()
@@ -286,6 +300,8 @@ class MobileRobotSimulator(Handle):
             self._publishers = self._create_publishers(handles)
             self._create_subscriptions(handles)
             self._create_services(handles)
+            if self._footprint is not None and not self._is_map_given:
+                self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             self._node.set_speed(self._parameters.speed_factor)
             self._create_timers(handles)
             self._running = handles
@@ -309,6 +325,7 @@ class MobileRobotSimulator(Handle):
             believed_pose=self._believed_pose,
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
+            maps=self._maps.save(),
         )
 
     def restore(self, state: RobotSnapshot) -> None:
@@ -320,6 +337,7 @@ class MobileRobotSimulator(Handle):
         self._motion.restore(motion_state)
         self._odometer, odometer_state = state.odometer
         self._odometer.restore(odometer_state)
+        self._maps.restore(state.maps)
 
     def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
@@ -339,6 +357,7 @@ class MobileRobotSimulator(Handle):
     def _change_motion(self, before: RobotParameters, after: RobotParameters) -> None:
         """Applies changed parameters to the motion."""
         now_ns = self._world.now_ns()
+        self._maps.set_unknown(after.unknown)
         if after.velocity_timeout != before.velocity_timeout:
             self._motion.set_timeout(after.velocity_timeout, now_ns)
         if any(getattr(before, name) != getattr(after, name) for name in CONSTRAINT_PARAMETERS):
@@ -346,6 +365,15 @@ class MobileRobotSimulator(Handle):
             motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
             self._motion = motion.continuing(self._motion)
             self._world.changed()
+
+    def _use_map(self, grid: OccupancyGrid) -> None:
+        """Moves in another map from now on. Warns if the robot is inside one of its walls."""
+        self._world.use_map(grid)
+        if self._footprint is not None and touches(grid, self._footprint, self.pose):
+            x, y, yaw = self.pose
+            self._node.get_logger().warning(
+                f"the robot at ({x:.2f}, {y:.2f}, {yaw:.2f}) touches a wall of the map; move it with set_pose or initialpose"
+            )
 
     def _restart(self) -> None:
         """Restarts the node without stopping the robot."""
@@ -399,6 +427,8 @@ class MobileRobotSimulator(Handle):
             self._node.get_logger().warning(
                 f"velocity command refused: |vx|, |vy| and |wz| must be finite and at most {MAX_COMMAND:g}, got {velocity}"
             )
+            return
+        if self._footprint is not None and self._world.grid is None:
             return
         self._motion.command(velocity, self._world.now_ns())
 

@@ -51,6 +51,7 @@ class WorldSnapshot:
     stepped_ns: int
     obstacles: tuple[Obstacle, ...]
     bodies: tuple[Body, ...]
+    grid: OccupancyGrid | None
 
 
 class World(Handle):
@@ -63,7 +64,7 @@ class World(Handle):
 
     Args:
         clock: Returns the simulated time [ns]. It increases steadily, even if the clock that nodes see jumps.
-        grid: The map; without one there is no contact, neither with walls nor between bodies.
+        grid: The map, None until it is known; without one there is no contact, neither with walls nor between bodies.
 
     """
 
@@ -93,6 +94,12 @@ class World(Handle):
         self._bodies.append(body)
         self.changed()
 
+    def use_map(self, grid: OccupancyGrid) -> None:
+        """Replaces the map from now on."""
+        self.now_ns()
+        self.grid = grid
+        self.changed()
+
     def place(self, obstacle: Obstacle) -> None:
         """Adds an obstacle."""
         self.now_ns()
@@ -102,8 +109,8 @@ class World(Handle):
     def changed(self) -> None:
         """Updates the poses that robots can collide with.
 
-        Must be called when a robot or obstacle was added, when a footprint changed, and when a robot was moved by anything
-        other than a velocity command.
+        Must be called when a robot or obstacle was added, when the map or a footprint changed, and when a robot was moved
+        by anything other than a velocity command.
         """
         self._latest = None
         self._freeze()
@@ -143,11 +150,11 @@ class World(Handle):
 
     def save(self) -> WorldSnapshot:
         """Returns a snapshot for `restore`."""
-        return WorldSnapshot(self._stepped_ns, tuple(self.obstacles), tuple(self._bodies))
+        return WorldSnapshot(self._stepped_ns, tuple(self.obstacles), tuple(self._bodies), self.grid)
 
     def restore(self, state: WorldSnapshot) -> None:
         """Returns to the state of a snapshot. The motions of the robots must be restored first."""
-        self._stepped_ns = state.stepped_ns
+        self._stepped_ns, self.grid = state.stepped_ns, state.grid
         self.obstacles, self._bodies = list(state.obstacles), list(state.bodies)
         self.changed()
 

@@ -11,6 +11,7 @@ from ..nodes.map_server import MapFileServer
 from ..nodes.robot import MobileRobotSimulator
 from ..parameters import LaserParameters, MapParameters, Parameters, RobotParameters, check_names
 from .nav2_loopback_names import SYNONYMS, translate
+from .node import RosProcess
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
 """Parameter class of each node, by the name of the node on the command line."""
@@ -38,19 +39,20 @@ def models_of(name: str) -> list[type[Parameters]]:
     return list(MODELS.values()) if name == "all" else [MODELS[name]]
 
 
-def create_behaviour(parameters: Parameters, node: Node) -> Behaviour:
+def create_behaviour(parameters: Parameters, node: Node, process: RosProcess) -> Behaviour:
     """Creates the robot, the laser or the map server. The class of the parameters decides which one.
 
     Args:
         parameters: Checked parameters.
         node: ROS node on which it runs.
+        process: What all nodes of the process share. Robots move in its world.
 
     Raises:
         ValueError: The map file is invalid.
         OSError: The map file cannot be read.
     """
     if isinstance(parameters, RobotParameters):
-        return MobileRobotSimulator(node, parameters)
+        return MobileRobotSimulator(node, parameters, world=process.world_for(node))
     if isinstance(parameters, LaserParameters):
         return LaserScannerSimulator(node, parameters)
     assert isinstance(parameters, MapParameters)

@@ -6,8 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from ..nodes.interface import Clock, Logger, M, QoS
+from ..nodes.interface import Clock, Logger, M, Node, QoS
+from ..nodes.steady_time import SteadyTime
 from ..parameters import Parameters
+from ..physics.world import World
 from .conversion import MessageConverter
 from .executor import Executor, ExecutorTimer
 from .intra_process import IntraProcessSubscription, IntraProcessTopics
@@ -15,7 +17,7 @@ from .paced_clock import PacedClock
 
 
 class RosProcess:
-    """The executor, the topics and the paced clock that all nodes of a process share.
+    """The executor, the topics, the paced clock and the world that all nodes of a process share.
 
     Attributes:
         executor: Runs the callbacks of all nodes, one at a time.
@@ -26,6 +28,12 @@ class RosProcess:
         self.executor = Executor()
         self.topics = IntraProcessTopics()
         self._paced_clock: PacedClock | None = None
+        self._world: World | None = None
+
+    def world_for(self, node: Node) -> World:
+        """Returns the world in which all robots of the process move. Its time is that of the node that asks first."""
+        self._world = self._world or World(SteadyTime(node.get_clock()))
+        return self._world
 
     def clock_for(self, parameters: Parameters, *, use_sim_time: bool) -> PacedClock | None:
         """Returns the clock for a new node: the paced clock of the process, or None for the clock of ROS.

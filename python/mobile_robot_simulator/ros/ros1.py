@@ -166,15 +166,16 @@ class _Client:
         return True
 
     def call_async(self, request: Message) -> Future:
-        """Calls the service on a new thread. If the call fails, a warning is logged and the future is never done."""
+        """Calls the service on a new thread. If the call fails, a warning is logged and the future holds the exception."""
         future = Future()
-        set_result = self.executor.serialized(future.set_result)
+        set_result, set_exception = map(self.executor.serialized, (future.set_result, future.set_exception))
 
         def call() -> None:
             try:
                 response = self.proxy(ROS1.to_ros(request, self.proxy.request_class))
             except (rospy.ServiceException, rospy.ROSException, OSError) as error:
                 rospy.logwarn(f"call of service {self.proxy.resolved_name} failed: {error}")
+                set_exception(error)
             else:
                 set_result(ROS1.from_ros(response, self.srv_type.Response))
 
@@ -223,7 +224,7 @@ def _create_behaviours(
         if parameters is not None:
             clock = process.clock_for(parameters, use_sim_time=rospy.get_param("/use_sim_time", False))
             create = process.executor.serialized(create_behaviour)
-            behaviours.append(create(parameters, Ros1Node(process, clock)))
+            behaviours.append(create(parameters, Ros1Node(process, clock), process))
     return behaviours
 
 

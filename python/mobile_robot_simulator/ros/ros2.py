@@ -169,11 +169,15 @@ class _Client:
     def call_async(self, request: Message) -> Future:
         future = Future()
 
-        def set_result(ros_future: Any) -> None:
-            future.set_result(ROS2.from_ros(ros_future.result(), self.srv_type.Response))
+        def end(ros_future: Any) -> None:
+            error = ros_future.exception()
+            if error is None:
+                future.set_result(ROS2.from_ros(ros_future.result(), self.srv_type.Response))
+            else:
+                future.set_exception(error)
 
         ros_future = self.client.call_async(ROS2.to_ros(request, self.client.srv_type.Request))
-        ros_future.add_done_callback(self.executor.serialized(set_result))
+        ros_future.add_done_callback(self.executor.serialized(end))
         return future
 
 
@@ -244,7 +248,7 @@ def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess) -> 
     clock = process.clock_for(parameters, use_sim_time=node.get_parameter("use_sim_time").value)
 
     def start() -> None:
-        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock))
+        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process)
         node.add_on_set_parameters_callback(process.executor.serialized(partial(_change_parameters, behaviour)))
         behaviour.start()
 

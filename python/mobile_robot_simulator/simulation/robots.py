@@ -138,6 +138,8 @@ class Robots(Handle):
             )
         values = self._values_of(name, parameters)
         robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
+        if any(key.rpartition(":")[2] == "unknown" for key in values):
+            self._check_unknown(robot_parameters, laser_parameters)
         pose = to_pose(start, "start")
         self._check_start(pose, robot_parameters.shape)
         robot = MobileRobotSimulator(
@@ -191,6 +193,15 @@ class Robots(Handle):
         if self._robots:
             values["publish_clock"] = False
         return of_namespace(name, values)
+
+    def _check_unknown(self, *parameters: RobotParameters | LaserParameters) -> None:
+        """Raises ValueError unless both nodes of a robot treat unknown cells as the map does, which all robots share."""
+        for each in parameters:
+            if each.unknown != self._grid.unknown:
+                raise ValueError(
+                    f"unknown must be {self._grid.unknown!r}, as for all nodes that share the map of the simulation, "
+                    f"got {each.unknown!r} for {each.node_name}"
+                )
 
     def _check_start(self, pose: Pose, shape: Shape | None) -> None:
         """Raises ValueError if the start pose touches a wall, an obstacle or another robot."""

@@ -89,8 +89,9 @@ class Simulation(Handle):
         check_names(values)
         laser = for_node(LaserParameters, values)
         values.setdefault("odometry_seed", laser.seed)
-        if any(key.rpartition(":")[2] == "unknown" for key in values) and laser.unknown != grid.unknown:
-            grid = with_unknown(grid, laser.unknown)
+        if any(key.rpartition(":")[2] == "unknown" for key in values):
+            values.setdefault("unknown", laser.unknown)
+            grid = with_unknown(grid, laser.unknown) if laser.unknown != grid.unknown else grid
         self._grid = grid
         self._bus = bus = Bus()
         self._node = BusNode(bus, "simulation")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from mobile_robot_simulator.nodes.future import Future
 
 
@@ -23,3 +25,19 @@ def test_a_restored_future_waits_again_for_the_same_callbacks() -> None:
         future.restore(state)
         assert not future.done()
     assert seen == [1, 2]
+
+
+def test_a_failed_call_raises_its_exception_instead_of_a_result() -> None:
+    future, seen = Future(), list[object]()
+    error = OSError("the server died")
+    future.add_done_callback(lambda done: seen.append(done.exception()))
+    state = future.save()
+    future.set_exception(error)
+    assert future.done() and seen == [error]
+    with pytest.raises(OSError, match="the server died"):
+        future.result()
+    failed = future.save()
+    future.restore(state)
+    assert (future.done(), future.result(), future.exception()) == (False, None, None)
+    future.restore(failed)
+    assert (future.done(), future.exception()) == (True, error)

@@ -568,6 +568,6 @@ def test_a_valid_new_map_replaces_the_old_one() -> None:
 
 def test_a_message_with_the_same_map_does_not_replace_the_grid() -> None:
     sim = mrs.Simulation(mrs.OccupancyGrid(hall().cells, resolution=0.1, origin=(-5.0, -5.0, 1e-3)))
-    used = sim.laser._grid
+    used = sim.laser._maps.grid
     sim.run_for(1.0)
-    assert sim.laser._grid is used
+    assert sim.laser._maps.grid is used

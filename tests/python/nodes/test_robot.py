@@ -13,6 +13,8 @@ import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.bus import Bus
 from mobile_robot_simulator.bus.node import NoCopyNode
+from mobile_robot_simulator.nodes.interface import QoS
+from mobile_robot_simulator.nodes.map_messages import to_message
 from mobile_robot_simulator.parameters import RobotParameters
 
 SECOND = 1_000_000_000
@@ -527,3 +529,113 @@ def test_the_clock_can_have_its_own_rate_or_be_switched_off() -> None:
     sim.robot.set_parameters(publish_clock=False)
     sim.run_for(1.0)
     assert len(times) == 100
+
+
+@pytest.mark.parametrize("limits", [{}, {"velocity_limits": (1.0, 1.0, 1.0)}])
+def test_a_robot_drives_on_after_a_jump_of_its_clock(limits: dict[str, Any]) -> None:
+    rig = Rig(**limits)
+    rig.drive(1.0, 0.5)
+    for count, jump in enumerate((1_700_000_000, -1_700_003_600, 7_200), start=1):
+        rig.bus.clock_offset_ns += jump * SECOND
+        rig.drive(1.0 + count, 0.5)
+        close(rig.robot.pose, 0.5 * (1 + count), 0.0, 0.0, 0.02)
+    assert rig.all("/odom")[-1].twist.twist.linear.x == 0.5
+
+
+# --- the map of a robot with a footprint ------------------------------------------------------------------------------
+
+
+def field(wall: float) -> mrs.OccupancyGrid:
+    """A map of 10 m around the origin with one wall, whose near side is at x = wall [m]."""
+    cells = np.zeros((100, 100), np.int8)
+    cells[:, round(10 * wall) + 50] = 100
+    return mrs.OccupancyGrid(cells, resolution=0.1, origin=(-5.0, -5.0, 0.0))
+
+
+def serve(rig: Rig, grid: mrs.OccupancyGrid, by: str = "both") -> None:
+    """Offers a map by "topic", by "service" or by both."""
+    topic, service = ("/map" if by != "service" else "/no_map"), ("/static_map" if by != "topic" else "/no_service")
+    mrs.nodes.MapServer(NoCopyNode(rig.bus, "map_server"), grid, topic=topic, service=service).start()
+
+
+@pytest.mark.parametrize("by", ["topic", "service"])
+@pytest.mark.parametrize(
+    ("footprint", "reach"), [({"robot_radius": 0.3}, 0.3), ({"footprint": "[[-0.5, -0.2], [0.4, -0.2], [0.4, 0.2]]"}, 0.4)]
+)
+def test_a_footprint_stops_at_a_wall_of_the_served_map(by: str, footprint: dict[str, Any], reach: float) -> None:
+    rig = Rig(**footprint)
+    serve(rig, field(1.0), by)
+    rig.run_to(1.5)
+    rig.drive(6.0, 0.5)
+    assert rig.robot.pose.x == pytest.approx(1.0 - reach, abs=1e-6)
+    assert [contact.what for contact in rig.robot.motion.contacts] == ["a wall"]
+    assert rig.all("/odom")[-1].pose.pose.position.x == pytest.approx(1.0 - reach, abs=1e-6)
+
+
+def test_a_robot_drives_the_same_path_with_a_served_map_as_in_a_simulation() -> None:
+    values = {
+        "robot_radius": 0.3,
+        "contact": "slide",
+        "acceleration_limits": (1.0, 1.0, 2.0),
+        "publish_map_transform": True,
+        "cmd_vel_stamped": False,
+    }
+    rig = Rig(**values)
+    serve(rig, field(1.0))
+    sim = mrs.Simulation(field(1.0), parameters=values)
+    rig.run_to(0.1)
+    sim.run_for(0.1)
+    for wz in (0.2, 0.2, -0.5, 0.3) * 5:
+        rig.command(0.6, 0.0, wz)
+        sim.publish("/cmd_vel", twist(0.6, 0.0, wz))
+        rig.run_to(sim.time + 0.4)
+        sim.run_for(0.4)
+    assert tuple(rig.robot.pose) == tuple(sim.pose)
+    assert rig.robot.motion.contacts == list(sim.truth.contacts) != []
+
+
+def test_a_footprint_waits_for_the_map_and_nothing_else_does() -> None:
+    with_footprint, without = Rig(robot_radius=0.3), Rig(velocity_limits=(1.0, 1.0, 1.0))
+    for rig in (with_footprint, without):
+        rig.drive(1.0, 0.5)
+    assert with_footprint.robot.pose.x == 0.0
+    assert without.robot.pose.x == 0.5
+    assert without.bus.find_topic("/map") is None
+    serve(with_footprint, field(1.0))
+    with_footprint.run_to(1.1)
+    with_footprint.drive(1.6, 0.5)
+    assert with_footprint.robot.pose.x == pytest.approx(0.25)
+
+
+def test_a_changed_map_and_a_changed_footprint_apply_at_once() -> None:
+    rig = Rig()
+    serve(rig, field(1.0))
+    rig.robot.set_parameters(robot_radius=0.3)
+    rig.run_to(0.1)
+    rig.drive(4.0, 0.5)
+    assert rig.robot.pose.x == pytest.approx(0.7, abs=1e-6)
+    rig.node.create_publisher(mrs.messages.OccupancyGrid, "/map", QoS.LATCHED).publish(to_message(field(2.0)))
+    rig.run_to(4.1)
+    rig.drive(8.0, 0.5)
+    assert rig.robot.pose.x == pytest.approx(1.7, abs=1e-6)
+    rig.robot.set_parameters(robot_radius=0.0)
+    rig.drive(12.0, 0.5)
+    assert rig.robot.pose.x == pytest.approx(1.7 + 2.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("unknown", "x"), [("free", 1.5), ("occupied", 0.7)])
+def test_a_footprint_collides_with_unknown_cells_if_they_are_occupied(unknown: str, x: float) -> None:
+    cells = np.where(field(1.0).cells == 100, -1, 0).astype(np.int8)
+    rig = Rig(robot_radius=0.3, unknown=unknown)
+    serve(rig, mrs.OccupancyGrid(cells, resolution=0.1, origin=(-5.0, -5.0, 0.0)))
+    rig.run_to(0.1)
+    rig.drive(3.1, 0.5)
+    assert rig.robot.pose.x == pytest.approx(x, abs=1e-6)
+
+
+def test_a_map_with_a_wall_at_the_robot_is_warned_about(caplog: pytest.LogCaptureFixture) -> None:
+    rig = Rig(robot_radius=0.3)
+    serve(rig, field(0.0))
+    rig.run_to(0.1)
+    (warning,) = [record.message for record in caplog.records if record.levelname == "WARNING"]
+    assert warning.startswith("the robot at (0.00, 0.00, 0.00) touches a wall of the map")

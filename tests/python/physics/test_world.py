@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
@@ -37,3 +38,17 @@ def test_everything_repeats_after_a_restore():
         sim.add_obstacle(mrs.Shape.disc(0.1), (15, 15, 0))
         sim.restore(state)
     assert ends[0] == ends[1] and ends[0][1][0]
+
+
+def test_a_map_can_be_replaced_and_is_restored():
+    sim = pair(robot_radius=0.25)
+    world, before = sim._world, sim._world.grid
+    state = sim.save()
+    wall = np.zeros((20, 20), np.int8)
+    wall[:, 7] = 100
+    world.use_map(mrs.OccupancyGrid(wall, resolution=1.0))
+    drive(sim, 1.0, topic="/robot1/cmd_vel")
+    sim.run_for(5.0)
+    assert sim.robots["robot1"].pose.x == pytest.approx(7.0 - 0.25, abs=1e-6)
+    sim.restore(state)
+    assert world.grid is before

@@ -18,6 +18,7 @@ from mobile_robot_simulator.ros.configuration import (
     split_arguments,
     warn_about_unknown,
 )
+from mobile_robot_simulator.ros.node import RosProcess
 
 
 class Log:
@@ -56,7 +57,7 @@ def test_all_runs_every_node() -> None:
     ("parameters", "expected"), [(RobotParameters, MobileRobotSimulator), (LaserParameters, LaserScannerSimulator)]
 )
 def test_the_parameters_choose_the_node(parameters: Any, expected: Any) -> None:
-    assert isinstance(create_behaviour(parameters(), create_node()), expected)
+    assert isinstance(create_behaviour(parameters(), create_node(), RosProcess()), expected)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_unknown_names_are_warned_about() -> None:
 
 
 def test_parameters_change_or_the_reason_is_returned() -> None:
-    laser = create_behaviour(LaserParameters(), create_node())
+    laser = create_behaviour(LaserParameters(), create_node(), RosProcess())
     assert change_parameters(laser, {"laser_beam_count": 91, "publish_rate": -1.0}) is None
     assert laser.parameters.laser_beam_count == 91
     refusal = change_parameters(laser, {"seed": 5, "laser_beam_count": 0})
@@ -127,10 +128,16 @@ def test_parameters_change_or_the_reason_is_returned() -> None:
 
 
 def test_some_parameters_can_only_be_set_at_startup() -> None:
-    robot = create_behaviour(RobotParameters(publish_clock=False), create_node())
+    robot = create_behaviour(RobotParameters(publish_clock=False), create_node(), RosProcess())
     assert change_parameters(robot, {"publish_clock": False}) is None
     assert change_parameters(robot, {"publish_clock": True}) == "publish_clock can only be set at startup and stays False"
     refusal = change_parameters(robot, {"update_duration": 0.1})
     assert refusal == (
         "update_duration (a parameter of nav2_loopback_sim) can only be set at startup; set publish_rate instead"
     )
+
+
+def test_the_robot_of_a_process_moves_in_its_world() -> None:
+    process, node = RosProcess(), create_node()
+    robot: Any = create_behaviour(RobotParameters(robot_radius=0.3), node, process)
+    assert robot in [body for body, _ in process.world_for(node).everybody()]

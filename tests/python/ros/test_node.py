@@ -73,6 +73,15 @@ def test_nodes_created_after_one_that_publishes_the_clock_share_its_clock() -> N
         assert process.clock_for(LaserParameters(), use_sim_time=use_sim_time) is clock
 
 
+def test_all_robots_of_a_process_move_in_one_world_on_the_clock_of_the_first() -> None:
+    process = RosProcess()
+    clock = PacedClock(lambda: 5)
+    world = process.world_for(FakeRosNode(process, clock))  # type: ignore[arg-type]
+    assert world.now_ns() == 5
+    assert process.world_for(FakeRosNode(process)) is world  # type: ignore[arg-type]
+    assert world.grid is None
+
+
 def test_set_speed_changes_only_a_paced_clock() -> None:
     clock = PacedClock()
     paced, following = FakeRosNode(RosProcess(), clock), FakeRosNode(RosProcess())

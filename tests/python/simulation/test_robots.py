@@ -111,3 +111,19 @@ def test_the_repr_shows_name_and_pose():
 def test_a_simulation_without_robots_says_so(room):
     with pytest.raises(ValueError, match="no robot yet: add one with add_robot"):
         mrs.Simulation(room, robots={}).pose  # noqa: B018
+
+
+@pytest.mark.parametrize("key", ["unknown", "mobile_robot_simulator_node:unknown", "laser_scanner_simulator_node:unknown"])
+def test_all_robots_share_the_treatment_of_unknown_cells(key: str) -> None:
+    sim = mrs.Simulation(hall(), robots={"robot1": (5.0, 5.0, 0.0)})
+    with pytest.raises(ValueError, match="unknown must be 'free', as for all nodes that share the map of the simulation"):
+        sim.add_robot("robot2", start=(9.0, 9.0, 0.0), parameters={key: "occupied"})
+    assert list(sim.robots) == ["robot1"]
+
+
+def test_the_laser_decides_how_a_simulation_treats_unknown_cells() -> None:
+    key = "laser_scanner_simulator_node:unknown"
+    sim = mrs.Simulation(hall(), parameters={key: "occupied"}, start=(5.0, 5.0, 0.0))
+    assert (sim.grid.unknown, sim.robot.parameters.unknown) == ("occupied", "occupied")
+    with pytest.raises(ValueError, match=r"got 'free' for mobile_robot_simulator_node"):
+        mrs.Simulation(hall(), parameters={key: "occupied", "unknown": "free"}, start=(5.0, 5.0, 0.0))
