@@ -57,7 +57,12 @@ pub enum NoReturn {
     Inf,
     /// The maximum range of the scanner.
     Max,
+    /// 0.1 m less than the maximum range of the scanner, but not less than its minimum range.
+    BelowMax,
 }
+
+/// Distance of [`NoReturn::BelowMax`] from the maximum range \[m\].
+const BELOW_MAX: f32 = 0.1;
 
 /// Largest number of beams of a scanner.
 pub const MAX_BEAMS: usize = 1_000_000;
@@ -253,7 +258,7 @@ impl LaserScanner {
     /// | reading | becomes |
     /// |---|---|
     /// | below `min_range` | `-inf` |
-    /// | `max_range` or more | `+inf`, or `max_range` with [`NoReturn::Max`] |
+    /// | `max_range` or more | the value that `no_return` says |
     /// | any other, NaN included | unchanged |
     ///
     /// ```
@@ -267,7 +272,12 @@ impl LaserScanner {
     /// ```
     pub fn mark_invalid(&self, readings: &mut [f32], no_return: NoReturn) {
         let (min, max) = (self.options.min_range as f32, self.options.max_range as f32);
-        let missing = if no_return == NoReturn::Inf { f32::INFINITY } else { max };
+        let missing = match no_return {
+            NoReturn::Inf => f32::INFINITY,
+            NoReturn::Max => max,
+            // The next float32 below `max` if 0.1 m is less than its spacing.
+            NoReturn::BelowMax => (max - BELOW_MAX).min(max.next_down()).max(min),
+        };
         for reading in readings {
             if *reading < min {
                 *reading = f32::NEG_INFINITY;

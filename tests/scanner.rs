@@ -188,6 +188,12 @@ fn readings_that_are_not_valid_returns_are_marked() {
     let mut readings = [0.0, 0.5, 7.999, 8.0];
     laser.mark_invalid(&mut readings, NoReturn::Max);
     assert_eq!(readings, [f32::NEG_INFINITY, 0.5, 7.999, 8.0]);
+    laser.mark_invalid(&mut readings, NoReturn::BelowMax);
+    assert_eq!(readings, [f32::NEG_INFINITY, 0.5, 7.999, 7.9]);
+    let narrow = scanner(ScannerOptions { beam_count: 1, min_range: 0.5, max_range: 0.55, ..ScannerOptions::default() });
+    let mut reading = [0.55];
+    narrow.mark_invalid(&mut reading, NoReturn::BelowMax);
+    assert_eq!(reading, [0.5]);
 }
 
 #[test]

@@ -238,8 +238,10 @@ class LaserParameters(Parameters):
     z_short: Weight = Field(0.0, description="weight of ranges to unexpected objects")
     z_max: Weight = Field(0.005, description="weight of failed measurements, which read laser_max_range")
     z_rand: Weight = Field(0.0, description="weight of random readings, uniform from 0 to laser_max_range")
-    no_return: Literal["inf", "max"] = Field(
-        "inf", description="reading of a beam without a return: inf (REP-117) or max (laser_max_range)"
+    no_return: Literal["inf", "max", "below_max"] = Field(
+        "inf",
+        description="reading of a beam without a return: inf (REP-117), max (laser_max_range; range_max is then 1 mm more), "
+        "or below_max (laser_max_range less 0.1 m)",
     )
     unknown: Literal["free", "occupied"] = Field(
         "free", description="treatment of unknown cells: free, or occupied, which blocks beams"

@@ -237,18 +237,19 @@ impl LaserScanner {
 
     /// Returns a copy of readings in which invalid ones are marked as in a `LaserScan` message (REP-117).
     ///
-    /// Readings below `min_range` become -inf. Readings of `max_range` and above become +inf, or `max_range` if `no_return`
-    /// is "max". NaN stays NaN.
+    /// Readings below `min_range` become -inf. Readings of `max_range` and above are beams without a return; `no_return` says
+    /// what they become. NaN stays NaN.
     ///
     /// Args:
     ///     readings: float32 of any shape [m].
-    ///     no_return: Mark of a beam without a return, "inf" or "max".
+    ///     no_return: Mark of a beam without a return: "inf" for +inf, "max" for `max_range`, or "below_max" for 0.1 m less
+    ///         than `max_range` (but at least `min_range`).
     ///
     /// Returns:
     ///     float32 of the same shape [m], a new array.
     ///
     /// Raises:
-    ///     ValueError: `no_return` is neither "inf" nor "max".
+    ///     ValueError: `no_return` is none of these.
     ///     TypeError: The array is not float32.
     ///
     /// Examples:
@@ -267,7 +268,11 @@ impl LaserScanner {
         let no_return = match no_return {
             "inf" => NoReturn::Inf,
             "max" => NoReturn::Max,
-            other => return Err(PyValueError::new_err(format!("no_return must be 'inf' or 'max', got '{other}'"))),
+            "below_max" => NoReturn::BelowMax,
+            other => {
+                let message = format!("no_return must be 'inf', 'max' or 'below_max', got '{other}'");
+                return Err(PyValueError::new_err(message));
+            }
         };
         let readings = typed::<f32>("readings", readings)?;
         let readings = readings.as_array();
@@ -284,7 +289,8 @@ impl LaserScanner {
     ///
     /// Args:
     ///     pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
-    ///     readings: (beam_count,) float32 [m], with or without the marks of `mark_invalid`.
+    ///     readings: (beam_count,) float32 [m], with or without the marks of `mark_invalid`. The mark "below_max" counts as a
+    ///         return.
     ///
     /// Returns:
     ///     (M, 2) float64, one row (x, y) per valid reading [m], in the order of the beams.

@@ -130,7 +130,7 @@ def test_valid_values_are_accepted(name: str, value: Any) -> None:
         ("sigma_hit", 0.0, "sigma_hit must be greater than 0, got 0.0"),
         ("lambda_short", -2.0, "lambda_short must be greater than 0, got -2.0"),
         ("z_rand", -0.1, "z_rand must be greater than or equal to 0, got -0.1"),
-        ("no_return", "nan", "no_return must be 'inf' or 'max', got 'nan'"),
+        ("no_return", "nan", "no_return must be 'inf', 'max' or 'below_max', got 'nan'"),
         ("unknown", "maybe", "unknown must be 'free' or 'occupied', got 'maybe'"),
         ("seed", -1, "seed must be"),
         ("seed", 2**64, f"got {2**64}"),

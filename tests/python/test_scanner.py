@@ -403,7 +403,7 @@ def test_invalid_poses_leave_out_unchanged(post: mrs.OccupancyGrid) -> None:
 # --- Invalid ranges and end points ---
 
 
-@pytest.mark.parametrize(("no_return", "missing"), [("inf", math.inf), ("max", 30.0)])
+@pytest.mark.parametrize(("no_return", "missing"), [("inf", math.inf), ("max", 30.0), ("below_max", np.float32(29.9))])
 def test_invalid_ranges_are_marked_as_in_rep_117(no_return: str, missing: float) -> None:
     laser = mrs.LaserScanner(min_range=0.5)
     readings = np.array([0.0, 0.25, np.nextafter(np.float32(0.5), np.float32(0)), 0.5, 1.0, 29.5, 30.0], np.float32)
@@ -411,6 +411,11 @@ def test_invalid_ranges_are_marked_as_in_rep_117(no_return: str, missing: float)
     assert marked.dtype == np.float32
     assert marked.tolist() == [-math.inf, -math.inf, -math.inf, 0.5, 1.0, 29.5, missing]
     assert readings[0] == 0.0
+
+
+def test_below_max_is_at_least_the_smallest_valid_range() -> None:
+    laser = mrs.LaserScanner(min_range=0.5, max_range=0.55)
+    assert laser.mark_invalid(np.array([0.55], np.float32), no_return="below_max").tolist() == [0.5]
 
 
 def test_a_missing_return_is_infinite_by_default() -> None:
@@ -550,7 +555,7 @@ def test_invalid_poses_are_rejected(post: mrs.OccupancyGrid, pose: Any, error: t
         (
             lambda laser: laser.mark_invalid(np.zeros(5, np.float32), no_return="nan"),
             ValueError,
-            "'inf' or 'max', got 'nan'",
+            "'inf', 'max' or 'below_max', got 'nan'",
         ),
         (
             lambda laser: laser.end_points((0, 0, 0), np.zeros(5, np.float32)),

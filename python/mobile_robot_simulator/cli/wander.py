@@ -16,6 +16,9 @@ from .commander import Commander
 HEADINGS = np.linspace(-2.0, 2.0, 41)
 """Candidate headings relative to the robot [rad]. The middle one is straight ahead."""
 
+NO_RETURN_MARGIN = 0.11
+"""A beam without a return reads at least `range_max` less this [m], for every value of `no_return`."""
+
 _BeamDirections = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
@@ -96,7 +99,8 @@ class _Wandering:
         """Returns the free length of the lane along each candidate heading [m], or range_max if no beam in it returns."""
         cos, sin = self._beam_directions(scan)
         # A return that is too close (-inf) becomes 1 mm. A beam without a return becomes 0, so that no lane contains it.
-        ranges = np.where(scan.ranges < scan.range_max, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
+        returned = scan.ranges < scan.range_max - NO_RETURN_MARGIN
+        ranges = np.where(returned, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
         along, across = ranges * cos, np.abs(ranges * sin)
         in_lane = (across < self._driver.radius + self._driver.margin) & (along > 0.0)
         free: NDArray[np.float32] = np.where(in_lane, along, np.float32(scan.range_max)).min(axis=1)

@@ -18,6 +18,9 @@ from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
 
+RANGE_MAX_MARGIN = 0.001
+"""With `no_return: max`, `range_max` of a scan exceeds the reading of a beam without a return by this [m]."""
+
 NO_INTENSITIES = np.zeros(0, np.float32)
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
@@ -245,7 +248,7 @@ class LaserScannerSimulator(Handle):
                 angle_increment=scanner.angle_increment,
                 scan_time=1.0 / parameters.laser_frequency,
                 range_min=scanner.min_range,
-                range_max=scanner.max_range,
+                range_max=_range_max(parameters),
                 ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
                 intensities=NO_INTENSITIES,
             )
@@ -278,3 +281,17 @@ class LaserScannerSimulator(Handle):
         )[0]
         self._scan_count += 1
         return ranges
+
+
+def _range_max(parameters: LaserParameters) -> float:
+    """Returns `range_max` of the scans [m].
+
+    Programs such as laser_geometry drop readings of `range_max` and above. With `no_return: max`, beams without a return
+    must not be dropped, so `range_max` exceeds their reading. It is a float32 in messages, hence the next float32 if the
+    margin would be lost.
+    """
+    max_range = parameters.laser_max_range
+    if parameters.no_return != "max":
+        return max_range
+    next_above = float(np.nextafter(np.float32(max_range), np.float32(np.inf)))
+    return max(max_range + RANGE_MAX_MARGIN, next_above)

@@ -21,7 +21,7 @@ _TRANSLATED: dict[str, Callable[[str, Any], dict[str, Any]]] = {
     "update_duration": lambda name, value: {"publish_rate": 1.0 / _positive(name, value)},
     "odom_publish_dur": lambda name, value: {"publish_rate": 1.0 / _positive(name, value)},
     "scan_publish_dur": lambda name, value: {"laser_frequency": 1.0 / _positive(name, value)},
-    "scan_use_inf": lambda name, value: {"no_return": "inf" if value else "max"},
+    "scan_use_inf": lambda name, value: {"no_return": "inf" if value else "below_max"},
     "scan_noise_std": lambda name, value: {"sigma_hit": value} if value else {"apply_noise": False},
 }
 SYNONYMS = (*_RENAMED, *_TRANSLATED, *ANGLES)
@@ -42,7 +42,7 @@ def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
     Example:
         >>> translate({"scan_use_inf": False})
-        {'scan_use_inf': {'no_return': 'max'}}
+        {'scan_use_inf': {'no_return': 'below_max'}}
     """
     meanings: dict[str, dict[str, Any]] = {}
     for name, value in given.items():

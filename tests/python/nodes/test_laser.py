@@ -117,6 +117,39 @@ def test_missing_and_near_returns_are_marked() -> None:
     assert (found["inf"][valid] >= 0.5).all() and (found["inf"][valid] < 12.0).all() and valid.any()
 
 
+def kept_by_laser_geometry(scan: mrs.messages.LaserScan) -> Any:
+    """Returns which ranges laser_geometry turns into points: those in [range_min, range_max). Its numbers are float32."""
+    low, high = np.float32(scan.range_min), np.float32(scan.range_max)
+    return np.array([bool(low <= reading < high) for reading in scan.ranges])
+
+
+@pytest.mark.parametrize(("no_return", "are_kept"), [("inf", False), ("max", True), ("below_max", True)])
+@pytest.mark.parametrize("ranges", [(0.05, 12.0), (0.05, 30.0), (11.5, 11.55), (0.0, 0.05), (1.0, 20_000.0), (0.0, 1e30)])
+def test_laser_geometry_keeps_a_beam_without_a_return_or_not(
+    no_return: str, are_kept: bool, ranges: tuple[float, float]
+) -> None:
+    low, high = ranges
+    empty = mrs.OccupancyGrid(np.zeros((5, 5), np.int8), resolution=0.1)
+    rig = Rig(empty, no_return=no_return, laser_min_range=low, laser_max_range=high)
+    rig.link("map", "base_link", (0.25, 0.25, 0.0))
+    rig.run_to(0.1)
+    (scan,) = rig.scans
+    assert kept_by_laser_geometry(scan).tolist() == [are_kept] * 61
+
+
+def test_returns_are_kept_by_laser_geometry_whatever_marks_the_others(room: mrs.OccupancyGrid) -> None:
+    hits = {}
+    for no_return in ("inf", "max", "below_max"):
+        rig = Rig(room, no_return=no_return, laser_max_range=9.0, laser_beam_count=64, laser_fov=2 * math.pi)
+        rig.link("map", "base_link", (0.0, 0.0, 0.0))
+        rig.run_to(0.1)
+        (scan,) = rig.scans
+        hits[no_return] = np.where(scan.ranges < np.float32(8.85), kept_by_laser_geometry(scan), False)
+        assert (scan.range_min, scan.range_max) == (0.05, pytest.approx(9.001 if no_return == "max" else 9.0, abs=1e-9))
+    assert 0 < hits["inf"].sum() < 64
+    assert hits["inf"].tolist() == hits["max"].tolist() == hits["below_max"].tolist()
+
+
 @pytest.mark.parametrize("rate", [1.0, 10.0, 40.0, 7.0])
 def test_stamps_and_rates(room: mrs.OccupancyGrid, rate: float) -> None:
     rig = Rig(room, laser_frequency=rate)

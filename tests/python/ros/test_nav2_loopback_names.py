@@ -16,7 +16,7 @@ from mobile_robot_simulator.ros.nav2_loopback_names import SYNONYMS, translate
     [
         ({"update_duration": 0.02}, {"publish_rate": 50.0}),
         ({"update_duration": 0.02, "odom_publish_dur": 0.1}, {"publish_rate": 50.0}),
-        ({"scan_use_inf": False}, {"no_return": "max"}),
+        ({"scan_use_inf": False}, {"no_return": "below_max"}),
         ({"scan_noise_std": 0.0}, {"apply_noise": False}),
         ({"scan_noise_std": 0.02}, {"sigma_hit": 0.02}),
         ({"scan_angle_increment": 0.02617}, {"laser_fov": 2 * math.pi, "laser_beam_count": 240}),
