@@ -89,6 +89,7 @@ class BusSnapshot:
 
     Attributes:
         time_ns: Simulated time [ns].
+        rounded: End of the last `run_for` [ns], and what rounding has cut off it [ns].
         clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
         scheduled_count: Number of actions scheduled for a later time so far.
         timer_count: Number of timers created so far.
@@ -103,6 +104,7 @@ class BusSnapshot:
     """
 
     time_ns: int
+    rounded: tuple[int, float] = (0, 0.0)
     clock_offset_ns: int = 0
     scheduled_count: int = 0
     timer_count: int = 0
@@ -142,6 +144,8 @@ class Bus(Handle):
         self._scheduled_count = 0
         self._timer_count = 0
         self._is_running = self._is_closed = False
+        self._rounded = 0, 0.0
+        """End of the last `run_for` [ns], and what rounding has cut off it [ns]."""
         self._topics: dict[str, BusTopic] = {}
         self._services: dict[str, BusService] = {}
 
@@ -194,6 +198,24 @@ class Bus(Handle):
             self.time_ns = time_ns
         finally:
             self._is_running, self._chain_length, self._reply_count = False, 0, 0
+
+    def run_for(self, seconds: float) -> None:
+        """Runs all events of a duration, then sets the simulated time to its end.
+
+        The end is rounded to nanoseconds. Durations that follow one another add up before they are rounded: 30 runs of 1/30 s
+        end at 1 s.
+
+        Args:
+            seconds: Simulated duration [s], at least 0 and finite.
+
+        Raises:
+            RuntimeError: As for `run_until`.
+        """
+        time_ns, left = self._rounded
+        asked = seconds * NANOSECONDS + (left if time_ns == self.time_ns else 0.0)
+        end_ns = self.time_ns + round(asked)
+        self.run_until(end_ns)
+        self._rounded = end_ns, asked - round(asked)
 
     def next_ns(self) -> int | None:
         """Returns the time of the next event [ns], or None if there is none."""
@@ -323,6 +345,7 @@ class Bus(Handle):
         self._check_idle("save it")
         return BusSnapshot(
             time_ns=self.time_ns,
+            rounded=self._rounded,
             clock_offset_ns=self.clock_offset_ns,
             scheduled_count=self._scheduled_count,
             timer_count=self._timer_count,
@@ -345,7 +368,7 @@ class Bus(Handle):
             RuntimeError: The bus is running (the call came from a callback) or closed.
         """
         self._check_idle("restore it")
-        self.time_ns, self.clock_offset_ns = state.time_ns, state.clock_offset_ns
+        self.time_ns, self._rounded, self.clock_offset_ns = state.time_ns, state.rounded, state.clock_offset_ns
         self._scheduled_count, self._timer_count = state.scheduled_count, state.timer_count
         self._events, self._immediate, self.filters = list(state.events), deque(state.immediate), list(state.filters)
         self._deactivate()

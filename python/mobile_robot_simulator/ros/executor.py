@@ -6,6 +6,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from fractions import Fraction
 from typing import Any, TypeVar
 
 from ..instant import NANOSECONDS
@@ -63,7 +64,7 @@ class Executor:
             period: Time between two calls on that clock [s].
             callback: Function to call.
         """
-        timer = ExecutorTimer(clock, round(period * NANOSECONDS), self.serialized(callback))
+        timer = ExecutorTimer(clock, period, self.serialized(callback))
         with self._timers_changed:
             self._timers.append(timer)
             self._timers_changed.notify()
@@ -146,12 +147,14 @@ class ExecutorTimer:
 
     Args:
         clock: Clock that the timer follows.
-        period_ns: Period on that clock [ns].
+        period: Period on that clock [s].
         callback: Function to call.
     """
 
-    def __init__(self, clock: Clock, period_ns: int, callback: Callable[[], None]) -> None:
-        self._clock, self._period, self._callback = clock, period_ns, callback
+    def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:
+        self._clock, self._callback = clock, callback
+        # A ratio of integers, so that the multiples of 1/30 s include every full second, at any time of the clock.
+        self._period = Fraction(period).limit_denominator(NANOSECONDS) * NANOSECONDS
         self._is_cancelled = False
         self._next = self._first_multiple_after(self._now())
 
@@ -178,7 +181,7 @@ class ExecutorTimer:
             self._callback()
 
     def _first_multiple_after(self, now: int) -> int:
-        return (now // self._period + 1) * self._period
+        return round((now // self._period + 1) * self._period)
 
     def _now(self) -> int:
         return self._clock.now().nanoseconds

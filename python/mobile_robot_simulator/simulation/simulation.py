@@ -240,7 +240,8 @@ class Simulation(Handle):
     def run_for(self, seconds: float) -> None:
         """Runs the simulation for a duration, as fast as possible.
 
-        An exception in a callback ends the run and is raised here with its traceback. Another run can follow.
+        An exception in a callback ends the run and is raised here with its traceback. Another run can follow. Durations that
+        follow one another add up before the time is rounded to nanoseconds: 30 runs of 1/30 s end at 1 s.
 
         Args:
             seconds: Simulated duration [s].
@@ -248,7 +249,8 @@ class Simulation(Handle):
         Raises:
             ValueError: The duration is negative or not finite.
         """
-        self._bus.run_until(self._bus.time_ns + to_nanoseconds(seconds, "the duration"))
+        to_nanoseconds(seconds, "the duration")
+        self._bus.run_for(seconds)
 
     def run_until(self, predicate: Callable[[Simulation], Any], timeout: float) -> float:
         """Runs the simulation until a condition holds.

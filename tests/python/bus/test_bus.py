@@ -259,3 +259,18 @@ def test_a_closed_bus_drops_everything_and_does_not_run(bus: Bus, node: BusNode)
     with pytest.raises(RuntimeError, match="closed"):
         bus.run_until(SECOND)
     assert (seen, bus.nodes, bus.next_ns()) == ([], [], None)
+
+
+def test_durations_add_up_before_they_are_rounded(bus: Bus) -> None:
+    for _ in range(100_000):
+        bus.run_for(1 / 30)
+    assert bus.time_ns == 3_333_333_333_333
+    state = bus.save()
+    bus.run_for(1 / 30)
+    after = bus.time_ns
+    bus.restore(state)
+    bus.run_for(1 / 30)
+    assert bus.time_ns == after == 3_333_366_666_667
+    bus.run_until(4 * 10**12)
+    bus.run_for(1 / 3)
+    assert bus.time_ns == 4 * 10**12 + 333_333_333

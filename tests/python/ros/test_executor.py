@@ -10,7 +10,8 @@ from contextlib import suppress
 
 import pytest
 
-from mobile_robot_simulator.ros.executor import Executor
+from mobile_robot_simulator.instant import Instant
+from mobile_robot_simulator.ros.executor import Executor, ExecutorTimer
 from mobile_robot_simulator.ros.paced_clock import PacedClock
 
 
@@ -46,6 +47,23 @@ def test_timers_fire_together_at_multiples_of_their_periods() -> None:
         time.sleep(0.05)
         assert fired == expected
     executor.shutdown()
+
+
+def test_a_timer_of_a_thirtieth_of_a_second_fires_at_every_full_second_of_the_clock() -> None:
+    """An hour at wall time: with a period rounded to nanoseconds, the timer would be 36 microseconds early."""
+
+    class Stopped:
+        nanoseconds = 1_700_000_000 * 10**9
+
+        def now(self) -> Instant:
+            return Instant(self.nanoseconds)
+
+    clock = Stopped()
+    timer = ExecutorTimer(clock, 1 / 30, lambda: None)
+    for second in (0, 3600):
+        clock.nanoseconds = (1_700_000_000 + second) * 10**9 - 1_000_000
+        timer.fire()
+        assert timer._next == (1_700_000_000 + second) * 10**9
 
 
 def test_callbacks_run_one_at_a_time() -> None:
