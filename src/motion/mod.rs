@@ -1,7 +1,8 @@
-//! Motion in the plane under a constant twist, integrated exactly.
+//! Motion in the plane, integrated exactly: under a constant twist, and under limits on acceleration.
 
 mod limits;
 mod noise;
+mod ramp;
 
 use glam::DVec2;
 

@@ -2,6 +2,8 @@
 
 use pyo3::prelude::*;
 
+use super::pose::{Pose, PoseArgument};
+
 /// Limits on velocity and acceleration along each axis (vx, vy, wz) of a robot.
 ///
 /// A limit holds in both directions, and `inf` means no limit. The axes are independent. As in the `diff_drive_controller`
@@ -82,6 +84,55 @@ impl Limits {
     ///     (0.25, 0.0, 0.0)
     fn apply(&self, wanted: [f64; 3], current: [f64; 3], dt: f64) -> PyResult<(f64, f64, f64)> {
         Ok(self.0.apply(wanted.into(), current.into(), dt)?.to_array().into())
+    }
+
+    /// Returns the pose that a robot reaches in `dt` seconds while its velocity follows `apply`.
+    ///
+    /// Args:
+    ///     pose: Pose at the start.
+    ///     wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     current: Velocity of the wheels at the start, in the same form.
+    ///     dt: Duration [s].
+    ///     grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+    ///
+    /// Returns:
+    ///     The pose after `dt` seconds. Its yaw is not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: A number or the resulting pose is not finite, or `dt` is negative.
+    ///
+    /// Examples:
+    ///     From 1 m/s to a stop at 1 m/s² takes half a metre:
+    ///
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> limits = mrs.Limits(deceleration=(1.0, 1.0, 1.0))
+    ///     >>> limits.integrate(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dt=5.0)
+    ///     Pose(0.5, 0.0, 0.0)
+    #[pyo3(signature = (pose, wanted, current, dt, *, grip = 1.0))]
+    fn integrate(&self, pose: PoseArgument, wanted: [f64; 3], current: [f64; 3], dt: f64, grip: f64) -> PyResult<Pose> {
+        Ok(Pose(self.0.integrate(pose.0, wanted.into(), current.into(), dt, grip)?))
+    }
+
+    /// Returns the length of the path that a robot drives in `dt` seconds while its velocity follows `apply`.
+    ///
+    /// Args:
+    ///     wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     current: Velocity at the start, in the same form.
+    ///     dt: Duration [s].
+    ///
+    /// Returns:
+    ///     The length of the path [m]. Turning in place adds nothing.
+    ///
+    /// Raises:
+    ///     ValueError: A velocity or `dt` is not finite, or `dt` is negative.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> limits = mrs.Limits(velocity=(1.0, 1.0, 2.0), acceleration=(0.5, 0.5, 2.0))
+    ///     >>> limits.distance((2.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=4.0)
+    ///     3.0
+    fn distance(&self, wanted: [f64; 3], current: [f64; 3], dt: f64) -> PyResult<f64> {
+        Ok(self.0.distance(wanted.into(), current.into(), dt)?)
     }
 
     fn __repr__(&self) -> String {

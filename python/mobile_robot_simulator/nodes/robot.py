@@ -30,8 +30,9 @@ from ..messages import (
 from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
-from ..physics.motion import Motion, MotionSnapshot, Velocity
+from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerSnapshot
+from ..physics.velocity_profile import Velocity
 from ..physics.world import Placed, World
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
@@ -341,8 +342,8 @@ class MobileRobotSimulator(Handle):
 
     def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
-        if self._footprint is None and parameters.limits is None:
-            return Motion(time_ns, parameters.velocity_timeout, map_from_odom, odom_from_base)
+        if self._footprint is None:
+            return Motion(time_ns, parameters.velocity_timeout, map_from_odom, odom_from_base, parameters.limits)
         return ConstrainedMotion(
             time_ns,
             parameters.velocity_timeout,

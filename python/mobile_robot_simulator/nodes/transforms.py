@@ -9,7 +9,7 @@ from .._core import Pose
 from ..handle import Handles
 from ..instant import NANOSECONDS
 from ..messages import Odometry, TFMessage, TransformStamped
-from ..physics.motion import STANDING, Velocity
+from ..physics.velocity_profile import STANDING, Velocity
 from .interface import Node, QoS
 
 MAX_EXTRAPOLATION_NS = 1_000_000_000

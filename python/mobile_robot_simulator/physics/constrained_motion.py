@@ -1,39 +1,43 @@
-"""ConstrainedMotion: the trajectory of a robot with velocity limits and contact, computed in time steps."""
+"""ConstrainedMotion: the trajectory of a robot that touches things, computed in time steps."""
 
 from __future__ import annotations
 
 import copy
 import math
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 from .._core import Contact, Limits, Pose, advance
 from ..instant import NANOSECONDS
-from .motion import FOREVER, STANDING, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot, Velocity
+from .motion import ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
+from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 from .world import Body, World
+
+C = TypeVar("C", bound="ConstrainedMotion")
 
 Mode = Literal["stop", "slide", "report"]
 
+LARGEST_TURN = 3.0
+"""Turn in a time step [rad] up to which the twist between two poses is unique. It must be below pi."""
+
 
 class _Step(NamedTuple):
-    """A time step with contact. Poses are in the map frame. Velocities are those of the wheels, except `twist`."""
+    """A time step with contact. Poses are in the map frame."""
 
     start_ns: int
     end_ns: int
     duration: float
     start: Pose
     reached: Pose
-    before: Velocity
-    """Velocity before the step."""
-    velocity: Velocity
-    """Velocity that the step would have without contact."""
     twist: Velocity
-    """Velocity of the robot that belongs to `velocity`. Smaller than `velocity` if the wheels slip."""
+    """Velocity that the robot would have in the step without contact."""
 
 
 class ConstrainedMotion(Motion):
-    """A `Motion` with limits on velocity and acceleration, and contact with walls, obstacles and other robots.
+    """A `Motion` with contact with walls, obstacles and other robots.
 
-    While neither limits nor contact act, the trajectory is bit-identical to that of `Motion`.
+    While there is no contact, the trajectory is bit-identical to that of `Motion`. Contact is looked for in time steps.
+    Within a step, the robot is moved at a constant twist. If limits change its velocity during the step, this is the twist
+    between its exact poses at both ends. In between it is off by at most `acceleration * duration**2 / 8` along the path.
     A pose between two time steps comes from a preview: a copy that takes a shorter step. It does not affect later steps.
 
     Args:
@@ -62,15 +66,18 @@ class ConstrainedMotion(Motion):
         limits: Limits | None,
         mode: Mode,
     ) -> None:
-        self._world, self._body, self._limits, self._mode = world, body, limits, mode
+        self._world, self._body, self._mode = world, body, mode
         self._stepped_ns = time_ns
         self._requested: Velocity = STANDING
         self._requested_until_ns = time_ns
+        self._is_blocked = False
+        """True if contact has changed the motion, so that it does not follow the command."""
         self._touched: str | None = None
         self._preview: ConstrainedMotion | None = None
+        self._preview_key = (time_ns, 0)
         self._reached: Pose | None = None
         """Pose in the map frame after the last step; None until it is needed."""
-        super().__init__(time_ns, timeout, map_from_own, start)
+        super().__init__(time_ns, timeout, map_from_own, start, limits)
 
     def step(self, time_ns: int) -> None:
         """Advances to a time [ns], in two steps if the command ends before it."""
@@ -119,22 +126,22 @@ class ConstrainedMotion(Motion):
         """Length of the trajectory up to a time [m]."""
         return super().distance(time_ns) if time_ns <= self._stepped_ns else Motion.distance(self._at(time_ns), time_ns)
 
+    @property
+    def request(self) -> tuple[Velocity, int]:
+        """The last command: its velocity, and the time at which it ends [ns]."""
+        return self._requested, self._requested_until_ns
+
     def command(self, velocity: Velocity, time_ns: int) -> None:
         """Requests a velocity from now on; limits and contact decide what the robot does."""
         self.step(time_ns)
-        self._requested = velocity
-        self._requested_until_ns = self._end_of_command(time_ns)
-
-    def set_timeout(self, timeout: float, time_ns: int) -> None:
-        """Changes the timeout [s]. A command in force is held for the new timeout, counted from now."""
-        self.timeout = timeout
-        if time_ns < self._requested_until_ns:
-            self.command(self._requested, time_ns)
+        self._requested, self._requested_until_ns = velocity, self._end_of_command(time_ns)
+        if not self._is_blocked:
+            super().command(velocity, time_ns)
 
     def stop(self, time_ns: int) -> None:
         """Stops the robot at once, regardless of the limits, and drops the command."""
         self.step(time_ns)
-        self._requested = STANDING
+        self._requested, self._requested_until_ns = STANDING, time_ns
         super().stop(time_ns)
 
     def place(self, pose: Pose, time_ns: int) -> None:
@@ -154,61 +161,76 @@ class ConstrainedMotion(Motion):
         self.step(time_ns)
         super().slip(share, time_ns)
 
+    def continuing(self: C, before: Motion) -> C:
+        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion."""
+        self._requested, self._requested_until_ns = before.request
+        return super().continuing(before)
+
     def restore(self, state: MotionSnapshot) -> None:
         """Returns to the state of a snapshot."""
         super().restore(state)
         stepping = state.stepping
-        assert stepping is not None and (stepping.preview is None or isinstance(stepping.preview, ConstrainedMotion))
-        self._stepped_ns, self._touched = stepping.stepped_ns, stepping.touched
+        assert stepping is not None
+        self._stepped_ns, self._is_blocked, self._touched = stepping.stepped_ns, stepping.is_blocked, stepping.touched
         self._requested, self._requested_until_ns = stepping.requested, stepping.requested_until_ns
-        self._preview, self._reached = stepping.preview, stepping.reached
+        self._preview, self._reached = None, stepping.reached
 
     def _save_stepping(self) -> SteppingSnapshot:
         return SteppingSnapshot(
-            self._stepped_ns, self._requested, self._requested_until_ns, self._touched, self._preview, self._reached
+            self._stepped_ns, self._requested, self._requested_until_ns, self._is_blocked, self._touched, self._reached
         )
 
     def _at(self, time_ns: int) -> ConstrainedMotion:
         """Preview of this motion at a time between two steps. Holds only the segments and contacts since the last step."""
-        preview = self._preview
-        if preview is None or preview._stepped_ns != time_ns:
+        preview, key = self._preview, (time_ns, self._world.changes)
+        if preview is None or self._preview_key != key:
             preview = copy.copy(self)
             preview.segments, preview.contacts = [], []
             preview.step(time_ns)
-            self._preview = preview
+            self._preview, self._preview_key = preview, key
         return preview
 
     def _take_step(self, end_ns: int) -> None:
         """Takes a time step during which the command does not change."""
         start_ns, grid, footprint = self._stepped_ns, self._world.grid, self._body.footprint
-        duration = (end_ns - start_ns) / NANOSECONDS
-        before = Motion.wheel_velocity(self, start_ns)
-        velocity = self._requested if start_ns < self._requested_until_ns else STANDING
-        if self._limits is not None:
-            velocity = self._limits.apply(velocity, before, duration)
-        if grid is None or footprint is None:
-            self._stepped_ns, self._reached = end_ns, None
-            self._begin_if_changed(velocity, before, start_ns)
-            return
-        start, twist = self.pose_for_others(start_ns), self._with_slip(velocity)
+        profile = self._following(*self._request_at(start_ns)) if self._is_blocked else self._profile
+        start, contact = self.pose_for_others(start_ns), None
         self._stepped_ns = end_ns
-        others = self._world.obstacles_for(self._body)
-        self._reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
-        if contact is None:
-            self._touched = None
-            self._begin_if_changed(velocity, before, start_ns)
-            return
-        step = _Step(start_ns, end_ns, duration, start, self._reached, before, velocity, twist)
-        self._record_contact(step, contact)
-        if self._mode == "report":
-            self._begin_if_changed(velocity, before, start_ns)
+        if grid is None or footprint is None:
+            self._reached = None
         else:
-            self._begin_after_contact(step, contact)
+            duration = (end_ns - start_ns) / NANOSECONDS
+            twist = self._twist(profile, start, start_ns, end_ns)
+            others = self._world.obstacles_for(self._body)
+            self._reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
+            if contact is not None:
+                step = _Step(start_ns, end_ns, duration, start, self._reached, twist)
+                self._record_contact(step, contact)
+                if self._mode != "report":
+                    self._is_blocked = True
+                    self._begin_after_contact(step, contact)
+                return
+        self._touched = None
+        if self._is_blocked:
+            self._is_blocked = False
+            self._begin(profile)
 
-    def _begin_if_changed(self, velocity: Velocity, before: Velocity, time_ns: int) -> None:
-        """Begins a segment if the velocity of the wheels changes."""
-        if velocity != before:
-            self._begin(time_ns, velocity, FOREVER if velocity != STANDING else time_ns)
+    def _request_at(self, time_ns: int) -> tuple[Velocity, int, int]:
+        """Arguments of `_following` for the command in force at a time."""
+        velocity = self._requested if time_ns < self._requested_until_ns else STANDING
+        return velocity, time_ns, self._requested_until_ns
+
+    def _twist(self, profile: VelocityProfile, start: Pose, start_ns: int, end_ns: int) -> Velocity:
+        """Constant velocity of the robot that moves it in a time step from a pose in the map frame as the profile does."""
+        first, last = profile.velocity_at(start_ns), profile.velocity_at(end_ns)
+        duration = (end_ns - start_ns) / NANOSECONDS
+        if profile.limits is None or first == last:
+            return scaled(first, self._grip)
+        if max(abs(first[2]), abs(last[2])) * duration > LARGEST_TURN:
+            vx, vy, wz = (0.5 * (before + after) for before, after in zip(first, last, strict=True))
+            return scaled((vx, vy, wz), self._grip)
+        from_profile = Motion.pose(self, start_ns) if self._is_blocked else self._start
+        return start.twist_to(self.map_from_own * profile.move(from_profile, end_ns, self._grip), duration)
 
     def _record_contact(self, step: _Step, contact: Contact) -> None:
         """Appends a contact event, unless the robot already touched the same thing in the previous step."""
@@ -227,13 +249,16 @@ class ConstrainedMotion(Motion):
         end = self.map_from_own.inverse() * step.reached
         if self._mode == "stop" and contact.fraction > 0.0:
             stopped_ns = step.start_ns + int(contact.fraction * (step.end_ns - step.start_ns))
-            self._begin(step.start_ns, step.velocity, stopped_ns)
-            self._begin(step.end_ns, STANDING, step.end_ns, pose=end)
+            self._begin(VelocityProfile(step.start_ns, STANDING, self._of_wheels(step.twist), stopped_ns))
+            self._begin(VelocityProfile(step.end_ns, STANDING, STANDING, step.end_ns), pose=end)
         elif step.reached == step.start:
-            self._begin_if_changed(STANDING, step.before, step.start_ns)
+            if Motion.wheel_velocity(self, step.start_ns) != STANDING or self._profile.limits is not None:
+                self._begin(VelocityProfile(step.start_ns, STANDING, STANDING, step.start_ns))
         else:  # The robot slides along the contact, or drives out of an obstacle that moved onto it.
-            vx, vy, wz = step.start.twist_to(step.reached, step.duration)
-            grip = 1.0 - self._slip
-            velocity = (vx / grip, vy / grip, wz / grip) if grip else step.velocity
-            self._begin(step.start_ns, velocity, step.end_ns)
-            self._begin(step.end_ns, velocity, FOREVER, pose=end)
+            velocity = self._of_wheels(step.start.twist_to(step.reached, step.duration))
+            self._begin(VelocityProfile(step.start_ns, STANDING, velocity, step.end_ns))
+            self._begin(VelocityProfile(step.end_ns, STANDING, velocity, FOREVER), pose=end)
+
+    def _of_wheels(self, velocity: Velocity) -> Velocity:
+        """Velocity of the wheels when the robot moves at a velocity. Without grip, that of the robot."""
+        return scaled(velocity, 1.0 / self._grip) if self._grip else velocity

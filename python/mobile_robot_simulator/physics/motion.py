@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
-from .._core import Pose
+from .._core import Limits, Pose
 from ..instant import NANOSECONDS
+from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 
 M = TypeVar("M", bound="Motion")
-
-Velocity: TypeAlias = tuple[float, float, float]
-"""Velocity (vx, vy, wz) in the robot's frame: forward and to the left [m/s], counter-clockwise [rad/s]."""
-
-STANDING: Velocity = (0.0, 0.0, 0.0)
-
-FOREVER = 2**62
-"""End time of a command without a timeout [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A part of a trajectory: constant velocity, then standing still.
+    """A part of a trajectory, in which the robot follows one velocity profile.
 
     Attributes:
         start_ns: Start time [ns]. The segment ends where the next one starts.
         pose: Pose of the robot at the start, in the map frame.
-        velocity: Velocity of the robot until `until_ns`.
-        until_ns: Time from which the robot stands still [ns].
+        profile: Velocity of the wheels from the start on.
+        grip: Share of the motion of the wheels that the robot makes; 1 without slip.
 
     """
 
     start_ns: int
     pose: Pose
-    velocity: Velocity
-    until_ns: int
+    profile: VelocityProfile
+    grip: float
+
+    def pose_at(self, time_ns: float) -> Pose:
+        """Pose of the robot in the map frame, at a time [ns] in the segment."""
+        return self.profile.move(self.pose, time_ns, self.grip).wrapped()
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +62,8 @@ class SteppingSnapshot:
     stepped_ns: int
     requested: Velocity
     requested_until_ns: int
+    is_blocked: bool
     touched: str | None
-    preview: Motion | None
     reached: Pose | None
 
 
@@ -77,11 +73,8 @@ class MotionSnapshot:
 
     map_from_own: Pose
     timeout: float
-    start_ns: int
     start: Pose
-    command: Velocity
-    twist: Velocity
-    until_ns: int
+    profile: VelocityProfile
     slip: float
     wheels: Pose | None
     driven: float
@@ -91,7 +84,7 @@ class MotionSnapshot:
 
 
 class Motion:
-    """Executes velocity commands and integrates them exactly.
+    """Executes velocity commands, under limits if there are any, and integrates them exactly.
 
     The pose at any time is computed from the last change of velocity, so it does not depend on when it is read.
     Poses are in the motion's own frame, which is the robot's odometry frame. The pose of this frame in the map can change.
@@ -102,21 +95,22 @@ class Motion:
         timeout: Time for which a command is held [s]; 0 holds it until the next command.
         map_from_own: Pose of the motion's own frame in the map frame.
         start: First pose of the robot, in the motion's own frame.
+        limits: Limits on the velocity of the wheels and its change; None for no limits.
 
     """
 
-    def __init__(self, time_ns: int, timeout: float, map_from_own: Pose, start: Pose) -> None:
+    def __init__(self, time_ns: int, timeout: float, map_from_own: Pose, start: Pose, limits: Limits | None = None) -> None:
         self.map_from_own = map_from_own
         self.timeout = timeout
-        self._start_ns, self._start = time_ns, start
-        self._command = self._twist = STANDING
-        self._until_ns = time_ns
+        self._limits = limits
+        self._start = start
+        self._profile = VelocityProfile(time_ns, STANDING, STANDING, time_ns, limits)
         self._slip = 0.0
         self._wheels: Pose | None = None
         self._driven = 0.0
         self.segments: list[Segment] = []
         self.contacts: list[ContactEvent] = []
-        self._begin(time_ns, STANDING, time_ns)
+        self._begin(self._profile)
 
     is_stepped = False
     """True if the world must advance this motion in time steps."""
@@ -130,7 +124,7 @@ class Motion:
 
     def pose(self, time_ns: int) -> Pose:
         """Pose of the robot in the motion's own frame."""
-        return self._start.integrate(self._twist, self._moving(time_ns))
+        return self._profile.move(self._start, time_ns, self._grip)
 
     def map_pose(self, time_ns: int) -> Pose:
         """Pose of the robot in the map frame, now."""
@@ -139,9 +133,7 @@ class Motion:
     def map_pose_at(self, time_ns: int) -> Pose:
         """Pose of the robot in the map frame, at a time in the past."""
         index = bisect_right(self.segments, time_ns, key=lambda segment: segment.start_ns)
-        segment = self.segments[max(0, index - 1)]
-        moving = max(0, min(time_ns, segment.until_ns) - segment.start_ns) / NANOSECONDS
-        return segment.pose.integrate(segment.velocity, moving).wrapped()
+        return self.segments[max(0, index - 1)].pose_at(time_ns)
 
     def trajectory(self, time_ns: int) -> list[Segment]:
         """Trajectory from the start up to a time, at most the present."""
@@ -155,7 +147,7 @@ class Motion:
         """Pose that the robot would have if its wheels had never slipped, in the motion's own frame."""
         if self._wheels is None:
             return self.pose(time_ns)
-        return self._wheels.integrate(self._command, self._moving(time_ns))
+        return self._profile.move(self._wheels, time_ns)
 
     @property
     def slipped(self) -> bool:
@@ -164,45 +156,51 @@ class Motion:
 
     def velocity(self, time_ns: int) -> Velocity:
         """Velocity of the robot."""
-        return self._twist if time_ns < self._until_ns else STANDING
+        return scaled(self._profile.velocity_at(time_ns), self._grip)
 
     def wheel_velocity(self, time_ns: int) -> Velocity:
         """Velocity that the robot would have if its wheels did not slip."""
-        return self._command if time_ns < self._until_ns else STANDING
+        return self._profile.velocity_at(time_ns)
 
     def distance(self, time_ns: int) -> float:
         """Length of the trajectory up to a time [m]."""
-        return self._driven + math.hypot(self._twist[0], self._twist[1]) * self._moving(time_ns)
+        return self._driven + self._profile.distance(time_ns) * self._grip
+
+    @property
+    def request(self) -> tuple[Velocity, int]:
+        """The last command: its velocity, and the time at which it ends [ns]."""
+        return self._profile.command, self._profile.until_ns
 
     def command(self, velocity: Velocity, time_ns: int) -> None:
-        """Sets the velocity from now on."""
-        if velocity == self._command and time_ns < self._until_ns:
-            self._until_ns = self._end_of_command(time_ns)
-            self.segments[-1] = replace(self.segments[-1], until_ns=self._until_ns)
+        """Sets the commanded velocity from now on."""
+        until_ns = self._end_of_command(time_ns)
+        if velocity == self._profile.command and time_ns < self._profile.until_ns:
+            self._profile = replace(self._profile, until_ns=until_ns)
+            self.segments[-1] = replace(self.segments[-1], profile=self._profile)
         else:
-            self._begin(time_ns, velocity, self._end_of_command(time_ns))
+            self._begin(self._following(velocity, time_ns, until_ns))
 
     def set_timeout(self, timeout: float, time_ns: int) -> None:
         """Changes the timeout [s]. A command in force is held for the new timeout, counted from now."""
         self.timeout = timeout
-        velocity = self.wheel_velocity(time_ns)
-        if velocity != STANDING:
+        velocity, until_ns = self.request
+        if time_ns < until_ns and velocity != STANDING:
             self.command(velocity, time_ns)
 
     def stop(self, time_ns: int) -> None:
-        """Stops the robot and drops the command."""
-        self._begin(time_ns, STANDING, time_ns)
+        """Stops the robot at once, regardless of the limits, and drops the command."""
+        self._begin(VelocityProfile(time_ns, STANDING, STANDING, time_ns, self._limits))
 
     def place(self, pose: Pose, time_ns: int) -> None:
         """Moves the robot to a pose in the motion's own frame and sets `wheel_pose` to it. A command in force continues."""
-        self._begin(time_ns, self._command, self._until_ns, pose=pose)
+        self._begin(self._continued(time_ns), pose=pose)
         if self._wheels is not None:
             self._wheels = pose
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
         """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
         self.map_from_own = map_from_own
-        self._begin(time_ns, self._command, self._until_ns)
+        self._begin(self._continued(time_ns))
 
     def slip(self, share: float, time_ns: int) -> None:
         """Sets the slip from now on.
@@ -212,18 +210,20 @@ class Motion:
             time_ns: The present [ns].
 
         """
-        self._begin(time_ns, self._command, self._until_ns)
+        self._begin(self._continued(time_ns))
         if self._wheels is None:
             self._wheels = self._start
         self._slip = share
-        self.segments.pop()
-        self._begin(time_ns, self._command, self._until_ns)
+        self._begin(self._profile)
 
     def continuing(self: M, before: Motion) -> M:
-        """Prepends trajectory, contacts and distance of an earlier motion, takes over its slip, and returns this motion."""
+        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion."""
+        now_ns = self._profile.start_ns
         self.segments[:0], self.contacts[:0] = before.segments, before.contacts
-        self._driven = before.distance(self._start_ns)
-        self._slip, self._wheels = before._slip, before._wheels and before.wheel_pose(self._start_ns)
+        self._driven = before.distance(now_ns)
+        self._slip, self._wheels = before._slip, before._wheels and before.wheel_pose(now_ns)
+        command, until_ns = before.request
+        self._begin(VelocityProfile(now_ns, before.wheel_velocity(now_ns), command, max(now_ns, until_ns), self._limits))
         return self
 
     def save(self) -> MotionSnapshot:
@@ -231,11 +231,8 @@ class Motion:
         return MotionSnapshot(
             self.map_from_own,
             self.timeout,
-            self._start_ns,
             self._start,
-            self._command,
-            self._twist,
-            self._until_ns,
+            self._profile,
             self._slip,
             self._wheels,
             self._driven,
@@ -247,31 +244,38 @@ class Motion:
     def restore(self, state: MotionSnapshot) -> None:
         """Returns to the state of a snapshot."""
         self.map_from_own, self.timeout = state.map_from_own, state.timeout
-        self._start_ns, self._start = state.start_ns, state.start
-        self._command, self._twist, self._until_ns = state.command, state.twist, state.until_ns
+        self._start, self._profile = state.start, state.profile
         self._slip, self._wheels, self._driven = state.slip, state.wheels, state.driven
         self.segments, self.contacts = list(state.segments), list(state.contacts)
 
     def _save_stepping(self) -> SteppingSnapshot | None:
         return None
 
-    def _begin(self, time_ns: int, command: Velocity, until_ns: int, *, pose: Pose | None = None) -> None:
+    @property
+    def _grip(self) -> float:
+        """Share of the motion of the wheels that the robot makes."""
+        return 1.0 - self._slip
+
+    def _begin(self, profile: VelocityProfile, *, pose: Pose | None = None) -> None:
         """Begins a segment at `pose` in the motion's own frame. Default: the pose of the robot."""
+        time_ns = profile.start_ns
         driven, wheels = self.distance(time_ns), self._wheels and self.wheel_pose(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
-        self._command, self._twist = command, self._with_slip(command)
-        self._driven, self._wheels, self._start = driven, wheels, start
-        self._start_ns, self._until_ns = time_ns, max(time_ns, until_ns)
-        self.segments.append(Segment(time_ns, (self.map_from_own * start).wrapped(), self._twist, self._until_ns))
+        self._profile, self._driven, self._wheels, self._start = profile, driven, wheels, start
+        segment = Segment(time_ns, (self.map_from_own * start).wrapped(), profile, self._grip)
+        if self.segments and (self.segments[-1].start_ns, self.segments[-1].pose) == (time_ns, segment.pose):
+            # Nothing has happened in the last segment.
+            self.segments.pop()
+        self.segments.append(segment)
 
-    def _with_slip(self, command: Velocity) -> Velocity:
-        """Velocity of the robot when its wheels turn at the commanded velocity."""
-        grip = 1.0 - self._slip
-        return command if grip == 1.0 else (command[0] * grip, command[1] * grip, command[2] * grip)
+    def _following(self, command: Velocity, time_ns: int, until_ns: int) -> VelocityProfile:
+        """Profile of a robot that follows a command from now on."""
+        return VelocityProfile(time_ns, self.wheel_velocity(time_ns), command, max(time_ns, until_ns), self._limits)
+
+    def _continued(self, time_ns: int) -> VelocityProfile:
+        """Profile that goes on like the current one, from now on."""
+        velocity = self.wheel_velocity(time_ns)
+        return replace(self._profile, start_ns=time_ns, velocity=velocity, until_ns=max(time_ns, self._profile.until_ns))
 
     def _end_of_command(self, time_ns: int) -> int:
         return time_ns + round(min(self.timeout * NANOSECONDS, FOREVER)) if self.timeout else FOREVER
-
-    def _moving(self, time_ns: int) -> float:
-        """Time for which the robot has moved in the current segment [s]."""
-        return max(0, min(time_ns, self._until_ns) - self._start_ns) / NANOSECONDS

@@ -12,7 +12,7 @@ from .motion import Motion
 from .obstacles import Obstacle
 
 STEP_NS = 20_000_000
-"""Time step for robots with a footprint or limits [ns]; all other bodies are frozen during a step."""
+"""Time step for robots with a footprint [ns]; all other bodies are frozen during a step."""
 
 Placed: TypeAlias = tuple[Shape, Pose]
 """A shape and its pose in the map frame."""
@@ -57,7 +57,7 @@ class WorldSnapshot:
 class World(Handle):
     """The map, the obstacles and the robots of a simulation.
 
-    Robots without footprint and limits move exactly as commanded and can be read at any time. The others advance in time
+    Robots without footprint do not touch anything, so they can be read at any time. The others advance in time
     steps of `STEP_NS`, which start at multiples of `STEP_NS`. In each step they move one after another, in the order in
     which they joined; while one robot moves, everything else is frozen. Reading a state between two steps does not change
     later results.
@@ -74,6 +74,8 @@ class World(Handle):
         self._bodies: list[Body] = []
         self._stepped_ns = clock()
         self._stepping = False
+        self.changes = 0
+        """Number of calls of `changed`."""
         self._frozen: list[tuple[Body | Obstacle, Placed]] = []
         """Each obstacle and robot with the shape and pose that others can collide with during the current step."""
         self._index_of: dict[Body, int] = {}
@@ -112,6 +114,7 @@ class World(Handle):
         Must be called when a robot or obstacle was added, when the map or a footprint changed, and when a robot was moved
         by anything other than a velocity command.
         """
+        self.changes += 1
         self._latest = None
         self._freeze()
 

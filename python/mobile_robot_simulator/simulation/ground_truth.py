@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Pose, Shape, clearance, integrate_twist
+from .._core import Pose, Shape, clearance
 from ..handle import Handle
 from ..instant import NANOSECONDS
 
 if TYPE_CHECKING:
     from ..nodes.robot import MobileRobotSimulator
-    from ..physics.motion import ContactEvent, Velocity
+    from ..physics.motion import ContactEvent
+    from ..physics.velocity_profile import Velocity
     from ..physics.world import World
 
 PATH_STEP = 0.1
@@ -119,16 +120,12 @@ class GroundTruth(Handle):
         segments = self._robot.motion.trajectory(now)
         rows: list[tuple[float, ...]] = []
         for segment, end_ns in zip(segments, [*(after.start_ns for after in segments[1:]), now], strict=True):
-            start, length = segment.start_ns / NANOSECONDS, (end_ns - segment.start_ns) / NANOSECONDS
-            moving = (segment.until_ns - segment.start_ns) / NANOSECONDS
-            count = max(1, int(np.ceil(length / PATH_STEP)))
+            length_ns = end_ns - segment.start_ns
+            count = max(1, math.ceil(length_ns / NANOSECONDS / PATH_STEP))
             for step in range(count + (end_ns == now)):
-                elapsed = length * step / count
-                rows.append((start + elapsed, *segment.pose, *segment.velocity, min(elapsed, moving)))
-        table = np.array(rows)
-        poses = integrate_twist(table[:, 1:4], table[:, 4:7] * table[:, 7:], 1.0)
-        path: NDArray[np.float64] = np.column_stack([table[:, 0], poses])
-        return path
+                time_ns = segment.start_ns + length_ns * step / count
+                rows.append((time_ns / NANOSECONDS, *segment.pose_at(time_ns)))
+        return np.array(rows)
 
     def _past_ns(self, time: float) -> int:
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()

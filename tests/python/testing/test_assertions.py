@@ -101,7 +101,7 @@ def test_clearance_is_checked_along_the_path():
     assert message(assert_clearance, sim, 0.7) == (
         "the robot came within 0.600 m of a wall, obstacle or robot, 0.100 m less than the required 0.7 m\n"
         "  nearest: at (1.000, 2.000) at 2.000 s\n"
-        "  too near at 3 of 42 points of its path"
+        "  too near at 3 of 41 points of its path"
     )
 
 

@@ -1,0 +1,92 @@
+"""VelocityProfile: the velocity of a robot's wheels over time, from one command until the next."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from .._core import Limits, Pose
+from ..instant import NANOSECONDS
+
+Velocity: TypeAlias = tuple[float, float, float]
+"""Velocity (vx, vy, wz) in the robot's frame: forward and to the left [m/s], counter-clockwise [rad/s]."""
+
+STANDING: Velocity = (0.0, 0.0, 0.0)
+
+FOREVER = 2**62
+"""End time of a command without a timeout [ns]."""
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityProfile:
+    """The velocity of a robot's wheels while it follows a command, and after the command has ended.
+
+    Without limits, the velocity is that of the command from the start until `until_ns`, then zero. With limits, it
+    approaches the command, and after `until_ns` zero, as fast as they allow.
+
+    Attributes:
+        start_ns: Start time [ns].
+        velocity: Velocity of the wheels just before the start. Matters only with limits.
+        command: Velocity that is commanded until `until_ns`.
+        until_ns: Time at which the command ends [ns].
+        limits: Limits on the velocity and its change; None for no limits.
+
+    """
+
+    start_ns: int
+    velocity: Velocity
+    command: Velocity
+    until_ns: int
+    limits: Limits | None = None
+
+    def velocity_at(self, time_ns: float) -> Velocity:
+        """Velocity of the wheels."""
+        if self.limits is None:
+            return self.command if time_ns < self.until_ns else STANDING
+        velocity = self.limits.apply(self.command, self.velocity, self._held(time_ns))
+        after = self._seconds_after_end(time_ns)
+        return velocity if after == 0.0 else self.limits.apply(STANDING, velocity, after)
+
+    def move(self, pose: Pose, time_ns: float, grip: float = 1.0) -> Pose:
+        """Pose that is reached at a time by a robot that was at a pose at the start.
+
+        Args:
+            pose: Pose at the start, in any frame.
+            time_ns: The time [ns]. Before the start, the pose stays that of the start.
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        """
+        held = self._held(time_ns)
+        if self.limits is None:
+            return pose.integrate(scaled(self.command, grip), held)
+        pose = self.limits.integrate(pose, self.command, self.velocity, held, grip=grip)
+        after = self._seconds_after_end(time_ns)
+        if after == 0.0:
+            return pose
+        velocity = self.limits.apply(self.command, self.velocity, held)
+        return self.limits.integrate(pose, STANDING, velocity, after, grip=grip)
+
+    def distance(self, time_ns: float) -> float:
+        """Length of the path that the wheels have driven since the start [m]."""
+        held = self._held(time_ns)
+        if self.limits is None:
+            return math.hypot(self.command[0], self.command[1]) * held
+        driven = self.limits.distance(self.command, self.velocity, held)
+        after = self._seconds_after_end(time_ns)
+        if after == 0.0:
+            return driven
+        velocity = self.limits.apply(self.command, self.velocity, held)
+        return driven + self.limits.distance(STANDING, velocity, after)
+
+    def _held(self, time_ns: float) -> float:
+        """Time for which the command has been followed [s]."""
+        return max(0, min(time_ns, self.until_ns) - self.start_ns) / NANOSECONDS
+
+    def _seconds_after_end(self, time_ns: float) -> float:
+        return max(0, time_ns - self.until_ns) / NANOSECONDS
+
+
+def scaled(velocity: Velocity, factor: float) -> Velocity:
+    """Returns a velocity times a factor."""
+    return velocity if factor == 1.0 else (velocity[0] * factor, velocity[1] * factor, velocity[2] * factor)
