@@ -165,7 +165,7 @@ class RobotParameters(Parameters):
         description="largest decrease of [vx, vy, wz] per second [m/s^2, m/s^2, rad/s^2]; null for acceleration_limits",
     )
     odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
-        None, description="noise of the odometry: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none"
+        None, description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none"
     )
     odometry_seed: Seed = Field(
         0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"
@@ -304,13 +304,18 @@ class MapParameters(Parameters):
     frame_id: Name = Field("map", description="frame of the map")
 
 
+ODOMETRY_STEP = 0.1
+"""Duration of the step for which `odometry_alphas` state the variances [s]: the default period of the odometry."""
+
+
 def motion_noise(alphas: Sequence[float]) -> MotionNoise:
-    """Returns the noise model of the odometry with parameters alpha1 to alpha6.
+    """Returns the noise model of the odometry with parameters alpha1 to alpha6, for steps of `ODOMETRY_STEP`.
 
     Args:
         alphas: The six parameters, each at least 0 (Thrun, Burgard and Fox, *Probabilistic Robotics*, 2006, table 5.3).
     """
-    return MotionNoise(**{f"alpha{number}": alpha for number, alpha in enumerate(alphas, start=1)})
+    numbered = {f"alpha{number}": alpha for number, alpha in enumerate(alphas, start=1)}
+    return MotionNoise(**numbered, reference_step=ODOMETRY_STEP)
 
 
 NODES: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)

@@ -22,7 +22,9 @@ use crate::random;
 /// v is the length of the linear velocity. The book has no robot that moves sideways; here the error of v acts along the
 /// direction of travel, or forward if the robot turns in place.
 ///
-/// The variances are per step, as in the book: a path has less noise if it is split into more steps.
+/// The variances are per step, as in the book: a path has less noise if it is split into more steps. With a reference step
+/// ([`with_reference_step`](Self::with_reference_step)) they are those of a step of this duration, and a step of `Δt` has the
+/// variances times `reference / Δt`. Independent errors of the steps then add up to the same variance for any number of steps.
 ///
 /// ```
 /// use glam::DMat3;
@@ -41,6 +43,7 @@ use crate::random;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotionNoise {
     alpha: [f64; 6],
+    reference_step: Option<f64>,
 }
 
 impl MotionNoise {
@@ -53,7 +56,22 @@ impl MotionNoise {
         for (name, value) in names.into_iter().zip(alpha) {
             check_number(name, value, "at least 0", |value| value >= 0.0)?;
         }
-        Ok(Self { alpha })
+        Ok(Self { alpha, reference_step: None })
+    }
+
+    /// Returns the same model, with variances for a step of `reference_step` seconds.
+    ///
+    /// # Errors
+    /// [`Error::Number`] if `reference_step` is not positive or not finite.
+    pub fn with_reference_step(self, reference_step: f64) -> Result<Self, Error> {
+        check_number("reference_step", reference_step, "more than 0", |value| value > 0.0)?;
+        Ok(Self { reference_step: Some(reference_step), ..self })
+    }
+
+    /// Returns the duration of the step for which the variances hold \[s\], or `None` if they hold for every step.
+    #[must_use]
+    pub fn reference_step(&self) -> Option<f64> {
+        self.reference_step
     }
 
     /// Returns α1 to α6.
@@ -73,7 +91,7 @@ impl MotionNoise {
     /// The robot moves along the arc of v̂ and ω̂, then turns by γ̂·Δt. Every call draws three normal numbers from `stream`,
     /// also for a twist of 0. The input is not checked.
     pub fn sample(&self, pose: Pose, twist: Twist, duration: f64, stream: &mut impl Rng) -> Pose {
-        let deviations = self.variances(twist).map(f64::sqrt);
+        let deviations = self.variances(twist, duration).map(f64::sqrt);
         let [speed, turn, last] = deviations.map(|deviation| deviation * normal::sample(stream));
         let moved = Twist { linear: twist.linear + speed * direction(twist), angular: twist.angular + turn };
         let moved = integrate(pose, moved, duration);
@@ -118,17 +136,34 @@ impl MotionNoise {
             rotate(by_turn, pose.yaw).extend(duration),
             DVec3::new(0.0, 0.0, duration),
         );
-        let noise = DMat3::from_diagonal(self.variances(twist).into());
+        let noise = DMat3::from_diagonal(self.variances(twist, duration).into());
         let sum = by_pose * covariance * by_pose.transpose() + by_noise * noise * by_noise.transpose();
         // Rounding leaves `sum` slightly asymmetric.
         check_matrix("the resulting covariance", (sum + sum.transpose()) * 0.5)
     }
 
-    /// Returns the variances of v \[m²/s²\], ω and γ \[rad²/s²\].
-    fn variances(&self, twist: Twist) -> [f64; 3] {
+    /// Returns the covariance of the mean velocity (vx, vy, ω) in a step \[m²/s², m·rad/s², rad²/s²\].
+    ///
+    /// The mean velocity is the constant twist between the poses at the start and at the end of the step. The covariance is of
+    /// first order in the errors, and in the turn during the step.
+    ///
+    /// # Errors
+    /// [`Error::Number`] if `twist`, `duration` or the resulting covariance is not finite.
+    pub fn twist_covariance(&self, twist: Twist, duration: f64) -> Result<DMat3, Error> {
+        check(Pose::default(), twist, duration)?;
+        let [speed, turn, last] = self.variances(twist, duration);
+        let along = direction(twist).extend(0.0);
+        let linear = DMat3::from_cols(along * along.x, along * along.y, DVec3::ZERO) * speed;
+        check_matrix("the resulting covariance", linear + DMat3::from_diagonal(DVec3::Z * (turn + last)))
+    }
+
+    /// Returns the variances of v \[m²/s²\], ω and γ \[rad²/s²\] in a step.
+    fn variances(&self, twist: Twist, duration: f64) -> [f64; 3] {
         let (v, w) = (twist.linear.length_squared(), twist.angular * twist.angular);
         let [a1, a2, a3, a4, a5, a6] = self.alpha;
-        [a1 * v + a2 * w, a3 * v + a4 * w, a5 * v + a6 * w]
+        // A step of duration 0 moves nowhere, so its velocity does not matter.
+        let share = self.reference_step.map_or(1.0, |step| if duration == 0.0 { 0.0 } else { step / duration.abs() });
+        [a1 * v + a2 * w, a3 * v + a4 * w, a5 * v + a6 * w].map(|variance| variance * share)
     }
 }
 

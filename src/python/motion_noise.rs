@@ -13,7 +13,9 @@ use super::{stream_number, whole_number};
 /// At speed v and turn rate ω, a step has three independent normal errors: of the speed, with variance alpha1·v² +
 /// alpha2·ω²; of the turn rate, with variance alpha3·v² + alpha4·ω²; and of an extra turn rate, with variance alpha5·v² +
 /// alpha6·ω², that turns the robot at the end of the step. As in the book, each step draws new errors, which hold for the
-/// whole step. The error of a drive therefore depends on the length of its steps. All parameters are 0 by default: no noise.
+/// whole step. The error of a drive therefore depends on the length of its steps, unless a reference step is given: the
+/// variances then hold for a step of this duration, and those of a step of `dt` seconds are larger by `reference_step / dt`,
+/// so that the errors of a drive do not depend on its division into steps. All parameters are 0 by default: no noise.
 ///
 /// Args:
 ///     alpha1: Variance of the speed per v² [1].
@@ -22,9 +24,10 @@ use super::{stream_number, whole_number};
 ///     alpha4: Variance of the turn rate per ω² [1].
 ///     alpha5: Variance of the extra turn rate per v² [rad²/m²].
 ///     alpha6: Variance of the extra turn rate per ω² [1].
+///     reference_step: Duration of the step for which the variances hold [s]; None: they hold for every step.
 ///
 /// Raises:
-///     ValueError: A parameter is negative or not finite.
+///     ValueError: A parameter is negative or not finite, or the reference step is not positive.
 ///
 /// Examples:
 ///     >>> from mobile_robot_simulator import MotionNoise
@@ -43,7 +46,7 @@ impl MotionNoise {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(*, alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0, alpha5=0.0, alpha6=0.0)",
+        text_signature = "(*, alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0, alpha5=0.0, alpha6=0.0, reference_step=None)",
         signature = (
             *,
             alpha1 = default()[0],
@@ -52,16 +55,36 @@ impl MotionNoise {
             alpha4 = default()[3],
             alpha5 = default()[4],
             alpha6 = default()[5],
+            reference_step = None,
         )
     )]
-    fn new(alpha1: f64, alpha2: f64, alpha3: f64, alpha4: f64, alpha5: f64, alpha6: f64) -> PyResult<Self> {
-        Ok(Self(crate::MotionNoise::new([alpha1, alpha2, alpha3, alpha4, alpha5, alpha6])?))
+    #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn new(
+        alpha1: f64,
+        alpha2: f64,
+        alpha3: f64,
+        alpha4: f64,
+        alpha5: f64,
+        alpha6: f64,
+        reference_step: Option<f64>,
+    ) -> PyResult<Self> {
+        let noise = crate::MotionNoise::new([alpha1, alpha2, alpha3, alpha4, alpha5, alpha6])?;
+        Ok(Self(match reference_step {
+            Some(step) => noise.with_reference_step(step)?,
+            None => noise,
+        }))
     }
 
     /// The parameters (alpha1, ..., alpha6).
     #[getter]
     fn alpha(&self) -> (f64, f64, f64, f64, f64, f64) {
         self.0.alpha().into()
+    }
+
+    /// Duration of the step for which the variances hold [s]; None if they hold for every step.
+    #[getter]
+    fn reference_step(&self) -> Option<f64> {
+        self.0.reference_step()
     }
 
     /// Returns a random pose that a robot may reach in `dt` seconds when it is commanded to move at a twist.
@@ -144,9 +167,37 @@ impl MotionNoise {
         Ok(Array2::from(after.transpose().to_cols_array_2d().to_vec()).into_pyarray(py))
     }
 
+    /// Returns the covariance of the mean velocity (vx, vy, wz) in a step.
+    ///
+    /// The mean velocity is the constant twist between the poses at the start and at the end of the step; see
+    /// `Pose.twist_to`. The covariance is to first order in the errors and in the turn during the step.
+    ///
+    /// Args:
+    ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     dt: Duration of the step [s].
+    ///
+    /// Returns:
+    ///     (3, 3) float64 [m²/s², m·rad/s², rad²/s²].
+    ///
+    /// Raises:
+    ///     ValueError: An argument or the result is not finite.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import MotionNoise
+    ///     >>> noise = MotionNoise(alpha1=0.01, alpha4=0.02, reference_step=0.1)
+    ///     >>> noise.twist_covariance((2.0, 0.0, 1.0), dt=0.1).diagonal().tolist()
+    ///     [0.04, 0.0, 0.02]
+    fn twist_covariance<'py>(&self, py: Python<'py>, twist: [f64; 3], dt: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let covariance = self.0.twist_covariance(twist.into(), dt)?;
+        Ok(Array2::from(covariance.to_cols_array_2d().to_vec()).into_pyarray(py))
+    }
+
     fn __repr__(&self) -> String {
         let [a1, a2, a3, a4, a5, a6] = self.0.alpha();
-        format!("MotionNoise(alpha1={a1:?}, alpha2={a2:?}, alpha3={a3:?}, alpha4={a4:?}, alpha5={a5:?}, alpha6={a6:?})")
+        let step = self.0.reference_step().map_or(String::new(), |step| format!(", reference_step={step:?}"));
+        format!(
+            "MotionNoise(alpha1={a1:?}, alpha2={a2:?}, alpha3={a3:?}, alpha4={a4:?}, alpha5={a5:?}, alpha6={a6:?}{step})"
+        )
     }
 
     #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
@@ -156,6 +207,7 @@ impl MotionNoise {
         for (name, value) in names.into_iter().zip(self.0.alpha()) {
             keywords.set_item(name, value)?;
         }
+        keywords.set_item("reference_step", self.0.reference_step())?;
         Ok(((), keywords))
     }
 }

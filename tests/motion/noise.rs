@@ -174,3 +174,38 @@ fn the_error_names_the_bad_argument() {
     let error = noise().propagate(DMat3::NAN, Pose::default(), Twist::default(), 1.0).unwrap_err().to_string();
     assert_eq!(error, "covariance must be finite, got NaN");
 }
+
+#[test]
+fn with_a_reference_step_any_division_into_steps_has_the_same_variance() {
+    let noise = MotionNoise::new([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap().with_reference_step(0.1).unwrap();
+    let twist = Twist::from([0.5, 0.0, 0.0]);
+    for steps in [1, 20, 200, 1000] {
+        let (mut covariance, dt) = (DMat3::ZERO, 2.0 / f64::from(steps));
+        for _ in 0..steps {
+            covariance = noise.propagate(covariance, Pose::default(), twist, dt).unwrap();
+        }
+        // 20 steps of 0.1 s, each with a variance of 0.1 · 0.5² · 0.1².
+        assert!((covariance.x_axis.x - 20.0 * 0.1 * 0.25 * 0.01).abs() < 1e-15, "{steps}: {covariance}");
+    }
+    assert_eq!(noise.sample_from(Pose::default(), twist, 0.0, 1, 0).unwrap(), Pose::default());
+    let error = noise.with_reference_step(0.0).unwrap_err().to_string();
+    assert_eq!(error, "reference_step must be more than 0, got 0");
+}
+
+#[test]
+fn the_mean_velocity_of_a_step_has_the_stated_covariance() {
+    let noise = MotionNoise::new([0.02, 0.01, 0.01, 0.02, 0.005, 0.005]).unwrap().with_reference_step(0.1).unwrap();
+    let (twist, dt, count) = (Twist::from([0.6, 0.3, 0.2]), 0.02, 20_000);
+    let stated = noise.twist_covariance(twist, dt).unwrap();
+    let mut sum = DMat3::ZERO;
+    for index in 0..count {
+        let end = noise.sample_from(Pose::default(), twist, dt, 7, index).unwrap();
+        let found = Twist::between(Pose::default(), end, dt);
+        let error = (found.linear - twist.linear).extend(found.angular - twist.angular);
+        sum += DMat3::from_cols(error * error.x, error * error.y, error * error.z);
+    }
+    let (found, scale) = (sum * (1.0 / count as f64), stated.x_axis.x);
+    // A variance of 20,000 samples has a standard deviation of 1 %.
+    assert!((found - stated).abs_diff_eq(DMat3::ZERO, 0.05 * scale.max(stated.z_axis.z)), "{found} {stated}");
+    assert!((found.x_axis.x / stated.x_axis.x - 1.0).abs() < 0.05 && (found.z_axis.z / stated.z_axis.z - 1.0).abs() < 0.05);
+}

@@ -187,7 +187,8 @@ def test_a_missing_value_is_reported_as_required() -> None:
 
 def test_parameters_build_the_noise_models_and_the_scanner() -> None:
     alphas = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
-    noise = mrs.MotionNoise(alpha1=0.1, alpha2=0.2, alpha3=0.3, alpha4=0.4, alpha5=0.5, alpha6=0.6)
+    numbered = {"alpha1": 0.1, "alpha2": 0.2, "alpha3": 0.3, "alpha4": 0.4, "alpha5": 0.5, "alpha6": 0.6}
+    noise = mrs.MotionNoise(**numbered, reference_step=0.1)
     assert motion_noise(alphas) == RobotParameters(odometry_alphas=alphas).motion_noise == noise
     assert RobotParameters().motion_noise is None
     laser = LaserParameters(sigma_hit=0.1, z_hit=3.0, z_max=1.0, laser_mount=(0.1, 0.0, 0.0), laser_frame_id="laser")

@@ -52,9 +52,9 @@ class Slip(Fault):
 class OdometryDrift(Fault):
     """The odometry of a robot drifts, and its covariance grows accordingly.
 
-    The errors follow the velocity motion model of Thrun, Burgard and Fox, Probabilistic Robotics (2005), table 5.3. The
-    fault replaces the parameter `odometry_alphas` while it acts. When it ends, the odometry jumps to the exact pose of the
-    wheels and stays exact until a reset, even if `odometry_alphas` is set.
+    The errors follow the velocity motion model of Thrun, Burgard and Fox, Probabilistic Robotics (2005), table 5.3, for
+    steps of 0.1 s, as with the parameter `odometry_alphas`. The fault replaces this parameter while it acts. When it ends,
+    the error that it has caused stays, as on a real robot; a reset removes it.
 
     Args:
         alphas: The six noise parameters alpha1 to alpha6 of the model.
@@ -87,7 +87,7 @@ class OdometryDrift(Fault):
 
     def _drift(self, robot: SimulatedRobot, *, drifts: bool) -> None:
         robot.robot.drift(self.noise if drifts else None, self.seed)
-        self._note(f"odometry of {robot.name or 'the robot'} {'drifts' if drifts else 'is exact'}")
+        self._note(f"odometry of {robot.name or 'the robot'} {'drifts' if drifts else 'no longer drifts'}")
 
     def _arguments(self) -> list[str]:
         return [f"({', '.join(f'{alpha:g}' for alpha in self.alphas)})", *_robot_argument(self.robot)]

@@ -6,9 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .. import messages
 from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
@@ -31,7 +28,7 @@ from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
-from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerSnapshot
+from ..physics.odometer import Odometer, OdometerReading, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
 from ..physics.world import Placed, World
 from .interface import Node, Publisher, QoS
@@ -222,9 +219,7 @@ class MobileRobotSimulator(Handle):
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
         if self._slip_share:
             self._motion.slip(self._slip_share, now_ns)
-        noise, seed = self._drift
-        if noise is None:
-            noise, seed = parameters.motion_noise, parameters.odometry_seed
+        noise, seed = self._odometry_noise()
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
         self._believed_pose = odom_from_base
         self._world.changed()
@@ -284,14 +279,15 @@ class MobileRobotSimulator(Handle):
         self._motion.slip(share, self._world.now_ns())
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
-        """Makes the odometry drift from now on. The covariance restarts at the value for exact odometry.
+        """Changes the noise of the odometry from now on. The error and the covariance so far stay.
 
         Args:
-            noise: Noise of the odometry, None for exact odometry.
+            noise: Noise of the odometry; None for that of the parameters.
             seed: Seed of the noise.
         """
         now_ns, self._drift = self._world.now_ns(), (noise, seed)
-        self._odometer = Odometer(self._motion.wheel_pose(now_ns), now_ns, noise=noise, seed=seed)
+        self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
+        self._odometer.set_noise(*self._odometry_noise())
 
     def start(self) -> None:
         """Starts to follow commands and to publish, first after one period. Has no effect if the node is running."""
@@ -339,6 +335,11 @@ class MobileRobotSimulator(Handle):
         self._odometer, odometer_state = state.odometer
         self._odometer.restore(odometer_state)
         self._maps.restore(state.maps)
+
+    def _odometry_noise(self) -> tuple[MotionNoise | None, int]:
+        """Returns the noise of the odometry and its seed: those of `drift`, or else those of the parameters."""
+        noise, seed = self._drift
+        return (self._parameters.motion_noise, self._parameters.odometry_seed) if noise is None else (noise, seed)
 
     def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
@@ -466,18 +467,19 @@ class MobileRobotSimulator(Handle):
         now_ns, stamp = self._world.now_ns(), self._stamp()
         if self._parameters.clock_rate == 0.0:
             self._send_clock(stamp)
-        self._believed_pose, covariance = self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
-        odometry = self._odometry_message(now_ns, stamp, covariance)
+        reading = self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
+        self._believed_pose = reading.pose
+        odometry = self._odometry_message(now_ns, stamp, reading)
         self._publishers.odometry.publish(odometry)
         self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, odometry)))
 
-    def _odometry_message(self, now_ns: int, stamp: Time, covariance: NDArray[np.float64]) -> Odometry:
-        vx, vy, wz = self._motion.wheel_velocity(now_ns)
+    def _odometry_message(self, now_ns: int, stamp: Time, reading: OdometerReading) -> Odometry:
+        vx, vy, wz = self._motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist
         return Odometry(
             Header(stamp, self._parameters.odom_frame_id),
             self._parameters.base_link_frame,
-            PoseWithCovariance(messages.Pose.from_planar(self._believed_pose), covariance),
-            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
+            PoseWithCovariance(messages.Pose.from_planar(reading.pose), reading.covariance),
+            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), reading.twist_covariance),
         )
 
     def _transform_messages(self, now_ns: int, odometry: Odometry) -> list[TransformStamped]:
@@ -494,7 +496,7 @@ class MobileRobotSimulator(Handle):
     def _map_from_odom(self, now_ns: int) -> Pose:
         """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
         motion = self._motion
-        if motion.slipped or self._odometer.is_noisy:
+        if motion.slipped or not self._odometer.is_exact:
             return (motion.map_pose(now_ns) * self._believed_pose.inverse()).wrapped()
         return motion.map_from_own
 

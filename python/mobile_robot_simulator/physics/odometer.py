@@ -1,14 +1,16 @@
-"""Odometer: the pose that a robot estimates from its wheels, exact or with drift, and the covariance of the estimate."""
+"""Odometer: the pose and the velocity that a robot estimates from its wheels, exact or with drift, and their covariance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import MotionNoise, Pose
 from ..instant import NANOSECONDS
+from .velocity_profile import Velocity
 
 EXACT, UNMEASURED = 1e-9, 1e6
 """Variance [m^2 or rad^2] of a coordinate that is known exactly, and of one that is not measured.
@@ -21,7 +23,7 @@ PLANE = (0, 1, 5)
 
 
 def _spatial_covariance(plane: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the read-only covariance (36,) of a pose in space from the (3, 3) covariance of x, y and yaw."""
+    """Returns the read-only covariance (36,) of a pose or twist in space from the (3, 3) covariance of x, y and yaw."""
     covariance = np.diag([0.0, 0.0, UNMEASURED, UNMEASURED, UNMEASURED, 0.0])
     covariance[np.ix_(PLANE, PLANE)] = plane + EXACT * np.eye(3)
     flat = covariance.reshape(-1)
@@ -33,6 +35,19 @@ PLANAR_COVARIANCE = _spatial_covariance(np.zeros((3, 3)))
 """Covariance (36,) of exact odometry in the plane: x, y and yaw are exact; height, roll and pitch are not measured."""
 
 
+class OdometerReading(NamedTuple):
+    """What an odometer estimates. Covariances are (36,) float64, row-major, over (x, y, z, rot x, rot y, rot z)."""
+
+    pose: Pose
+    """Pose in the odometry frame."""
+    covariance: NDArray[np.float64]
+    """Covariance of the pose."""
+    twist: Velocity | None
+    """Mean velocity since the last reading, in the robot's frame; None if it is that of the wheels."""
+    twist_covariance: NDArray[np.float64]
+    """Covariance of the mean velocity."""
+
+
 @dataclass(frozen=True, slots=True)
 class OdometerSnapshot:
     """State of an `Odometer` at one time, as returned by `Odometer.save`.
@@ -40,16 +55,20 @@ class OdometerSnapshot:
     The arrays are shared with the odometer, which never changes them in place.
     """
 
+    noise: MotionNoise | None
+    seed: int
     index: int
     wheels: Pose
-    estimate: Pose
     time_ns: int
     plane: NDArray[np.float64]
-    covariance: NDArray[np.float64]
+    reading: OdometerReading
 
 
 class Odometer:
-    """Estimates the pose of a robot from the motion of its wheels.
+    """Estimates the pose and the velocity of a robot from the motion of its wheels.
+
+    With noise, pose and velocity tell the same story: the velocity is the one that moves the robot from the last estimate of
+    the pose to this one.
 
     Args:
         wheels: First pose of the wheels, in the odometry frame.
@@ -60,51 +79,59 @@ class Odometer:
     """
 
     def __init__(self, wheels: Pose, time_ns: int, *, noise: MotionNoise | None = None, seed: int = 0) -> None:
-        self._noise, self._seed = noise, seed
-        self._index = 0
+        self.set_noise(noise, seed)
         self.place(wheels, time_ns)
 
     @property
-    def is_noisy(self) -> bool:
-        """True if the estimate can differ from the pose of the wheels."""
-        return self._noise is not None
+    def is_exact(self) -> bool:
+        """True if the estimate is the pose of the wheels."""
+        return self._noise is None and self._reading.covariance is PLANAR_COVARIANCE
+
+    def set_noise(self, noise: MotionNoise | None, seed: int) -> None:
+        """Changes the noise from now on. The errors made so far stay."""
+        self._noise, self._seed, self._index = noise, seed, 0
 
     def place(self, wheels: Pose, time_ns: int) -> None:
         """Sets the estimate to the pose of the wheels, and its covariance to that of exact odometry."""
-        self._wheels = self._estimate = wheels
-        self._time_ns = time_ns
+        self._wheels, self._time_ns = wheels, time_ns
         self._plane = np.zeros((3, 3))
-        self._covariance = PLANAR_COVARIANCE
+        self._reading = OdometerReading(wheels, PLANAR_COVARIANCE, None, PLANAR_COVARIANCE)
 
-    def read(self, wheels: Pose, time_ns: int) -> tuple[Pose, NDArray[np.float64]]:
-        """Estimates the pose at a time.
+    def read(self, wheels: Pose, time_ns: int) -> OdometerReading:
+        """Estimates pose and velocity at a time.
 
         Args:
             wheels: Pose of the wheels at that time, without noise.
             time_ns: The time [ns].
 
-        Returns:
-            The estimated pose, in the odometry frame, and its covariance (36,) over (x, y, z, rot x, rot y, rot z).
-
         """
-        if self._noise is None:
-            return wheels, PLANAR_COVARIANCE
-        dt = (time_ns - self._time_ns) / NANOSECONDS
-        if dt > 0.0:
-            twist, before = self._wheels.twist_to(wheels, dt), self._estimate
-            self._estimate = self._noise.sample(before, twist, dt, seed=self._seed, index=self._index).wrapped()
-            self._plane = self._noise.propagate(self._plane, before, twist, dt)
-            self._covariance = _spatial_covariance(self._plane)
-            self._index += 1
-            self._wheels, self._time_ns = wheels, time_ns
-        return self._estimate, self._covariance
+        if self.is_exact:
+            self._reading = OdometerReading(wheels, PLANAR_COVARIANCE, None, PLANAR_COVARIANCE)
+        elif time_ns > self._time_ns:
+            self._reading = self._estimate(wheels, (time_ns - self._time_ns) / NANOSECONDS)
+        self._wheels, self._time_ns = wheels, time_ns
+        return self._reading
+
+    def _estimate(self, wheels: Pose, dt: float) -> OdometerReading:
+        twist, before = self._wheels.twist_to(wheels, dt), self._reading.pose
+        noise = NO_NOISE if self._noise is None else self._noise
+        pose = noise.sample(before, twist, dt, seed=self._seed, index=self._index).wrapped()
+        self._index += 1
+        self._plane = noise.propagate(self._plane, before, twist, dt)
+        twist_covariance = _spatial_covariance(noise.twist_covariance(twist, dt))
+        return OdometerReading(pose, _spatial_covariance(self._plane), before.twist_to(pose, dt), twist_covariance)
 
     def save(self) -> OdometerSnapshot:
         """Returns a snapshot for `restore`."""
-        return OdometerSnapshot(self._index, self._wheels, self._estimate, self._time_ns, self._plane, self._covariance)
+        return OdometerSnapshot(
+            self._noise, self._seed, self._index, self._wheels, self._time_ns, self._plane, self._reading
+        )
 
     def restore(self, state: OdometerSnapshot) -> None:
         """Returns to the state of a snapshot."""
-        self._index, self._time_ns = state.index, state.time_ns
-        self._wheels, self._estimate = state.wheels, state.estimate
-        self._plane, self._covariance = state.plane, state.covariance
+        self._noise, self._seed, self._index = state.noise, state.seed, state.index
+        self._wheels, self._time_ns, self._plane = state.wheels, state.time_ns, state.plane
+        self._reading = state.reading
+
+
+NO_NOISE = MotionNoise()

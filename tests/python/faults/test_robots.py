@@ -163,4 +163,26 @@ def test_a_reset_does_not_end_faults(radius):
     assert sim.truth.velocity[0] == pytest.approx(0.3) and sim.pose.x == pytest.approx(5.3)
     assert sim.latest("/odom").pose.covariance[0] > 1e-6
     sim.run_for(1.5)
-    assert sim.truth.velocity[0] == pytest.approx(0.5) and sim.latest("/odom").pose.covariance[0] < 1e-6
+    assert sim.truth.velocity[0] == pytest.approx(0.5)
+    assert sim.latest("/odom").twist.covariance[0] == 1e-9
+
+
+@pytest.mark.parametrize("alphas", [None, (0.05,) * 6])
+def test_after_a_drift_its_error_stays_and_the_noise_of_the_parameters_is_back(alphas):
+    sim = open_field(odometry_alphas=alphas)
+    sim.add_fault(faults.OdometryDrift((0.5, 0.0, 0.0, 0.0, 0.0, 0.0), end=2.0))
+    drive(sim, 0.5)
+    errors, variances = [], []
+    for _ in range(2):
+        sim.run_for(2.0)
+        odometry = sim.latest("/odom")
+        errors.append(odometry.pose.pose.position.x - (sim.pose.x - 5.0))
+        variances.append(odometry.pose.covariance[0])
+    assert abs(errors[0]) > 0.01
+    if alphas is None:
+        assert errors[1] == pytest.approx(errors[0], abs=1e-9) and variances[1] == pytest.approx(variances[0])
+    else:
+        assert abs(errors[1] - errors[0]) > 1e-4 and variances[1] > variances[0]
+    sim.reset()
+    sim.run_for(0.1)
+    assert sim.latest("/odom").pose.covariance[0] < 1e-6

@@ -83,7 +83,7 @@ def test_bad_faults_are_refused(sim, make, message):
         (lambda: faults.Slip(0.25, end=0.15), {"the robot slips by 0.25", "the robot slips by 0"}),
         (
             lambda: faults.OdometryDrift([0.1] * 6, end=0.15),
-            {"odometry of the robot drifts", "odometry of the robot is exact"},
+            {"odometry of the robot drifts", "odometry of the robot no longer drifts"},
         ),
         (lambda: faults.ClockJump(2.0, at=0.1), {"the clock jumps by 2 s"}),
         (lambda: faults.Outage("laser", start=0.05, end=0.15), {"laser stops", "laser is back"}),
