@@ -165,7 +165,8 @@ class RobotParameters(Parameters):
         description="largest decrease of [vx, vy, wz] per second [m/s^2, m/s^2, rad/s^2]; null for acceleration_limits",
     )
     odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
-        None, description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none"
+        None,
+        description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none",
     )
     odometry_seed: Seed = Field(
         0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"

@@ -75,7 +75,7 @@ class MotionSnapshot:
     timeout: float
     start: Pose
     profile: VelocityProfile
-    slip: float
+    grip: float
     wheels: Pose | None
     driven: float
     segments: tuple[Segment, ...]
@@ -105,7 +105,8 @@ class Motion:
         self._limits = limits
         self._start = start
         self._profile = VelocityProfile(time_ns, STANDING, STANDING, time_ns, limits)
-        self._slip = 0.0
+        self._grip = 1.0
+        """Share of the motion of the wheels that the robot makes."""
         self._wheels: Pose | None = None
         self._driven = 0.0
         self.segments: list[Segment] = []
@@ -213,7 +214,7 @@ class Motion:
         self._begin(self._continued(time_ns))
         if self._wheels is None:
             self._wheels = self._start
-        self._slip = share
+        self._grip = 1.0 - share
         self._begin(self._profile)
 
     def continuing(self: M, before: Motion) -> M:
@@ -221,7 +222,7 @@ class Motion:
         now_ns = self._profile.start_ns
         self.segments[:0], self.contacts[:0] = before.segments, before.contacts
         self._driven = before.distance(now_ns)
-        self._slip, self._wheels = before._slip, before._wheels and before.wheel_pose(now_ns)
+        self._grip, self._wheels = before._grip, before._wheels and before.wheel_pose(now_ns)
         command, until_ns = before.request
         self._begin(VelocityProfile(now_ns, before.wheel_velocity(now_ns), command, max(now_ns, until_ns), self._limits))
         return self
@@ -233,7 +234,7 @@ class Motion:
             self.timeout,
             self._start,
             self._profile,
-            self._slip,
+            self._grip,
             self._wheels,
             self._driven,
             tuple(self.segments),
@@ -245,16 +246,11 @@ class Motion:
         """Returns to the state of a snapshot."""
         self.map_from_own, self.timeout = state.map_from_own, state.timeout
         self._start, self._profile = state.start, state.profile
-        self._slip, self._wheels, self._driven = state.slip, state.wheels, state.driven
+        self._grip, self._wheels, self._driven = state.grip, state.wheels, state.driven
         self.segments, self.contacts = list(state.segments), list(state.contacts)
 
     def _save_stepping(self) -> SteppingSnapshot | None:
         return None
-
-    @property
-    def _grip(self) -> float:
-        """Share of the motion of the wheels that the robot makes."""
-        return 1.0 - self._slip
 
     def _begin(self, profile: VelocityProfile, *, pose: Pose | None = None) -> None:
         """Begins a segment at `pose` in the motion's own frame. Default: the pose of the robot."""

@@ -59,7 +59,7 @@ class VelocityProfile:
         """
         held = self._held(time_ns)
         if self.limits is None:
-            return pose.integrate(scaled(self.command, grip), held)
+            return pose.integrate(self.command if grip == 1.0 else scaled(self.command, grip), held)
         pose = self.limits.integrate(pose, self.command, self.velocity, held, grip=grip)
         after = self._seconds_after_end(time_ns)
         if after == 0.0:
@@ -81,7 +81,8 @@ class VelocityProfile:
 
     def _held(self, time_ns: float) -> float:
         """Time for which the command has been followed [s]."""
-        return max(0, min(time_ns, self.until_ns) - self.start_ns) / NANOSECONDS
+        held_ns = (time_ns if time_ns < self.until_ns else self.until_ns) - self.start_ns
+        return held_ns / NANOSECONDS if held_ns > 0 else 0.0
 
     def _seconds_after_end(self, time_ns: float) -> float:
         return max(0, time_ns - self.until_ns) / NANOSECONDS
