@@ -252,6 +252,43 @@ def test_a_footprint_stops_at_the_walls_of_the_served_map(world: Any, tmp_path: 
     assert stopped.pose.pose.position.x == pytest.approx(1.2, abs=1e-6)
 
 
+def test_nodes_say_what_they_wait_for_and_what_they_have_got(world: Any, map_file: Path) -> None:
+    process = world.start("all", base_link_frame="base_footprint", robot_radius=0.2)
+    robot = "the robot waits for the map (on topic /map or from service /static_map"
+    wait_until(lambda: robot in process.output, "the robot's message")
+    laser = "the laser waits for the map (on topic /map or from service /static_map"
+    wait_until(lambda: laser in process.output, "the laser's message")
+    world.start("map", map_file=map_file)
+    for node in ("robot", "laser"):
+        wait_until(lambda node=node: f"the {node} has the map now" in process.output, f"the message of the {node}")
+    assert process.output.count(laser) == 1
+
+
+def test_a_laser_says_which_transform_it_waits_for(world: Any, map_file: Path) -> None:
+    world.start("map", map_file=map_file)
+    world.start("robot")
+    process = world.start("laser", base_link_frame="shell")
+    missing = "the robot's pose (the transform from shell to map, on topic /tf, which has the frames base_link, odom)"
+    wait_until(lambda: missing in process.output, "the message about the transform")
+    assert world.set_parameter("laser_scanner_simulator_node", "base_link_frame", "base_link")
+    wait_until(lambda: "the laser has the robot's pose now" in process.output, "the end of the wait")
+
+
+def test_nodes_say_that_they_wait_for_the_time(world: Any) -> None:
+    if VERSION == "1":
+        world.rospy.set_param("/use_sim_time", True)
+    try:
+        arguments = {} if VERSION == "1" else {"use_sim_time": True}
+        laser = world.start("laser", **arguments)
+        message = "the laser waits for the time (on topic /clock, where none has arrived)"
+        wait_until(lambda: message in laser.output, "the message")
+        world.start("robot", publish_clock=True)
+        wait_until(lambda: "the laser has the time" in laser.output, "the end of the wait")
+    finally:
+        if VERSION == "1":
+            world.rospy.set_param("/use_sim_time", False)
+
+
 @pytest.mark.parametrize("from_tf", [True, False])
 def test_the_mount_comes_from_tf_or_from_the_parameter(world: Any, map_file: Path, from_tf: bool) -> None:
     mount = {} if from_tf else {"laser_mount": "[0.5, 0.25, 3.0]"}

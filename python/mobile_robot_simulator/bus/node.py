@@ -154,6 +154,10 @@ class BusNode(Handle):
         self._handles[timer] = partial(self.destroy_timer, timer)
         return timer
 
+    def create_wall_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> BusTimer:
+        """Same as `create_timer`: nothing on the bus depends on wall time."""
+        return self.create_timer(timer_period_sec, callback)
+
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **_: Any) -> BusService:
         """Offers a service. Other keywords of rclpy are ignored.
 

@@ -1,7 +1,7 @@
 """The node interface: the few methods of rclpy's Node that the simulator's nodes use.
 
 The in-process bus, ROS 1 and ROS 2 each implement it, so each node's behaviour is written only once. All protocols keep the
-names and the argument order of rclpy.
+names and the argument order of rclpy. `set_speed` and `create_wall_timer` are additions.
 """
 
 from __future__ import annotations
@@ -90,6 +90,12 @@ class Node(Protocol):
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None], /) -> Timer:
         """Calls the callback once per period [s], for the first time after one period."""
+
+    def create_wall_timer(self, timer_period_sec: float, callback: Callable[[], None], /) -> Timer:
+        """Calls the callback once per period of wall time [s], even while the node's clock stands still.
+
+        Where there is no wall time, as on the in-process bus, the same as `create_timer`.
+        """
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], /) -> Any:
         """Offers a service. The callback takes the request and an empty response, and returns the response."""

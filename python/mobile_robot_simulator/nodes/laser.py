@@ -17,6 +17,7 @@ from ..physics.world import Carrier
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
+from .waiting import WaitingLog
 
 RANGE_MAX_MARGIN = 0.001
 """With `no_return: max`, `range_max` of a scan exceeds the reading of a beam without a return by this [m]."""
@@ -70,7 +71,8 @@ class LaserScannerSimulator(Handle):
     Time:
         The node publishes scans at `laser_frequency`. Each scan is measured from the pose at its stamp. The node
         extrapolates that pose from the last transform with the last odometry twist, so a scan never waits for a transform.
-        There are no scans until both the map and the pose are known.
+        There are no scans until both the map and the pose are known. After 2 s without them the node logs what it waits for,
+        and again every 10 s.
     Map:
         The node requests the map from `map_service` and retries until it arrives. A map on `map_topic` replaces the current
         one.
@@ -103,6 +105,7 @@ class LaserScannerSimulator(Handle):
         self._carrier = carrier
         self._transforms = TransformBuffer() if transforms is None else transforms
         self._listener = TransformListener(node, self._transforms) if transforms is None else None
+        self._waiting = WaitingLog(node, "the laser", self._find_missing)
         self._scan_count = 0
         self._running: Handles | None = None
         self._scans: Publisher[LaserScan] | None = None
@@ -162,6 +165,8 @@ class LaserScannerSimulator(Handle):
             self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             scanning = self._node.create_timer(1.0 / self._parameters.laser_frequency, self._publish_scan)
             handles.add(self._node.destroy_timer, scanning)
+            if self._carrier is None or self._maps.grid is None:
+                self._waiting.start(handles)
             self._running = handles
 
     def stop(self) -> None:
@@ -223,6 +228,15 @@ class LaserScannerSimulator(Handle):
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds
+
+    def _find_missing(self) -> dict[str, str]:
+        """Returns what is missing for a scan, and how the node gets it."""
+        missing, now_ns = self._maps.find_missing(), self._now_ns()
+        if self._base_pose(now_ns) is None:
+            base, target = self._parameters.base_link_frame, self._parameters.map_frame_id
+            reason = self._transforms.explain_missing(target, base, now_ns)
+            missing["the robot's pose"] = f"the transform from {base} to {target}, {reason}"
+        return missing
 
     def _prepare(self, grid: OccupancyGrid) -> None:
         """Builds the beam lookup tables of a new grid on all cores. The first scan would build them on one thread."""

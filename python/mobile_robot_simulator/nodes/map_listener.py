@@ -58,12 +58,17 @@ class MapListener:
     ) -> None:
         self._node, self._use = node, use
         self._unknown, self._grid = unknown, grid
+        self._source = self._failure = ""
         self._requested_ns: int | None = None
 
     @property
     def grid(self) -> OccupancyGrid | None:
         """The map, None before it has arrived."""
         return self._grid
+
+    def find_missing(self) -> dict[str, str]:
+        """Returns what `WaitingLog` needs to know: where the map comes from while it has not arrived, else nothing."""
+        return {} if self._grid is not None else {"the map": f"{self._source}{self._failure}"}
 
     def start(self, *, topic: str, service: str, handles: Handles) -> None:
         """Subscribes to the topic, and requests the map now and periodically until it has arrived.
@@ -73,7 +78,8 @@ class MapListener:
             service: Name of the GetMap service.
             handles: Takes what has to be released to stop.
         """
-        node, self._requested_ns = self._node, None
+        node, self._requested_ns, self._failure = self._node, None, ""
+        self._source = f"on topic {topic} or from service {service}" if topic else f"from service {service}"
         if topic:
             maps = node.create_subscription(messages.OccupancyGrid, topic, self._take, QoS.LATCHED)
             handles.add(node.destroy_subscription, maps)
@@ -112,8 +118,11 @@ class MapListener:
 
     def _take_response(self, future: Future) -> None:
         self._requested_ns = None
-        if future.exception() is None:
+        error = future.exception()
+        if error is None:
             self._take(future.result().map)
+        else:
+            self._failure = f", whose last call failed: {error}"
 
     def _take(self, message: messages.OccupancyGrid) -> None:
         """Replaces the map, unless the message carries the same one or is invalid."""

@@ -34,6 +34,7 @@ from ..physics.world import Placed, World
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .steady_time import SteadyTime
+from .waiting import WaitingLog
 
 RESTART_PARAMETERS = (
     "publish_map_transform",
@@ -125,7 +126,7 @@ class MobileRobotSimulator(Handle):
     Map:
         A robot with a footprint needs the map. If its world has none, the node requests the map from `map_service` and
         retries until it arrives; a map on `map_topic` replaces the current one. The robot ignores commands until it has a
-        map.
+        map. After 2 s without one the node logs that it waits, and again every 10 s.
     Odometry:
         The odometry is exact by default. With `odometry_alphas` it drifts, and its covariance reports the drift. The
         transform map -> odom then corrects the drift, so that map -> base_link stays the true pose.
@@ -155,6 +156,7 @@ class MobileRobotSimulator(Handle):
         self.body_name = name
         self._parameters = parameters or RobotParameters()
         self._world = world or World(SteadyTime(node.get_clock()))
+        self._waiting = WaitingLog(node, "the robot", self._find_missing)
         self._is_map_given = self._world.grid is not None
         self._maps = MapListener(node, self._use_map, self._parameters.unknown, self._world.grid)
         self._start_pose = start_pose or Pose()
@@ -297,8 +299,10 @@ class MobileRobotSimulator(Handle):
             self._publishers = self._create_publishers(handles)
             self._create_subscriptions(handles)
             self._create_services(handles)
-            if self._footprint is not None and not self._is_map_given:
-                self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
+            if not self._is_map_given:
+                self._waiting.start(handles)
+                if self._footprint is not None:
+                    self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             self._node.set_speed(self._parameters.speed_factor)
             self._create_timers(handles)
             self._running = handles
@@ -367,6 +371,11 @@ class MobileRobotSimulator(Handle):
             motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
             self._motion = motion.continuing(self._motion)
             self._world.changed()
+
+    def _find_missing(self) -> dict[str, str]:
+        """Returns what is missing for driving, and how the node gets it."""
+        missing = {} if self._footprint is None else self._maps.find_missing()
+        return {thing: f"{how}; a robot with a footprint ignores commands without it" for thing, how in missing.items()}
 
     def _use_map(self, grid: OccupancyGrid) -> None:
         """Moves in another map from now on. Warns if the robot is inside one of its walls."""

@@ -15,6 +15,9 @@ from .interface import Node, QoS
 MAX_EXTRAPOLATION_NS = 1_000_000_000
 """A pose is extrapolated at most this long before or after the stamp of the last transform [ns]."""
 
+SHOWN_FRAMES = 10
+"""Number of frames that a message names at most."""
+
 
 @dataclass(frozen=True)
 class TransformSnapshot:
@@ -98,6 +101,28 @@ class TransformBuffer:
             return pose
         ancestors = list(self._ancestors(_without_slash(source), time_ns).values())
         return ancestors[-1] if len(ancestors) > 1 else None
+
+    def explain_missing(self, target: str, source: str, time_ns: int) -> str:
+        """Returns why `lookup_or_root` finds no pose: which transform is missing or too old.
+
+        Args:
+            target: Frame of the result.
+            source: Frame whose pose is wanted.
+            time_ns: Time of the pose [ns].
+        """
+        target, source = _without_slash(target), _without_slash(source)
+        for known in (self._ancestors(source, time_ns), self._ancestors(target, time_ns)):
+            root = list(known)[-1]
+            link = self._links.get(root)
+            if link is not None and link.parent in known:
+                return f"but the transforms from {root} to {link.parent} and back form a loop"
+            if link is not None:
+                age = (time_ns - link.stamp) / NANOSECONDS
+                when = f"{age:.1f} s old" if age > 0.0 else f"{-age:.1f} s ahead of the clock"
+                return f"but the last one from {root} to {link.parent} is {when}"
+        frames = sorted({*self._links, *(link.parent for link in self._links.values())})
+        shown = ", ".join(frames[:SHOWN_FRAMES]) + (", ..." if len(frames) > SHOWN_FRAMES else "")
+        return f"on topic /tf, which has the frames {shown}" if frames else "on topic /tf, where none has arrived"
 
     def save(self) -> TransformSnapshot:
         """Returns the state that `restore` takes."""

@@ -101,6 +101,10 @@ class RosNode(ABC):
         """Calls a callback at every multiple of the period [s] on the node's clock."""
         return self._executor.create_timer(self.get_clock(), timer_period_sec, callback)
 
+    def create_wall_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> ExecutorTimer:
+        """Calls a callback at every multiple of the period [s] of wall time."""
+        return self._executor.create_timer(PacedClock(), timer_period_sec, callback)
+
     def destroy_timer(self, timer: ExecutorTimer) -> None:
         """Destroys a timer."""
         self._executor.destroy_timer(timer)

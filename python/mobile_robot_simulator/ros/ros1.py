@@ -166,7 +166,7 @@ class _Client:
         return True
 
     def call_async(self, request: Message) -> Future:
-        """Calls the service on a new thread. If the call fails, a warning is logged and the future holds the exception."""
+        """Calls the service on a new thread. If the call fails, the future holds the exception."""
         future = Future()
         set_result, set_exception = map(self.executor.serialized, (future.set_result, future.set_exception))
 
@@ -174,7 +174,6 @@ class _Client:
             try:
                 response = self.proxy(ROS1.to_ros(request, self.proxy.request_class))
             except (rospy.ServiceException, rospy.ROSException, OSError) as error:
-                rospy.logwarn(f"call of service {self.proxy.resolved_name} failed: {error}")
                 set_exception(error)
             else:
                 set_result(ROS1.from_ros(response, self.srv_type.Response))

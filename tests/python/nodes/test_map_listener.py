@@ -74,6 +74,8 @@ def test_a_failed_request_is_repeated_after_one_period(monkeypatch: pytest.Monke
     rig.start()
     rig.run_to(3.5)
     assert requests == [0.0, 1.0, 2.0, 3.0]
+    source = "on topic /map or from service /static_map, whose last call failed: the server died"
+    assert rig.listener.find_missing() == {"the map": source}
 
 
 def test_a_request_without_an_answer_is_repeated_after_ten_seconds(monkeypatch: pytest.MonkeyPatch) -> None:

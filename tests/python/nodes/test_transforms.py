@@ -173,3 +173,19 @@ def test_a_transform_that_is_not_finite_is_refused(buffer: TransformBuffer, x: f
     with pytest.raises(ValueError, match="finite"):
         buffer.add(broken)
     assert close(buffer.lookup("odom", "base", 0), (1, 0, 0))
+
+
+def test_why_a_pose_is_missing(buffer: TransformBuffer) -> None:
+    assert buffer.explain_missing("map", "base", 0) == "on topic /tf, where none has arrived"
+    buffer.add(link("odom", "base", (1, 0, 0), seconds=5.0))
+    late, early = 8 * SECOND, 2 * SECOND
+    assert buffer.explain_missing("map", "wheel", late) == "on topic /tf, which has the frames base, odom"
+    assert buffer.explain_missing("/map", "/base", late) == "but the last one from base to odom is 3.0 s old"
+    assert buffer.explain_missing("map", "base", early) == "but the last one from base to odom is 3.0 s ahead of the clock"
+    buffer.add(link("base", "odom", (1, 0, 0), seconds=5.0))
+    assert buffer.explain_missing("map", "base", 5 * SECOND) == "but the transforms from odom to base and back form a loop"
+    for number in range(20):
+        buffer.add(link(f"a{number:02}", f"b{number:02}", (1, 0, 0)))
+    assert buffer.explain_missing("map", "wheel", late).endswith(
+        "the frames a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, ..."
+    )
