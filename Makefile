@@ -5,6 +5,7 @@
 # make speed         measures the speed of scans on generated maps, for each kernel
 # make check         lints and the fast tests, with a development build: within a minute when little has changed
 # make test          lints, documentation and all tests
+# make fuzz          runs the long random tests, for some minutes
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
 # make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
 # make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
@@ -25,7 +26,7 @@ export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python docs test-ros wheel lock clean
+.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ros wheel lock clean
 
 build: .venv/release
 
@@ -84,6 +85,9 @@ lint-workflows: .venv/tools
 test-rust:
 	cargo test --locked
 	cargo test --locked --release --test exact
+
+fuzz:
+	cargo test --locked --release --test contact -- --ignored --nocapture
 
 test-python: build
 	$(BIN)/pytest --numprocesses auto $(PYTEST_ARGS)

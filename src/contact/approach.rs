@@ -4,7 +4,6 @@ use glam::DVec2;
 
 use super::blockers::{Blocker, Blockers};
 use super::path::{Kinematics, Path};
-use crate::error::Error;
 use crate::pose::Pose;
 use crate::shape::{Shape, edges};
 use crate::world::World;
@@ -22,11 +21,14 @@ const MIN_APPROACH: f64 = 1e-9;
 /// Largest turn \[rad\] in one section of a path. Short sections keep the bound on acceleration tight.
 const MAX_SECTION_TURN: f64 = 0.5;
 
+/// Largest length of one section of a path \[m\].
+const MAX_STRIDE: f64 = 1e7;
+
 /// Largest number of sections of a path.
 const MAX_SECTIONS: f64 = 1e5;
 
-/// Largest number of steps in one section. A step roughly squares the remaining distance, so even a dozen steps are rare.
-const MAX_STEPS: usize = 200;
+/// Largest number of steps in one section within the tolerance of something that the footprint hardly approaches.
+const MAX_CREEPS: usize = 200;
 
 /// A footprint: a skeleton (the corners of a polygon, or the centre of a disc) and a radius around it.
 #[derive(Debug, Clone)]
@@ -54,6 +56,10 @@ pub struct Hit {
     /// Index of the obstacle; `None` for the grid.
     pub obstacle: Option<usize>,
 }
+
+/// A path of more sections than the search can go through.
+#[derive(Debug, Clone, Copy)]
+pub struct TooLong;
 
 impl Footprint {
     pub fn new(shape: &Shape) -> Self {
@@ -93,7 +99,7 @@ impl Footprint {
         let pairs = blockers
             .iter()
             .flat_map(|blocker| edges(&self.placed).map(move |side| Pair { side, blocker, origin, radius }.nearest()));
-        pairs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, hit, _)| hit)
+        pairs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, hit)| hit)
     }
 
     /// Computes `placed` for a pose in the frame of the grid.
@@ -104,9 +110,10 @@ impl Footprint {
         self.placed.extend(self.corners.iter().map(|&corner| pose.position + heading.rotate(corner)));
     }
 
-    /// Returns the first contact within `duration` seconds along a path that starts without overlap, if any.
+    /// Returns the first contact on the first `duration` seconds of a path that starts without overlap, if any.
     ///
-    /// The footprint overlaps nothing on the path up to the contact.
+    /// The footprint overlaps nothing on the path up to the contact, and is then within [`TOLERANCE`] of what it meets. A
+    /// footprint that passes something at more than this distance does not meet it.
     ///
     /// Method: conservative advancement (Mirtich 1996). A straight line separates each side of the footprint from each
     /// piece. The side cannot meet the piece before one of its two ends crosses this line:
@@ -122,21 +129,26 @@ impl Footprint {
     ///                          separating line
     /// ```
     ///
-    /// [`Kinematics::earliest`] gives a time before which an end cannot cross. The footprint advances by the smallest such
-    /// time of all sides and pieces, and repeats this until the gap is within the tolerance.
+    /// Another line does the same: the one that moves with the side, which the ends of the piece must cross. Where a side
+    /// turns about the corner of a wall, one of its ends crosses the first line soon, but no end of the wall crosses the
+    /// second. [`Kinematics`] gives times before which an end cannot cross. The later one of the two lines counts. The
+    /// footprint advances by the smallest such time of all sides and pieces, and repeats this until the gap is within the
+    /// tolerance. Every step covers at least half of the tolerance at top speed, so the search ends.
     ///
     /// # Errors
-    /// [`Error::Number`] if the path has more than [`MAX_SECTIONS`] sections.
-    pub fn first_contact(&mut self, world: World<'_>, path: Path, duration: f64) -> Result<Option<Hit>, Error> {
+    /// [`TooLong`] if the path has more than [`MAX_SECTIONS`] sections.
+    pub fn first_contact(&mut self, world: World<'_>, path: Path, duration: f64) -> Result<Option<Hit>, TooLong> {
         let top_speed = path.top_speed(self.reach);
-        let stride = self.reach.max(4.0 * world.grid.resolution());
+        let stride = self.reach.max(4.0 * world.grid.resolution()).min(MAX_STRIDE);
         let turn = path.twist().angular.abs();
         let sections = (top_speed * duration / stride).max(turn * duration / MAX_SECTION_TURN).ceil().max(1.0);
         if sections.is_nan() || sections > MAX_SECTIONS {
-            let needed = "short enough for a motion of less than 100000 times the footprint";
-            return Err(Error::Number { name: "dt", value: duration, needed });
+            return Err(TooLong);
         }
-        let mut blockers = Blockers::around(world, DVec2::NAN, 0.0);
+        if top_speed == 0.0 {
+            return Ok(None);
+        }
+        let mut blockers = Blockers::none(world);
         for section in 0..sections as u32 {
             let (start, end) = (duration * f64::from(section) / sections, duration * f64::from(section + 1) / sections);
             let travel = path.twist().linear.length() * (end - start);
@@ -150,55 +162,52 @@ impl Footprint {
 
     /// Returns the first contact between two times \[s\] of a path, `None` if there is none.
     fn contact_between(&mut self, start: f64, end: f64, path: Path, blockers: &Blockers<'_>) -> Option<Hit> {
-        if blockers.is_empty() {
-            return None;
-        }
-        let min_speed = MIN_APPROACH * path.top_speed(self.reach);
-        let mut time = start;
-        let mut nearest = None;
-        for _ in 0..MAX_STEPS {
+        let top_speed = path.top_speed(self.reach);
+        let (mut time, mut creeps) = (start, 0);
+        loop {
             let pose = path.pose_at(time);
             self.place(pose);
-            let search = Search { kinematics: path.kinematics_at(pose), horizon: end - time };
-            let approach = self.soonest_approach(pose.position, search, blockers)?;
-            if time + approach.wait >= end {
+            let kinematics = path.kinematics_at(pose, end - time, top_speed);
+            let approach = self.soonest_approach(pose.position, kinematics, blockers)?;
+            let next = time + approach.wait;
+            if next >= end {
                 return None;
             }
-            let hit = Hit { time, ..approach.hit };
-            nearest = Some(hit);
-            let arrived = approach.gap <= TOLERANCE && approach.speed > min_speed;
-            if arrived || time + approach.wait == time {
-                break;
+            if approach.gap <= TOLERANCE {
+                creeps += 1;
+                if approach.speed > MIN_APPROACH * top_speed || creeps > MAX_CREEPS {
+                    return Some(Hit { time, ..approach.hit });
+                }
             }
-            time += approach.wait;
-            nearest = Some(Hit { time, ..hit });
+            if next == time {
+                // The way left is shorter than a rounding error of the way driven.
+                return Some(Hit { time, ..approach.hit });
+            }
+            time = next;
         }
-        nearest
     }
 
     /// Returns the approach with the shortest wait, over all sides and pieces; `None` if there are no pieces.
-    fn soonest_approach(&self, origin: DVec2, search: Search, blockers: &Blockers<'_>) -> Option<Approach> {
+    fn soonest_approach(&self, origin: DVec2, kinematics: Kinematics, blockers: &Blockers<'_>) -> Option<Approach> {
         let mut soonest: Option<Approach> = None;
         for blocker in blockers.iter() {
             for side in edges(&self.placed) {
-                for approach in (Pair { side, blocker, origin, radius: self.radius }).approaches(search) {
-                    if soonest.as_ref().is_none_or(|soonest| approach.wait < soonest.wait) {
-                        soonest = Some(approach);
-                    }
-                }
+                let pair = Pair { side, blocker, origin, radius: self.radius };
+                let limit = soonest.as_ref().map_or(f64::INFINITY, |soonest| soonest.wait);
+                soonest = pair.approach_before(limit, kinematics).or(soonest);
             }
         }
         soonest
     }
 }
 
-/// How soon one end of a side of the footprint can cross the line that separates the side from a piece of the world.
+/// How soon a side of the footprint can meet a piece of the world.
 struct Approach {
-    /// Time \[s\] before which the end cannot cross the line; infinite if it cannot cross it within the horizon.
+    /// Time \[s\] before which the side cannot meet the piece.
     wait: f64,
     /// Distance between the side and the piece now \[m\].
     gap: f64,
-    /// Speed at which the end of the side moves towards the piece \[m/s\].
+    /// Speed at which the gap closes now \[m/s\].
     speed: f64,
     /// The contact that results if the side meets the piece.
     hit: Hit,
@@ -214,21 +223,9 @@ struct Pair<'a> {
     radius: f64,
 }
 
-/// The state from which to look ahead for a contact.
-#[derive(Clone, Copy)]
-struct Search {
-    kinematics: Kinematics,
-    /// Time to look ahead \[s\].
-    horizon: f64,
-}
-
 impl Pair<'_> {
-    /// Returns the gap \[m\], the contact that closing it would give, and the place of the separating line: its signed
-    /// distance \[m\] from the grid's corner along `toward`.
-    ///
-    /// The line is perpendicular to `toward`. It is moved back by both radii: while the skeleton does not cross it, there is
-    /// no contact.
-    fn nearest(&self) -> (f64, Hit, f64) {
+    /// Returns the gap \[m\] and the contact that closing it would give.
+    fn nearest(&self) -> (f64, Hit) {
         let nearest = self.blocker.piece.nearest(self.side);
         let toward = (nearest.other - nearest.own).normalize_or_zero();
         let hit = Hit {
@@ -238,20 +235,33 @@ impl Pair<'_> {
             offset: nearest.own + self.radius * toward - self.origin,
             obstacle: self.blocker.obstacle,
         };
-        (nearest.gap(self.radius), hit, toward.dot(nearest.other) - nearest.radius - self.radius)
+        (nearest.gap(self.radius), hit)
     }
 
-    /// Returns how soon each end of the side can come near the line that separates it from the piece.
+    /// Returns how soon the side can meet the piece, `None` if not before `limit` \[s\].
     ///
-    /// The goal is a gap of half the tolerance. If the gap is smaller already, it may shrink by at most `CREEP`.
-    fn approaches(&self, search: Search) -> [Approach; 2] {
-        let (gap, hit, line) = self.nearest();
-        [self.side.0, self.side.1].map(|end| {
+    /// The goal is a gap of half the tolerance. If the gap is about as small already, it may shrink by at most `CREEP`.
+    fn approach_before(&self, limit: f64, kinematics: Kinematics) -> Option<Approach> {
+        let (gap, hit) = self.nearest();
+        let (toward, shrink) = (hit.toward, (gap - 0.5 * TOLERANCE).max(CREEP.min(0.5 * gap)).max(0.0));
+        // The skeleton's nearest point, and that of the piece without its radius, both without the origin.
+        let own = hit.offset - self.radius * toward;
+        let first_line = [self.side.0, self.side.1].map(|end| {
             let offset = end - self.origin;
-            let speed = hit.toward.dot(search.kinematics.velocity(offset));
-            let goal = if gap > 0.5 * TOLERANCE { 0.5 * TOLERANCE } else { gap - CREEP.min(0.5 * gap) };
-            let distance = (line - hit.toward.dot(end) - goal).max(0.0);
-            Approach { wait: search.kinematics.earliest(offset, hit.toward, distance, search.horizon), gap, speed, hit }
-        })
+            kinematics.earliest(offset, toward, toward.dot(own - offset) + shrink)
+        });
+        let fixed = first_line[0].min(first_line[1]);
+        if fixed >= limit {
+            return None;
+        }
+        let (start, end) = self.blocker.piece.ends();
+        let other = hit.point - self.origin + self.blocker.piece.radius() * toward;
+        let second_line = [start, end].map(|end| {
+            let offset = end - self.origin;
+            kinematics.earliest_of_world(offset, toward, toward.dot(offset - other) + shrink)
+        });
+        let wait = fixed.max(second_line[0].min(second_line[1]));
+        let speed = toward.dot(kinematics.velocity(hit.offset));
+        (wait < limit).then_some(Approach { wait, gap, speed, hit })
     }
 }

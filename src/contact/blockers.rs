@@ -31,10 +31,14 @@ pub struct Blockers<'a> {
 }
 
 impl<'a> Blockers<'a> {
-    /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid. A NaN `center` gives no pieces of the
-    /// grid.
+    /// Returns no pieces yet.
+    pub fn none(world: World<'a>) -> Self {
+        Self { world, near: Vec::new() }
+    }
+
+    /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid.
     pub fn around(world: World<'a>, center: DVec2, radius: f64) -> Self {
-        let mut blockers = Self { world, near: Vec::new() };
+        let mut blockers = Self::none(world);
         blockers.gather(center, radius);
         blockers
     }
@@ -49,11 +53,6 @@ impl<'a> Blockers<'a> {
     /// Iterates over the pieces.
     pub fn iter(&self) -> impl Iterator<Item = &Blocker> {
         self.near.iter()
-    }
-
-    /// Returns true if there are no pieces.
-    pub fn is_empty(&self) -> bool {
-        self.near.is_empty()
     }
 
     /// Adds the edges between blocking and free cells.
@@ -71,9 +70,6 @@ impl<'a> Blockers<'a> {
     fn gather_cells(&mut self, center: DVec2, radius: f64) {
         let grid = self.world.grid;
         let (low, high) = (grid.in_cells(center - radius), grid.in_cells(center + radius));
-        if low.is_nan() {
-            return;
-        }
         let (cols, rows) = grid.cells_between(low, high);
         if !rows.clone().any(|row| grid.has_blocking(row, cols.clone())) {
             return;
@@ -131,7 +127,7 @@ impl<'a> Blockers<'a> {
         corners.iter().any(|&corner| self.holds(corner))
             || self.near.iter().any(|blocker| {
                 let gap = |side| blocker.piece.nearest(side).gap(radius);
-                encloses(corners, blocker.piece.any_point()) || crate::shape::edges(corners).any(|side| gap(side) <= 0.0)
+                encloses(corners, blocker.piece.ends().0) || crate::shape::edges(corners).any(|side| gap(side) <= 0.0)
             })
     }
 }
@@ -159,10 +155,19 @@ impl Nearest {
 }
 
 impl Piece {
-    /// Returns a point of the piece, here the start of an edge or the centre of a disc.
-    fn any_point(&self) -> DVec2 {
+    /// Returns the start and end of an edge; the centre of a disc, twice.
+    pub fn ends(&self) -> (DVec2, DVec2) {
         match *self {
-            Self::Edge(point, _) | Self::Disc(point, _) => point,
+            Self::Edge(start, end) => (start, end),
+            Self::Disc(center, _) => (center, center),
+        }
+    }
+
+    /// Returns the radius of a disc \[m\], 0 for an edge.
+    pub fn radius(&self) -> f64 {
+        match *self {
+            Self::Edge(..) => 0.0,
+            Self::Disc(_, radius) => radius,
         }
     }
 

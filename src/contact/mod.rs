@@ -15,7 +15,7 @@ use crate::motion::{Twist, integrate};
 use crate::pose::{Pose, rotate};
 use crate::shape::Shape;
 use crate::world::World;
-use approach::{Footprint, Hit};
+use approach::{Footprint, Hit, TooLong};
 use blockers::Blockers;
 use path::Path;
 
@@ -174,13 +174,19 @@ pub fn advance<'a>(
     } else {
         None
     };
-    let path = Path::Arc(start, twist);
-    let Some(hit) = footprint.first_contact(world, path, dt)? else { return Ok((free, overlap)) };
-    let fraction = if dt > 0.0 { hit.time / dt } else { 0.0 };
-    let first = overlap.unwrap_or_else(|| contact(world, &hit, fraction));
+    // From here on the unit of time is the step, so that no velocity is larger than the way driven.
+    let path = Path::Arc(start, Twist { linear: twist.linear * dt, angular: twist.angular * dt });
+    let too_long = |TooLong| {
+        let needed = "short enough for a motion of less than 100000 times the footprint";
+        Error::Number { name: "dt", value: dt, needed }
+    };
+    let Some(hit) = footprint.first_contact(world, path, 1.0).map_err(too_long)? else { return Ok((free, overlap)) };
+    let first = overlap.unwrap_or_else(|| contact(world, &hit, hit.time));
     let pose = match mode {
-        ContactMode::Stop => integrate(pose, twist, hit.time),
-        ContactMode::Slide => world.grid.options().origin * slide::slide(&mut footprint, world, path, hit, dt)?,
+        ContactMode::Stop => integrate(pose, twist, hit.time * dt),
+        ContactMode::Slide => {
+            world.grid.options().origin * slide::slide(&mut footprint, world, path, hit, 1.0).map_err(too_long)?
+        }
         ContactMode::Report => free,
     };
     Ok((pose, Some(first)))

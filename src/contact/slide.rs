@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use super::approach::{Footprint, Hit};
+use super::approach::{Footprint, Hit, TooLong};
 use super::path::Path;
-use crate::error::Error;
 use crate::motion::Twist;
 use crate::pose::{Pose, rotate};
 use crate::world::World;
@@ -17,8 +16,8 @@ const MAX_CONTACTS: usize = 8;
 /// After each contact the footprint moves on a straight line, at the allowed twist nearest to the wanted one.
 ///
 /// # Errors
-/// Those of [`Footprint::first_contact`].
-pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, Error> {
+/// That of [`Footprint::first_contact`].
+pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, TooLong> {
     let mut pose = path.pose_at(first.time);
     let wanted = Twist { linear: rotate(path.twist().linear, pose.yaw), angular: path.twist().angular };
     let (mut hits, mut elapsed) = (vec![first], first.time);
