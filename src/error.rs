@@ -94,11 +94,13 @@ pub enum Error {
         /// Index of the second edge.
         second: usize,
     },
-    /// A grid without free space for a robot of this radius.
-    #[error("no known free place for a disc of radius {radius} m on this grid")]
+    /// A grid without known free space for a disc of this radius.
+    #[error("no known free place for a disc of radius {radius} m on this grid, {}", largest_disc(*largest))]
     NoFreePlace {
-        /// Radius of the robot in metres.
+        /// Radius of the disc in metres.
         radius: f64,
+        /// About the largest radius in metres for which there is a place, rounded down; `None` if no cell is known to be free.
+        largest: Option<f64>,
     },
     /// A name that is not the name of a kernel, or a kernel that this machine cannot run.
     #[error("MOBILE_ROBOT_SIMULATOR_KERNEL must be one of {available} on this machine, got {value:?}")]
@@ -116,6 +118,13 @@ pub enum Error {
         /// Reason that the system gave.
         reason: String,
     },
+}
+
+fn largest_disc(radius: Option<f64>) -> String {
+    radius.map_or_else(
+        || "where no cell is known to be free".to_owned(),
+        |radius| format!("where the largest that fits has a radius of {radius} m"),
+    )
 }
 
 /// Returns `value` if it is finite and `is_valid` is true for it; `needed` describes these values in the error.

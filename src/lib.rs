@@ -50,6 +50,7 @@ mod batch;
 mod beam_model;
 mod contact;
 mod error;
+mod free_area;
 mod free_boxes;
 mod grid;
 mod motion;

@@ -71,18 +71,18 @@ pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult
     if is_aligned(array)? { array.extract() } else { array.call_method0("copy")?.extract() }
 }
 
-/// Runs `work` on a `float32` array of the given shape and returns the array: `out`, or a new one if `out` is `None`.
-pub fn fill<'py>(
+/// Runs `work` on an array of the given shape and returns the array: `out`, or a new one if `out` is `None`.
+pub fn fill<'py, T: Element>(
     py: Python<'py>,
     out: Option<Bound<'py, PyAny>>,
     dimensions: &[usize],
-    work: impl FnOnce(&mut [f32]) -> Result<(), Error> + Send,
+    work: impl FnOnce(&mut [T]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     // NumPy raises MemoryError if memory runs out, and uses huge pages for large arrays.
     static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<f32>(py)));
+    let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<T>(py)));
     let out = out.map_or_else(new, Ok)?;
-    let array = check_dtype::<f32>("out", &out)?;
+    let array = check_dtype::<T>("out", &out)?;
     if array.shape() != dimensions {
         let (needed, got) = (shape(dimensions), shape(array.shape()));
         return Err(PyValueError::new_err(format!("out must have shape {needed}, got {got}")));
@@ -94,7 +94,7 @@ pub fn fill<'py>(
         return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
     }
     let mut array = out
-        .cast::<numpy::PyArrayDyn<f32>>()?
+        .cast::<numpy::PyArrayDyn<T>>()?
         .try_readwrite()
         .map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one that is already in use"))?;
     let elements = array.as_slice_mut()?;

@@ -145,6 +145,31 @@ def test_drawn_poses_are_free_repeatable_and_spread() -> None:
     assert abs(np.mean([pose.yaw for pose in drawn])) < 7 * 2 * PI / math.sqrt(12 * DRAWS)
 
 
+def test_many_drawn_poses_are_the_same_for_any_split_and_number_of_threads(post: mrs.OccupancyGrid) -> None:
+    whole = post.draw_free_poses(5000, radius=0.1, seed=3)
+    assert whole.shape == (5000, 3) and whole.dtype == np.float64
+    assert all(post.is_free_disc(x, y, 0.1) for x, y, _ in whole)
+    assert tuple(whole[0]) == tuple(post.draw_free_pose(radius=0.1, seed=3))
+    for threads in (1, 3):
+        parts = [
+            post.draw_free_poses(end - start, radius=0.1, seed=3, first_index=start, threads=threads)
+            for start, end in ((0, 1), (1, 1), (1, 4000), (4000, 5000))
+        ]
+        assert np.concatenate(parts).tobytes() == whole.tobytes()
+    out = np.full((5000, 3), np.nan)
+    assert post.draw_free_poses(5000, radius=0.1, seed=3, out=out) is out and out.tobytes() == whole.tobytes()
+
+
+def test_the_error_of_a_disc_that_fits_nowhere_names_the_largest_one(post: mrs.OccupancyGrid) -> None:
+    for draw in (lambda: post.draw_free_pose(radius=50.0, seed=1), lambda: post.draw_free_poses(2, radius=50.0, seed=1)):
+        with pytest.raises(ValueError, match="radius 50 m on this grid, where the largest that fits has a radius of"):
+            draw()
+    with pytest.raises(ValueError, match="n must be"):
+        post.draw_free_poses(-1, radius=0.1, seed=1)
+    with pytest.raises(ValueError, match=r"out must have shape \(2, 3\), got \(3, 3\)"):
+        post.draw_free_poses(2, radius=0.1, seed=1, out=np.zeros((3, 3)))
+
+
 @pytest.mark.parametrize(
     ("cells", "radius"),
     [(np.full((3, 3), 100, np.int8), 0.0), (np.full((3, 3), -1, np.int8), 0.0), (np.eye(3, dtype=np.int8) * 100, 5.0)],
