@@ -106,3 +106,24 @@ def test_with_use_sim_time_the_laser_follows_the_clock_of_the_robot(world: Any, 
         assert 26.0 < (len(scan) - start) / (time.monotonic() - began) < 34.0
     finally:
         world.rospy.set_param("/use_sim_time", False)
+
+
+def test_a_deleted_parameter_gets_its_default(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    assert len(scan.next().ranges) == 181
+    world.rospy.delete_param("/mobile_robot_simulator/laser_beam_count")
+    scan.next(lambda it: len(it.ranges) == 541)
+
+
+def test_a_refusal_is_logged_once_for_all_nodes_and_takes_the_value_back(world: Any) -> None:
+    process = world.start("all")
+    world.subscribe("/odom", ODOM).wait_for(1)
+    world.rospy.set_param("/mobile_robot_simulator/base_frame_id", "shell")
+    wait_until(lambda: "base_frame_id (a parameter of nav2_loopback_sim) can only be set" in process.output, "the refusal")
+    # The laser's mount is not set, so there is no value to write back.
+    world.rospy.set_param("/mobile_robot_simulator/laser_mount", "nowhere")
+    wait_until(lambda: not world.rospy.has_param("/mobile_robot_simulator/laser_mount"), "the end of the value")
+    assert process.output.count("base_frame_id (a parameter of nav2_loopback_sim) can only be set") == 1
+    assert world.set_parameter("mobile_robot_simulator", "publish_rate", 20.0)
+    assert process.running

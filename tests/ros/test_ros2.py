@@ -131,6 +131,13 @@ def test_parameter_files_remapping_and_node_names_work(world: Any, tmp_path: Pat
     assert names
 
 
+def test_without_a_map_file_all_has_no_map_server(world: Any) -> None:
+    world.start("all")
+    world.subscribe("/odom", ODOM).wait_for(1)
+    wait_until(lambda: LASER in world.node.get_node_names(), "the laser")
+    wait_until(lambda: "map_server" not in world.node.get_node_names(), "the end of the map server")
+
+
 def test_rclpy_reads_our_recordings(tmp_path: Path, map_file: Path) -> None:
     from rclpy.serialization import deserialize_message
     from rosbags.rosbag2 import Reader

@@ -199,29 +199,35 @@ class BusNode(Handle):
         """Removes a subscription and discards the pending messages to it.
 
         Returns:
-            True if this node created the subscription. It is removed in both cases.
+            True if it was a subscription of this node. Otherwise, nothing changes.
         """
+        if self._handles.pop(subscription, None) is None:
+            return False
         subscription.topic.unsubscribe(subscription)
-        return self._handles.pop(subscription, None) is not None
+        return True
 
     def destroy_timer(self, timer: BusTimer) -> bool:
         """Cancels and removes a timer.
 
         Returns:
-            True if this node created the timer. It is removed in both cases.
+            True if it was a timer of this node. Otherwise, nothing changes.
         """
+        if self._handles.pop(timer, None) is None:
+            return False
         timer.cancel()
         self._bus.timers.pop(timer, None)
-        return self._handles.pop(timer, None) is not None
+        return True
 
     def destroy_service(self, service: BusService) -> bool:
         """Stops offering a service.
 
         Returns:
-            True if this node offered the service. The service stops in both cases.
+            True if this node offered the service. Otherwise, nothing changes.
         """
+        if self._handles.pop(service, None) is None:
+            return False
         service.handler = None
-        return self._handles.pop(service, None) is not None
+        return True
 
     def destroy_client(self, client: BusClient) -> bool:
         """Has no effect, because the bus keeps no data about clients. Returns True, as rclpy does."""

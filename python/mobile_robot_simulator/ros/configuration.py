@@ -60,7 +60,7 @@ def create_behaviour(parameters: Parameters, node: Node, process: RosProcess) ->
 
 
 def split_arguments(
-    name: str, arguments: Sequence[str], is_ros_argument: Callable[[str], bool]
+    name: str, arguments: Sequence[str], is_ros_argument: Callable[[str], bool], form: str
 ) -> tuple[str | None, list[str]]:
     """Splits a command line into the map file, or None, and the arguments for ROS.
 
@@ -68,6 +68,7 @@ def split_arguments(
         name: Name of the node, or `all`. Only `map` and `all` take a map file.
         arguments: The command line after that name.
         is_ros_argument: Returns True if an argument is for ROS. The first such argument and all that follow it go to ROS.
+        form: What ROS arguments look like, for the error message.
 
     Raises:
         ValueError: There is an unexpected argument before those for ROS.
@@ -75,9 +76,10 @@ def split_arguments(
     first = next((index for index, argument in enumerate(arguments) if is_ros_argument(argument)), len(arguments))
     own, for_ros = list(arguments[:first]), list(arguments[first:])
     takes_map = name in ("map", "all")
-    if len(own) > takes_map:
-        expected = "a map file and ROS arguments" if takes_map else "ROS arguments only"
-        raise ValueError(f"unexpected argument {own[takes_map]!r}; {name} takes {expected}")
+    looks_like_an_option = next((index for index, argument in enumerate(own) if argument[:1] == "-" or ":=" in argument), 1)
+    if (unexpected := min(looks_like_an_option, takes_map)) < len(own):
+        expected = f"a map file and ROS arguments ({form})" if takes_map else f"ROS arguments only ({form})"
+        raise ValueError(f"unexpected argument {own[unexpected]!r}; {name} takes {expected}")
     return (own[0] if own else None), for_ros
 
 
@@ -120,6 +122,11 @@ class ParameterResolver:
             )
         return model.checked(values)
 
+    def defaults_of(self, model: type[Parameters]) -> dict[str, Any]:
+        """Returns the defaults of all parameters of a node that have one."""
+        own = {name: info.default for name, info in model.model_fields.items() if not info.is_required()}
+        return {**own, **self._defaults.get(model, {})}
+
     def _translated(self, model: type[Parameters], given: Mapping[str, Any], logger: Logger) -> dict[str, Any]:
         values: dict[str, Any] = {}
         for synonym, meaning in translate(given).items():
@@ -140,6 +147,36 @@ def warn_about_unknown(names: Iterable[str], logger: Logger) -> None:
                 check_names([name], MODELS.values())
             except ValueError as error:
                 logger.warning(str(error))
+
+
+def change_everywhere(
+    behaviours: Sequence[Behaviour], name: str, value_for: Callable[[type[Parameters]], Any]
+) -> str | None:
+    """Changes one parameter in all running nodes that have it, or in none of them if one refuses.
+
+    Args:
+        behaviours: Robot, laser or map server, or several of them.
+        name: Name of the parameter.
+        value_for: Returns the new value for the parameter class of a node. A LookupError counts as a refusal.
+
+    Returns:
+        None, or the reason why the change was refused.
+    """
+    changed: list[tuple[Behaviour, Any]] = []
+    for behaviour in behaviours:
+        if name not in (*type(behaviour.parameters).model_fields, *SYNONYMS):
+            continue
+        before = getattr(behaviour.parameters, name, None)
+        try:
+            refusal = change_parameters(behaviour, {name: value_for(type(behaviour.parameters))})
+        except LookupError:
+            refusal = f"{name} has no default and stays {before}"
+        if refusal is not None:
+            for other, value in changed:
+                change_parameters(other, {name: value})
+            return refusal
+        changed.append((behaviour, before))
+    return None
 
 
 def change_parameters(behaviour: Behaviour, values: Mapping[str, Any]) -> str | None:

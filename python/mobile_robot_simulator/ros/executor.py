@@ -18,6 +18,9 @@ Returned = TypeVar("Returned")
 POLL_PERIOD = 0.002
 """Largest time between two readings of a clock that ROS controls [s]. Such a clock may change its speed or jump."""
 
+LONGEST_WAIT = 3600.0
+"""Largest time for which the executor sleeps [s]. Python cannot wait for centuries, as a very low rate would ask for."""
+
 
 class Executor:
     """Runs callbacks one at a time, so that all of them form one mutually exclusive callback group.
@@ -123,19 +126,19 @@ class Executor:
             raise self._error
 
     def _run_timers(self) -> None:
-        while not self._has_ended.is_set():
-            with self._timers_changed:
-                waits = [(timer.due_in(), timer) for timer in self._timers]
-                due = [timer for due_in, timer in waits if due_in <= 0.0]
-                if not due:
-                    self._timers_changed.wait(min((due_in for due_in, _ in waits), default=None))
-                    continue
-            try:
+        try:
+            while not self._has_ended.is_set():
+                with self._timers_changed:
+                    waits = [(timer.due_in(), timer) for timer in self._timers]
+                    due = [timer for due_in, timer in waits if due_in <= 0.0]
+                    if not due:
+                        self._timers_changed.wait(min([LONGEST_WAIT, *(due_in for due_in, _ in waits)]))
+                        continue
                 for timer in due:
                     timer.fire()
-            except Exception:
-                # `serialized` has passed the error to `shutdown`, so `wait` raises it.
-                return
+        except Exception as error:
+            # Without this thread no timer fires any more, so the process must end.
+            self.shutdown(error)
 
 
 class ExecutorTimer:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import logging
 import socket
 import time
+import xmlrpc.client
 from collections.abc import Callable
 from dataclasses import dataclass
+from http.client import HTTPException
 from threading import Thread
 from typing import Any
 from urllib.parse import urlsplit
@@ -21,7 +23,7 @@ from ..parameters import Parameters, RobotParameters
 from .configuration import (
     Behaviour,
     ParameterResolver,
-    change_parameters,
+    change_everywhere,
     create_behaviour,
     models_of,
     split_arguments,
@@ -30,6 +32,7 @@ from .configuration import (
 from .conversion import MessageConverter
 from .executor import Executor
 from .intra_process import IntraProcessTopic
+from .nav2_loopback_names import SYNONYMS
 from .node import RosNode, RosProcess
 
 try:
@@ -193,7 +196,7 @@ def run(name: str, arguments: list[str]) -> None:
         ValueError: An argument or a parameter is invalid.
         OSError: There is no ROS master, or the map file cannot be read.
     """
-    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: ":=" in argument)
+    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: ":=" in argument, "_NAME:=VALUE or FROM:=TO")
     if not rosgraph.is_master_online():
         raise OSError(f"no ROS master at {rosgraph.get_master_uri()}: start roscore first")
     models = models_of(name)
@@ -205,10 +208,11 @@ def run(name: str, arguments: list[str]) -> None:
             rospy.on_shutdown(process.executor.shutdown)
             given = _private_parameters()
             warn_about_unknown(given, _logger())
-            behaviours = _create_behaviours(models, ParameterResolver(name, DEFAULTS, map_file), given, process)
+            resolver = ParameterResolver(name, DEFAULTS, map_file)
+            behaviours = _create_behaviours(models, resolver, given, process)
             for behaviour in behaviours:
                 process.executor.serialized(behaviour.start)()
-            _MasterMonitor(behaviours, given, process)
+            _MasterMonitor(behaviours, resolver, given, process)
             process.executor.wait()
     finally:
         rospy.signal_shutdown("done")
@@ -251,14 +255,17 @@ def _is_reachable(node: str) -> bool:
 class _MasterMonitor:
     """Watches the master for changed parameters and for other publishers.
 
-    If a parameter changes on the parameter server, it is changed in the nodes. If a node refuses the value, the node's value
-    is written back. While other ROS nodes publish a topic, its messages come through ROS.
+    If a parameter changes on the parameter server, it is changed in the nodes. If it is deleted there, it gets its default.
+    If a node refuses, the value of the nodes is written back. While other ROS nodes publish a topic, its messages come
+    through ROS.
 
     rospy has no callback for these changes, so a thread queries the master once per `POLL_PERIOD`.
     """
 
-    def __init__(self, behaviours: list[Behaviour], given: dict[str, Any], process: RosProcess) -> None:
-        self._behaviours, self._last_given = behaviours, given
+    def __init__(
+        self, behaviours: list[Behaviour], resolver: ParameterResolver, given: dict[str, Any], process: RosProcess
+    ) -> None:
+        self._behaviours, self._resolver, self._last_given = behaviours, resolver, given
         self._executor, self._topics = process.executor, process.topics
         Thread(target=self._run, name="master", daemon=True).start()
 
@@ -268,9 +275,13 @@ class _MasterMonitor:
             try:
                 self._check_publishers()
                 self._check_parameters()
-            except (OSError, rosgraph.MasterException):
+            except (OSError, HTTPException, xmlrpc.client.Error, rosgraph.MasterException, rospy.ROSException):
                 # The master cannot be reached. Try again later.
                 continue
+            except Exception as error:
+                # Without this thread changes go unnoticed, so the process must end.
+                self._executor.shutdown(error)
+                return
 
     def _check_publishers(self) -> None:
         published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
@@ -282,21 +293,29 @@ class _MasterMonitor:
     def _check_parameters(self) -> None:
         given = _private_parameters()
         changed = {name: value for name, value in given.items() if self._last_given.get(name, _ABSENT) != value}
-        if changed:
+        deleted = [name for name in self._last_given if name not in given and name not in SYNONYMS]
+        if changed or deleted:
             warn_about_unknown(changed, _logger())
+            change = self._executor.serialized(self._change)
             for name, value in changed.items():
-                for behaviour in self._behaviours:
-                    self._executor.serialized(self._change)(behaviour, name, value)
+                change(name, lambda _, value=value: value)
+            for name in deleted:
+                change(name, lambda model, name=name: self._resolver.defaults_of(model)[name])
             given = _private_parameters()
         self._last_given = given
 
-    @staticmethod
-    def _change(behaviour: Behaviour, name: str, value: Any) -> None:
-        refusal = change_parameters(behaviour, {name: value})
-        if refusal is not None:
-            _logger().warning(f"parameter change refused: {refusal}")
-            if name in type(behaviour.parameters).model_fields:
-                rospy.set_param(f"~{name}", getattr(behaviour.parameters, name))
+    def _change(self, name: str, value_for: Callable[[type[Parameters]], Any]) -> None:
+        refusal = change_everywhere(self._behaviours, name, value_for)
+        if refusal is None:
+            return
+        _logger().warning(f"parameter change refused: {refusal}")
+        for behaviour in self._behaviours:
+            value = getattr(behaviour.parameters, name, None)
+            if value is not None:
+                rospy.set_param(f"~{name}", value)
+                return
+        if rospy.has_param(f"~{name}"):
+            rospy.delete_param(f"~{name}")
 
 
 _ABSENT = object()

@@ -43,6 +43,9 @@ except ImportError as error:
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"cmd_vel_stamped": True, "clock_rate": 100.0}}
 """Defaults that differ on ROS 2."""
 
+FORM = "--ros-args -p NAME:=VALUE -r FROM:=TO"
+"""What ROS 2 arguments look like."""
+
 POLL_PERIOD = 0.2
 """Seconds between checks for other publishers."""
 
@@ -192,21 +195,25 @@ def run(name: str, arguments: list[str]) -> None:
         ValueError: An argument or a parameter is invalid.
         OSError: The map file cannot be read.
     """
-    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: argument == "--ros-args")
+    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: argument == "--ros-args", FORM)
     try:
         rclpy.init(args=["mobile-robot-simulator", *ros_arguments], signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
         raise ValueError(f"ROS 2 rejected its arguments: {error}") from None
     context = rclpy.get_default_context()
-    process, resolver, spinning = RosProcess(), ParameterResolver(name, DEFAULTS, map_file), list[_SpinningNode]()
+    process, resolver = RosProcess(), ParameterResolver(name, DEFAULTS, map_file)
+    nodes, spinning = list[Any](), list[_SpinningNode]()
     try:
         with process.executor.until_signalled():
             for model in models_of(name):
                 node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
+                nodes.append(node)
                 parameters = _declare_parameters(node, model, resolver)
-                if parameters is not None:
-                    _start_behaviour(node, parameters, process)
-                    spinning.append(_SpinningNode(node, process.executor))
+                if parameters is None:
+                    nodes.pop().destroy_node()
+                    continue
+                _start_behaviour(node, parameters, process)
+                spinning.append(_SpinningNode(node, process.executor))
             has_other_publishers = partial(_has_other_publishers, spinning[0].node)
             check_publishers = partial(process.topics.update_routes, has_other_publishers)
             process.executor.create_timer(PacedClock(), POLL_PERIOD, check_publishers)
@@ -215,8 +222,8 @@ def run(name: str, arguments: list[str]) -> None:
         rclpy.try_shutdown()
         for each in spinning:
             each.join()
-        for each in spinning:
-            each.node.destroy_node()
+        for node in nodes:
+            node.destroy_node()
         context.destroy()
 
 

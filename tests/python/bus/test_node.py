@@ -40,6 +40,25 @@ def test_a_destroyed_node_receives_nothing_more(bus: Bus, node: BusNode) -> None
     assert seen == [] and bus.nodes == [node]
 
 
+def test_a_node_destroys_only_what_it_has_created(bus: Bus, node: BusNode) -> None:
+    seen: list[str] = []
+    other = BusNode(bus, "other")
+    timer = node.create_timer(0.5, lambda: seen.append("timer"))
+    subscription = node.create_subscription(mrs.messages.String, "/a", lambda message: seen.append("message"))
+    service = node.create_service(mrs.messages.Trigger, "/b", lambda request, response: seen.append("service") or response)
+    assert not other.destroy_timer(timer)
+    assert not other.destroy_subscription(subscription)
+    assert not other.destroy_service(service)
+    other.create_publisher(mrs.messages.String, "/a").publish(mrs.messages.String("hello"))
+    other.create_client(mrs.messages.Trigger, "/b").call_async(mrs.messages.Trigger.Request())
+    bus.run_until(SECOND // 2)
+    assert sorted(seen) == ["message", "service", "timer"]
+    assert node.destroy_timer(timer) and node.destroy_subscription(subscription) and node.destroy_service(service)
+    assert not (node.destroy_timer(timer) or node.destroy_subscription(subscription) or node.destroy_service(service))
+    bus.run_until(2 * SECOND)
+    assert len(seen) == 3
+
+
 @pytest.mark.parametrize("name", ["", "a/b", "/a"])
 def test_a_name_that_is_empty_or_contains_a_slash_is_refused(bus: Bus, name: str) -> None:
     with pytest.raises(ValueError, match="must not be empty or contain a slash"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from mobile_robot_simulator.nodes import LaserScannerSimulator, MobileRobotSimul
 from mobile_robot_simulator.parameters import LaserParameters, MapParameters, RobotParameters
 from mobile_robot_simulator.ros.configuration import (
     ParameterResolver,
+    change_everywhere,
     change_parameters,
     create_behaviour,
     models_of,
@@ -71,19 +74,21 @@ def test_the_parameters_choose_the_node(parameters: Any, expected: Any) -> None:
     ],
 )
 def test_arguments_are_split(name: str, arguments: list[str], expected: Any) -> None:
-    assert split_arguments(name, arguments, is_ros_argument) == expected
+    assert split_arguments(name, arguments, is_ros_argument, "_NAME:=VALUE") == expected
 
 
 @pytest.mark.parametrize(
     ("name", "arguments", "message"),
     [
-        ("laser", ["map.yaml"], "unexpected argument 'map.yaml'; laser takes ROS arguments only"),
+        ("laser", ["map.yaml"], "unexpected argument 'map.yaml'; laser takes ROS arguments only (_NAME:=VALUE)"),
+        ("all", ["-p", "seed:=1"], "unexpected argument '-p'; all takes a map file and ROS arguments (_NAME:=VALUE)"),
+        ("robot", ["--params-file", "a.yaml"], "unexpected argument '--params-file'"),
         ("map", ["map.yaml", "more"], "unexpected argument 'more'; map takes a map file and ROS arguments"),
     ],
 )
 def test_unexpected_arguments_are_refused(name: str, arguments: list[str], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        split_arguments(name, arguments, is_ros_argument)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        split_arguments(name, arguments, is_ros_argument, "_NAME:=VALUE")
 
 
 def test_given_values_override_the_defaults_of_ros() -> None:
@@ -141,3 +146,47 @@ def test_the_robot_of_a_process_moves_in_its_world() -> None:
     process, node = RosProcess(), create_node()
     robot: Any = create_behaviour(RobotParameters(robot_radius=0.3), node, process)
     assert robot in [body for body, _ in process.world_for(node).everybody()]
+
+
+def test_an_assignment_before_the_arguments_of_ros_2_is_not_a_map_file() -> None:
+    with pytest.raises(ValueError, match=r"unexpected argument 'seed:=1'; all takes .* \(--ros-args"):
+        split_arguments("all", ["seed:=1"], lambda argument: argument == "--ros-args", "--ros-args -p NAME:=VALUE")
+
+
+def nodes_of(**parameters: Any) -> tuple[Any, Any]:
+    process, node = RosProcess(), create_node()
+    robot = create_behaviour(RobotParameters(), node, process)
+    return robot, create_behaviour(LaserParameters.checked(parameters), node, process)
+
+
+def test_a_change_applies_to_all_nodes_or_to_none() -> None:
+    robot, laser = nodes_of(laser_frame_id="scanner", laser_mount=(0.1, 0.0, 0.0))
+    assert change_everywhere([robot, laser], "base_link_frame", lambda _: "shell") is None
+    assert (robot.parameters.base_link_frame, laser.parameters.base_link_frame) == ("shell", "shell")
+    # The robot would accept this.
+    refusal = change_everywhere([robot, laser], "base_link_frame", lambda _: "scanner")
+    assert refusal is not None and "laser_mount needs a laser_frame_id other than base_link_frame" in refusal
+    assert (robot.parameters.base_link_frame, laser.parameters.base_link_frame) == ("shell", "shell")
+
+
+def test_a_refusal_is_returned_once_for_all_nodes() -> None:
+    refusal = change_everywhere(nodes_of(), "update_duration", lambda _: 0.1)
+    assert refusal is not None and refusal.startswith("update_duration (a parameter of nav2_loopback_sim) can only be set")
+    assert change_everywhere(nodes_of(), "no_parameter", lambda _: 0.1) is None
+
+
+def test_a_deleted_parameter_gets_the_default_of_ros_or_of_the_node() -> None:
+    defaults = resolver().defaults_of
+    assert (defaults(RobotParameters)["clock_rate"], defaults(LaserParameters)["laser_fov"]) == (100.0, 4.71)
+    robot, laser = nodes_of(laser_fov=1.0)
+    assert change_everywhere([robot, laser], "laser_fov", lambda model: defaults(model)["laser_fov"]) is None
+    assert laser.parameters.laser_fov == 4.71
+
+
+def test_a_parameter_without_a_default_cannot_be_deleted(tmp_path: Path) -> None:
+    mrs.save_map(mrs.OccupancyGrid(np.zeros((5, 5), np.int8), resolution=1.0), tmp_path / "map.yaml")
+    parameters = MapParameters(yaml_filename=str(tmp_path / "map.yaml"))
+    server = create_behaviour(parameters, create_node(), RosProcess())
+    defaults = resolver().defaults_of
+    refusal = change_everywhere([server], "yaml_filename", lambda model: defaults(model)["yaml_filename"])
+    assert refusal == f"yaml_filename has no default and stays {tmp_path / 'map.yaml'}"

@@ -66,6 +66,31 @@ def test_a_timer_of_a_thirtieth_of_a_second_fires_at_every_full_second_of_the_cl
         assert timer._next == (1_700_000_000 + second) * 10**9
 
 
+def test_a_timer_of_many_centuries_does_not_stop_the_others() -> None:
+    executor, fired = Executor(), threading.Event()
+    executor.create_timer(PacedClock(), 1e12, lambda: None)
+    time.sleep(0.05)
+    executor.create_timer(PacedClock(), 0.01, fired.set)
+    assert fired.wait(5.0)
+    executor.shutdown()
+
+
+def test_a_clock_that_fails_ends_the_executor() -> None:
+    class Broken:
+        readings = 0
+
+        def now(self) -> Instant:
+            self.readings += 1
+            if self.readings > 1:
+                raise RuntimeError("the clock is broken")
+            return Instant(0)
+
+    executor = Executor()
+    executor.create_timer(Broken(), 0.01, lambda: None)
+    with pytest.raises(RuntimeError, match="the clock is broken"):
+        executor.wait()
+
+
 def test_callbacks_run_one_at_a_time() -> None:
     executor, running, most = Executor(), [0], [0]
 
