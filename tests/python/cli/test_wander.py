@@ -43,3 +43,17 @@ def test_one_seed_gives_one_path():
         simulation.run_for(30.0)
         ends.append(tuple(simulation.pose))
     assert ends[0] == ends[1]
+
+
+def test_the_mark_of_a_beam_without_a_return_does_not_change_the_path():
+    grid = mrs.floor_plan("office", seed=1)
+    ends = set()
+    for no_return in ("inf", "max", "below_max"):
+        parameters = {"no_return": no_return, "laser_max_range": 3.0}
+        start = grid.draw_free_pose(radius=0.5, seed=SEED)
+        simulation = mrs.Simulation(grid, parameters=parameters, seed=SEED, start=start)
+        node = simulation.create_node("driver")
+        Wander().start(node, Commander(node, "/cmd_vel", stamped=False), "/scan", SEED)
+        simulation.run_for(20.0)
+        ends.add(tuple(simulation.pose))
+    assert len(ends) == 1
