@@ -13,6 +13,7 @@ from .._core import Pose
 from ..recording.format import Format
 from .console import console, print_table, progress_bar
 from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
+from .signals import signals_as_interrupt
 
 
 class DriverName(str, Enum):
@@ -50,7 +51,10 @@ def run(
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
 ) -> None:
-    """Drive a robot through a map. Saves a recording of all topics, a picture and a summary."""
+    """Drive a robot through a map. Saves a recording of all topics, a picture and a summary.
+
+    Ctrl-C, SIGTERM and SIGHUP end the drive early; what was driven is saved. The exit status is then 130, 143 or 129.
+    """
     from .. import plotting  # noqa: F401 - a missing extra is an error before the drive, not after it
     from ..recording.recorder import Recorder
     from .drive import Drive
@@ -59,28 +63,29 @@ def run(
 
     _check_positive("--duration", duration)
     _check_positive("--radius", radius)
-    values = read_values(param, params_file)
-    drive = Drive(
-        load_grid(map_file, values),
-        Script.read(commands) if commands else Wander(radius),
-        values,
-        seed_of(seed, values),
-        start=Pose(*start) if start else None,
-        radius=radius,
-    )
-    with Recorder(out, format=format, overwrite=overwrite) as recorder:
-        drive.simulation.record(recorder.write)
-        with progress_bar(duration) as advance:
-            summary = drive.run(duration, real_time=real_time, progress=advance)
-    summary.save(out / "summary.json")
-    drive.draw(out / "drive.png")
+    with signals_as_interrupt() as interruption:
+        values = read_values(param, params_file)
+        drive = Drive(
+            load_grid(map_file, values),
+            Script.read(commands) if commands else Wander(radius),
+            values,
+            seed_of(seed, values),
+            start=Pose(*start) if start else None,
+            radius=radius,
+        )
+        with Recorder(out, format=format, overwrite=overwrite) as recorder:
+            drive.simulation.record(recorder.write)
+            with progress_bar(duration) as advance:
+                summary = drive.run(duration, real_time=real_time, progress=advance)
+        summary.save(out / "summary.json")
+        drive.draw(out / "drive.png")
 
-    files = [("recording", f"{recorder.path}"), ("picture", f"{out / 'drive.png'}")]
-    print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
-    if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
-        console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
-    if summary.interrupted:
-        raise typer.Exit(130)
+        files = [("recording", f"{recorder.path}"), ("picture", f"{out / 'drive.png'}")]
+        print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
+        if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
+            console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
+        if summary.interrupted:
+            raise typer.Exit(interruption.exit_status)
 
 
 def _check_positive(option: str, value: float) -> None:

@@ -24,7 +24,7 @@ class Summary:
         start: First pose in the map frame: x, y [m], yaw [rad].
         end: Last pose in the map frame: x, y [m], yaw [rad].
         seed: Random seed.
-        interrupted: True if Ctrl-C ended the drive early.
+        interrupted: True if Ctrl-C or another signal ended the drive early.
     """
 
     simulated_seconds: float

@@ -3,8 +3,10 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,3 +38,28 @@ def room(tmp_path: Path) -> Path:
     file = tmp_path / "room.yaml"
     mrs.save_map(mrs.OccupancyGrid(cells, resolution=0.05), file)
     return file
+
+
+@pytest.fixture
+def drive_for_ever(room: Path, tmp_path: Path) -> Iterator[Callable[..., "subprocess.Popen[str]"]]:
+    """Starts `run` without an end into the folder `out`, and returns its process once messages are on the disk."""
+    processes = []
+
+    def start(*arguments: object, **options: Any) -> "subprocess.Popen[str]":
+        out = tmp_path / "out"
+        words = [sys.executable, "-m", "mobile_robot_simulator", "run", room, "--duration", 1e6, "--out", out, *arguments]
+        pipe = subprocess.PIPE
+        process = subprocess.Popen([*map(str, words)], stdout=pipe, stderr=pipe, text=True, **options)
+        processes.append(process)
+        deadline = time.monotonic() + 60.0
+        # An empty recording has a few kilobytes. The writer's chunks have a megabyte.
+        while not any(file.stat().st_size > 1_500_000 for file in out.rglob("recording*") if file.is_file()):
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.communicate()
