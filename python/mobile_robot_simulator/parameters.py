@@ -166,7 +166,8 @@ class RobotParameters(Parameters):
     )
     odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
         None,
-        description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); null for none",
+        description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); "
+        "null for none",
     )
     odometry_seed: Seed = Field(
         0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"

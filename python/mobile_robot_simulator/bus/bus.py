@@ -202,8 +202,8 @@ class Bus(Handle):
     def run_for(self, seconds: float) -> None:
         """Runs all events of a duration, then sets the simulated time to its end.
 
-        The end is rounded to nanoseconds. Durations that follow one another add up before they are rounded: 30 runs of 1/30 s
-        end at 1 s.
+        The end is rounded to nanoseconds. Durations that follow one another add up before they are rounded: 30 runs of
+        1/30 s end at 1 s.
 
         Args:
             seconds: Simulated duration [s], at least 0 and finite.

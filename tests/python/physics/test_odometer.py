@@ -1,4 +1,4 @@
-"""odometer: exact without noise; with noise, pose and velocity tell one story, at every rate, and so do their covariances."""
+"""odometer: exact without noise; with noise, pose and velocity tell one story at every rate, as do their covariances."""
 
 from __future__ import annotations
 
