@@ -53,6 +53,7 @@ class LaserSnapshot:
         running: Publishers, subscriptions and timers, None while the node is stopped.
         scans: Publisher of the scans, None before the first start.
         transforms: State of the transform buffer.
+        listener: Subscriptions of the node's own transform listener, None if it has none or is stopped.
     """
 
     parameters: LaserParameters
@@ -63,6 +64,7 @@ class LaserSnapshot:
     running: Handles | None
     scans: Publisher[LaserScan] | None
     transforms: TransformSnapshot
+    listener: Handles | None
 
 
 class LaserScannerSimulator(Handle):
@@ -186,6 +188,7 @@ class LaserScannerSimulator(Handle):
             running=self._running,
             scans=self._scans,
             transforms=self._transforms.save(),
+            listener=None if self._listener is None else self._listener.save(),
         )
 
     def restore(self, state: LaserSnapshot) -> None:
@@ -194,6 +197,8 @@ class LaserScannerSimulator(Handle):
         self._maps.restore(state.maps)
         self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
         self._transforms.restore(state.transforms)
+        if self._listener is not None:
+            self._listener.restore(state.listener)
 
     def _restart(self) -> None:
         self.stop()

@@ -184,6 +184,14 @@ class TransformListener:
             self._running.close()
             self._running = None
 
+    def save(self) -> Handles | None:
+        """Returns the state that `restore` takes: the subscriptions, None while the listener is stopped."""
+        return self._running
+
+    def restore(self, state: Handles | None) -> None:
+        """Puts the listener back into a saved state. The bus restores what the handles refer to."""
+        self._running = state
+
     def _take(self, message: TFMessage) -> None:
         self._add(message, static=False)
 

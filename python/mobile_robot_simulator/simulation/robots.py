@@ -9,7 +9,7 @@ from typing import Any
 from .._core import OccupancyGrid, Pose, Shape, touches
 from ..bus.bus import Bus
 from ..bus.node import BusNode, NoCopyNode
-from ..handle import Handle
+from ..handle import Handle, Handles
 from ..nodes.laser import LaserScannerSimulator, LaserSnapshot
 from ..nodes.robot import MobileRobotSimulator, RobotSnapshot
 from ..nodes.transforms import TransformBuffer, TransformListener
@@ -77,6 +77,19 @@ class SimulatedRobotSnapshot:
     robot: SimulatedRobot
     node: RobotSnapshot
     laser: LaserSnapshot
+
+
+@dataclass(frozen=True)
+class RobotsSnapshot:
+    """Saved state of all robots.
+
+    Attributes:
+        robots: The robots, in the order in which they were added.
+        listener: Subscriptions of the transform listener that they share, None while it is stopped.
+    """
+
+    robots: tuple[SimulatedRobotSnapshot, ...]
+    listener: Handles | None
 
 
 class Robots(Handle):
@@ -175,16 +188,18 @@ class Robots(Handle):
         for robot in self:
             robot.robot.reset()
 
-    def save(self) -> tuple[SimulatedRobotSnapshot, ...]:
+    def save(self) -> RobotsSnapshot:
         """Returns the state that `restore` takes."""
-        return tuple(SimulatedRobotSnapshot(robot, robot.robot.save(), robot.laser.save()) for robot in self)
+        robots = tuple(SimulatedRobotSnapshot(robot, robot.robot.save(), robot.laser.save()) for robot in self)
+        return RobotsSnapshot(robots, self._listener.save())
 
-    def restore(self, states: tuple[SimulatedRobotSnapshot, ...]) -> None:
+    def restore(self, state: RobotsSnapshot) -> None:
         """Puts the robots back into a saved state. Robots added later are removed."""
-        self._robots = {state.robot.name: state.robot for state in states}
-        for state in states:
-            state.robot.robot.restore(state.node)
-            state.robot.laser.restore(state.laser)
+        self._robots = {each.robot.name: each.robot for each in state.robots}
+        for each in state.robots:
+            each.robot.robot.restore(each.node)
+            each.robot.laser.restore(each.laser)
+        self._listener.restore(state.listener)
 
     def _values_of(self, name: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Returns the parameters of a new robot, in its namespace. Only the first robot publishes the clock."""

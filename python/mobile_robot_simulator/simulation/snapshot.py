@@ -14,7 +14,7 @@ from ..nodes.map_server import MapServer
 from ..physics.world import World, WorldSnapshot
 from .fault import FaultList, FaultSnapshot
 from .kept import Kept, KeptSnapshot
-from .robots import Robots, SimulatedRobotSnapshot
+from .robots import Robots, RobotsSnapshot
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class SavedParts:
     grid: OccupancyGrid
     bus: BusSnapshot
     world: WorldSnapshot
-    robots: tuple[SimulatedRobotSnapshot, ...]
+    robots: RobotsSnapshot
     faults: tuple[FaultSnapshot, ...]
     map_server: Handles | None
     kept: tuple[KeptSnapshot, ...]

@@ -127,3 +127,17 @@ def test_the_laser_decides_how_a_simulation_treats_unknown_cells() -> None:
     assert (sim.grid.unknown, sim.robot.parameters.unknown) == ("occupied", "occupied")
     with pytest.raises(ValueError, match=r"got 'free' for mobile_robot_simulator_node"):
         mrs.Simulation(hall(), parameters={key: "occupied", "unknown": "free"}, start=(5.0, 5.0, 0.0))
+
+
+def test_a_robot_added_again_after_a_restore_gets_its_mount_from_tf():
+    sim = mrs.Simulation(hall(), robots={"robot1": (5.0, 5.0, 0.0)})
+    state, mounts = sim.save(), []
+    for _ in range(2):
+        robot = sim.add_robot("robot2", start=(9.0, 9.0, 0.0), parameters={"laser_frame_id": "scanner"})
+        link = mrs.messages.TransformStamped(mrs.messages.Header(frame_id="robot2/base_link"), "robot2/scanner")
+        link.transform.translation.x = 0.5
+        sim.publish("/tf", mrs.messages.TFMessage([link]))
+        sim.run_for(1.0)
+        mounts.append(tuple(robot.laser.scanner.mount))
+        sim.restore(state)
+    assert mounts == [(0.5, 0.0, 0.0)] * 2
