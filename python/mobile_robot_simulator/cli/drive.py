@@ -71,7 +71,9 @@ class Drive:
     def run(
         self, duration: float, *, real_time: bool = False, progress: Callable[[float], None] = lambda _: None
     ) -> Summary:
-        """Drives and returns the results. A KeyboardInterrupt ends the drive early; the results then cover the time until it.
+        """Drives and returns the results.
+
+        A KeyboardInterrupt ends the drive early; the results then cover the time until it.
 
         Args:
             duration: Simulated time [s], rounded to nanoseconds.

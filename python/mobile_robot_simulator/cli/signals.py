@@ -33,9 +33,9 @@ class Interruption:
 def signals_as_interrupt() -> Iterator[Interruption]:
     """Turns SIGTERM and SIGHUP into KeyboardInterrupt while the context is open.
 
-    A signal that the process ignores stays ignored, so a command under `nohup` outlives its terminal. After the first of these
-    signals, more of them have no effect: service managers send several, and the work in progress must still be saved. If a
-    KeyboardInterrupt leaves the context, the command exits with the status of the signal.
+    A signal that the process ignores stays ignored, so a command under `nohup` outlives its terminal. After the first of
+    these signals, more of them have no effect: service managers send several, and the work in progress must still be saved.
+    If a KeyboardInterrupt leaves the context, the command exits with the status of the signal.
 
     Yields:
         The signal that arrived.
