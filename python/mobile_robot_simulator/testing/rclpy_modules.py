@@ -8,6 +8,7 @@ from .. import instant, messages
 from ..bus import clock, node, parameter, service, timer, topic
 from ..nodes.future import Future
 from .rclpy_qos import SENSOR_DATA, DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from .ros_messages import generated_packages
 
 
 class ExternalShutdownException(Exception):
@@ -83,5 +84,12 @@ def message_packages() -> dict[str, dict[str, object]]:
 
 
 def module_contents() -> dict[str, dict[str, object]]:
-    """Returns the contents of all replaced modules: those of rclpy and the message packages."""
-    return {**RCLPY, **{name: {**RCLPY.get(name, {}), **names} for name, names in message_packages().items()}}
+    """Returns the contents of all replaced modules: those of rclpy and the message packages.
+
+    A class of `messages` has priority over a generated class, because the nodes of the simulator exchange it.
+    """
+    contents: dict[str, dict[str, object]] = {}
+    for source in (generated_packages(), message_packages(), RCLPY):
+        for module, names in source.items():
+            contents.setdefault(module, {}).update(names)
+    return contents

@@ -110,3 +110,13 @@ def test_an_installed_rclpy_is_available_again_after_the_block(monkeypatch):
 
         assert rclpy is not real
     assert sys.modules["rclpy"] is real and "rclpy.node" not in sys.modules
+
+
+def test_an_import_of_something_missing_names_what_there_is():
+    with stand_in():
+        with pytest.raises(ImportError, match=r"geometry_msgs\.msg has no PoseStampd; did you mean PoseStamped"):
+            from geometry_msgs.msg import PoseStampd  # noqa: F401
+        with pytest.raises(ImportError, match=r"nav_msgs\.srv has no Xyzzy; there are GetMap, GetPlan"):
+            from nav_msgs.srv import Xyzzy  # noqa: F401
+        with pytest.raises(ModuleNotFoundError, match=r"no module rclpy\.lifecycle; there are rclpy\.callback_groups"):
+            import rclpy.lifecycle  # noqa: F401
