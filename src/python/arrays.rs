@@ -30,20 +30,34 @@ impl Deref for Rows<'_> {
     }
 }
 
-/// Returns a batch from a `float64` array of shape `(N, 3)`.
-pub fn rows<'py>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<Rows<'py>> {
-    let array = typed::<f64>(name, array)?;
+/// Number of rows up to which a batch is copied, so that it may change during the call.
+const MAX_COPIED: usize = 100_000;
+
+/// Returns a batch of shape `(N, 3)` from anything that NumPy converts to `float64` without loss.
+///
+/// A large batch in C order is read in place. Any other is copied, also one that may share memory with `out`.
+pub fn rows<'py>(name: &str, value: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
+    let array = typed::<f64>(name, value)?;
     let view = array.as_array();
-    let [_, 3] = *view.shape() else {
+    let [count, 3] = *view.shape() else {
         return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(view.shape()))));
     };
-    if array.is_c_contiguous() {
+    if count > MAX_COPIED && array.is_c_contiguous() && !may_overlap(array.as_any(), out)? {
         return Ok(Rows::Borrowed(array));
     }
     Ok(Rows::Copied(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect()))
 }
 
-/// Returns the rows of a `float64` array of shape `(3, 3)`.
+fn may_overlap<'py>(array: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<bool> {
+    out.map_or(Ok(false), |out| numpy(array.py())?.call_method1("may_share_memory", (array, out))?.extract())
+}
+
+fn numpy(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    NUMPY.get_or_try_init(py, || Ok(py.import("numpy")?.unbind())).map(|module| module.bind(py).clone())
+}
+
+/// Returns the rows of an array of shape `(3, 3)`.
 pub fn matrix(name: &str, array: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
     let array = typed::<f64>(name, array)?;
     let rows = array.as_array();
@@ -65,10 +79,101 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     value.extract().map_err(needed)
 }
 
-/// Returns a view of an array with element type `T`. An array that is not aligned is copied.
-pub fn typed<'py, T: Element>(name: &str, array: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
-    let array = check_dtype::<T>(name, array)?;
-    if is_aligned(array)? { array.extract() } else { array.call_method0("copy")?.extract() }
+/// Largest number of dimensions that arrays can have here. NumPy allows 64.
+const MAX_DIMENSIONS: usize = 32;
+
+/// Returns a view of an array with element type `T`, from anything that NumPy converts to it without loss.
+pub fn typed<'py, T: Element>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    let (py, needed) = (value.py(), dtype::<T>(value.py()));
+    let array = base_array(name, value)?;
+    if array.ndim() > MAX_DIMENSIONS {
+        let message = format!("{name} must have at most {MAX_DIMENSIONS} dimensions, got {}", array.ndim());
+        return Err(PyTypeError::new_err(message));
+    }
+    if !array.dtype().is_equiv_to(&needed) {
+        // A boolean is no number, although NumPy would take it for 0 or 1.
+        let can_cast = || numpy(py)?.call_method1("can_cast", (array.dtype(), &needed, "safe"))?.extract::<bool>();
+        if array.dtype().kind() == b'b' || !can_cast()? {
+            let hint =
+                if array.dtype().kind() == b'f' { format!("; convert it with .astype(np.{needed})") } else { String::new() };
+            let got = array.dtype();
+            return Err(PyTypeError::new_err(format!("{name} must have dtype {needed}, got {got}{hint}")));
+        }
+        return array.call_method1("astype", (needed,))?.extract();
+    }
+    Ok(if is_aligned(&array)? { array.extract()? } else { array.call_method0("copy")?.extract()? })
+}
+
+/// Returns the value as an array of NumPy's own class: a view of an array, or a new array from a sequence or any object that
+/// offers `__array__` or DLPack.
+///
+/// The methods of a derived class are not called.
+fn base_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let needed = |problem: &str| PyTypeError::new_err(format!("{name} must be an array of numbers, got {problem}"));
+    if let Ok(array) = value.cast_exact::<PyUntypedArray>()
+        && array.dtype().kind() != b'O'
+    {
+        return Ok(array.clone());
+    }
+    let numpy = numpy(value.py())?;
+    let array = if value.hasattr("__dlpack__")? && !value.hasattr("__array__")? {
+        numpy.call_method1("from_dlpack", (value,))
+    } else {
+        numpy.call_method1("asarray", (value,))
+    };
+    let array = array.map_err(|error| {
+        // NumPy raises ValueError for rows of different lengths.
+        if error.is_instance_of::<PyValueError>(value.py()) {
+            PyValueError::new_err(format!("{name} must have rows of equal length, got {}", type_name(value)))
+        } else {
+            needed(&type_name(value))
+        }
+    })?;
+    let array = array.cast_into::<PyUntypedArray>().map_err(|_| needed(&type_name(value)))?;
+    // NumPy makes an array of objects of what it cannot convert.
+    if array.dtype().kind() == b'O' { Err(needed(&type_name(value))) } else { Ok(array) }
+}
+
+/// Returns views of two named arrays, broadcast against each other.
+pub fn broadcast<'py, T: Element>(
+    arrays: [(&str, PyReadonlyArrayDyn<'py, T>); 2],
+) -> PyResult<[PyReadonlyArrayDyn<'py, T>; 2]> {
+    let [(first_name, first), (second_name, second)] = arrays;
+    let shapes = (shape(first.shape()), shape(second.shape()));
+    if first.shape() == second.shape() {
+        return Ok([first, second]);
+    }
+    let both = numpy(first.py())?.call_method1("broadcast_arrays", (first.as_any(), second.as_any())).map_err(|_| {
+        let (first, second) = shapes;
+        PyValueError::new_err(format!(
+            "{first_name} and {second_name} must have shapes that broadcast, got {first} and {second}"
+        ))
+    })?;
+    Ok([both.get_item(0)?.extract()?, both.get_item(1)?.extract()?])
+}
+
+/// Checks that `out`, if it is given, can take a result of this shape.
+pub fn check_out<T: Element>(out: Option<&Bound<'_, PyAny>>, dimensions: &[usize]) -> PyResult<()> {
+    let Some(out) = out else { return Ok(()) };
+    let needed = dtype::<T>(out.py());
+    if out.cast::<PyUntypedArray>().is_err() {
+        return Err(PyTypeError::new_err(format!("out must be a NumPy array of {needed}, got {}", type_name(out))));
+    }
+    let array = base_array("out", out)?;
+    if !array.dtype().is_equiv_to(&needed) {
+        return Err(PyTypeError::new_err(format!("out must have dtype {needed}, got {}", array.dtype())));
+    }
+    if array.shape() != dimensions {
+        let (needed, got) = (shape(dimensions), shape(array.shape()));
+        return Err(PyValueError::new_err(format!("out must have shape {needed}, got {got}")));
+    }
+    if !array.is_c_contiguous() {
+        return Err(PyValueError::new_err("out must be in C order, got an array that is not C-contiguous"));
+    }
+    if !is_aligned(&array)? {
+        return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
+    }
+    Ok(())
 }
 
 /// Runs `work` on an array of the given shape and returns the array: `out`, or a new one if `out` is `None`.
@@ -82,17 +187,7 @@ pub fn fill<'py, T: Element>(
     static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<T>(py)));
     let out = out.map_or_else(new, Ok)?;
-    let array = check_dtype::<T>("out", &out)?;
-    if array.shape() != dimensions {
-        let (needed, got) = (shape(dimensions), shape(array.shape()));
-        return Err(PyValueError::new_err(format!("out must have shape {needed}, got {got}")));
-    }
-    if !array.is_c_contiguous() {
-        return Err(PyValueError::new_err("out must be in C order, got an array that is not C-contiguous"));
-    }
-    if !is_aligned(array)? {
-        return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
-    }
+    check_out::<T>(Some(&out), dimensions)?;
     let mut array = out
         .cast::<numpy::PyArrayDyn<T>>()?
         .try_readwrite()
@@ -121,16 +216,4 @@ pub fn shape(shape: &[usize]) -> String {
 /// Returns the name of a value's type.
 pub fn type_name(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "another type".to_owned(), |name| name.to_string())
-}
-
-/// Checks that a value is an array with element type `T`.
-fn check_dtype<'a, 'py, T: Element>(name: &str, array: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
-    let needed = dtype::<T>(array.py());
-    let Ok(array) = array.cast::<PyUntypedArray>() else {
-        return Err(PyTypeError::new_err(format!("{name} must be a NumPy array of {needed}, got {}", type_name(array))));
-    };
-    if !array.dtype().is_equiv_to(&needed) {
-        return Err(PyTypeError::new_err(format!("{name} must have dtype {needed}, got {}", array.dtype())));
-    }
-    Ok(array)
 }

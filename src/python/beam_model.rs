@@ -1,10 +1,9 @@
 //! The Python class `BeamModel`.
 
 use numpy::PyArrayMethods;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{shape, typed, vector};
+use super::arrays::{broadcast, typed, vector};
 use crate::BeamModelOptions;
 
 /// Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
@@ -104,17 +103,17 @@ impl BeamModel {
     ///
     /// Args:
     ///     readings: float32 of any shape, measured ranges [m].
-    ///     true_ranges: float32 of the same shape, true ranges [m]. A true range of `max_range` or more means that the beam
-    ///         hits nothing.
+    ///     true_ranges: float32, true ranges [m]. A true range of `max_range` or more means that the beam hits nothing. The
+    ///         shapes of both arrays are broadcast, as by NumPy.
     ///     max_range: Maximum range of the scanner [m].
     ///
     /// Returns:
-    ///     float64 of the same shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
+    ///     float64 of the broadcast shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
     ///         `max_range` a probability, and any other reading 0.
     ///
     /// Raises:
-    ///     ValueError: The shapes differ, `max_range` is not positive and finite, or a true range is negative or NaN.
-    ///     TypeError: An array is not float32.
+    ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, or a true range is negative or NaN.
+    ///     TypeError: An array cannot be converted to float32 without loss.
     ///
     /// Examples:
     ///     The probability of reading the maximum, for a beam that hits a wall and for one that hits nothing:
@@ -132,11 +131,8 @@ impl BeamModel {
         max_range: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
+        let [readings, ranges] = broadcast([("readings", readings), ("true_ranges", ranges)])?;
         let (readings, ranges) = (readings.as_array(), ranges.as_array());
-        if readings.shape() != ranges.shape() {
-            let (needed, got) = (shape(readings.shape()), shape(ranges.shape()));
-            return Err(PyValueError::new_err(format!("true_ranges must have the shape of readings {needed}, got {got}")));
-        }
         let likelihoods = self.0.likelihoods(readings.iter().copied(), ranges.iter().copied(), max_range)?;
         Ok(vector(py, likelihoods).reshape(readings.shape().to_vec())?.into_any())
     }

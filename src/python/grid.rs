@@ -7,9 +7,10 @@ use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyImportError, PyValueError};
 use pyo3::prelude::*;
 
-use super::arrays::{fill, shape, typed, vector};
+use super::arrays::{check_out, fill, shape, typed, vector};
 use super::pose::{Pose, PoseArgument};
-use super::{stream_number, thread_count, whole_number};
+use super::random_stream::SeedArgument;
+use super::{thread_count, whole_number};
 use crate::{Cell, GridOptions, Unknown};
 
 /// A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
@@ -273,7 +274,7 @@ impl OccupancyGrid {
     ///
     /// Args:
     ///     radius: Radius of the disc [m], for example that of the robot.
-    ///     seed: Seed of the draw, 0 to 2**64 - 1.
+    ///     seed: Seed of the draw, 0 to 2**64 - 1, or a `RandomStream`, which counts the poses of all calls.
     ///
     /// Raises:
     ///     ValueError: There is no place for the disc, the radius is negative or not finite, or the seed is out of range.
@@ -290,8 +291,10 @@ impl OccupancyGrid {
     ///     ((0, 0), True)
     #[pyo3(signature = (*, radius, seed))]
     fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
-        let (core, seed) = (self.core(), stream_number("seed", Some(seed))?);
-        Ok(Pose(py.detach(|| core.draw_free_pose(radius, seed))?))
+        let (core, (seed, index)) = (self.core(), SeedArgument::new(Some(seed), "first_index", None)?.take(1)?);
+        let mut pose = [[0.0; 3]];
+        py.detach(|| core.draw_free_poses(radius, seed, index, Some(1), &mut pose))?;
+        Ok(Pose(pose[0].into()))
     }
 
     /// Returns many random poses at which a disc is free.
@@ -306,8 +309,9 @@ impl OccupancyGrid {
     /// Args:
     ///     n: Number of poses.
     ///     radius: Radius of the disc [m], for example that of the robot. With 0, the point itself is free.
-    ///     seed: Seed of the draw, 0 to 2**64 - 1.
-    ///     first_index: Index of the first pose in the random stream, 0 to 2**64 - 1. None means 0.
+    ///     seed: Seed of the draw, 0 to 2**64 - 1, or a `RandomStream`, which counts the poses of all calls.
+    ///     first_index: Index of the first pose in the random stream, 0 to 2**64 - 1. None means 0, or that of the
+    ///         `RandomStream`.
     ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
     ///     out: (N, 3) float64 in C order, an array for the result. None means a new array.
     ///
@@ -343,7 +347,9 @@ impl OccupancyGrid {
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (core, n, threads) = (self.core(), whole_number("n", n, "at least 0")?, thread_count(threads)?);
-        let (seed, first_index) = (stream_number("seed", Some(seed))?, stream_number("first_index", first_index)?);
+        let seed = SeedArgument::new(Some(seed), "first_index", first_index)?;
+        check_out::<f64>(out.as_ref(), &[n, 3])?;
+        let (seed, first_index) = seed.take(n)?;
         fill(py, out, &[n, 3], |poses: &mut [f64]| {
             core.draw_free_poses(radius, seed, first_index, threads, poses.as_chunks_mut().0)
         })

@@ -14,6 +14,7 @@ mod motion;
 mod motion_noise;
 mod obstacles;
 mod pose;
+mod random_stream;
 mod raycast;
 mod scanner;
 mod shape;
@@ -69,6 +70,8 @@ mod _core {
     use super::motion_noise::MotionNoise;
     #[pymodule_export]
     use super::pose::Pose;
+    #[pymodule_export]
+    use super::random_stream::RandomStream;
     #[pymodule_export]
     use super::raycast::cast_rays;
     #[pymodule_export]

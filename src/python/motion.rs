@@ -11,8 +11,8 @@ use crate::integrate_batch;
 /// The arcs are exact, not Euler steps: the exponential map of SE(2). `Pose.integrate` gives the formula.
 ///
 /// Args:
-///     poses: (N, 3) float64, one row (x, y, yaw) per robot [m, m, rad].
-///     twists: (N, 3) float64, one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s].
+///     poses: (N, 3), one row (x, y, yaw) per robot [m, m, rad]. Anything that NumPy can convert to float64 without loss.
+///     twists: (N, 3), one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s], as for `poses`.
 ///     dt: Duration [s]. A negative one goes backwards in time.
 ///
 /// Returns:
@@ -20,7 +20,7 @@ use crate::integrate_batch;
 ///
 /// Raises:
 ///     ValueError: A shape is wrong, the lengths differ, or an argument or a pose reached is not finite.
-///     TypeError: An array is not float64.
+///     TypeError: An array cannot be converted to float64 without loss.
 ///
 /// Examples:
 ///     >>> import numpy as np
@@ -34,7 +34,7 @@ pub fn integrate_twist<'py>(
     twists: &Bound<'py, PyAny>,
     dt: f64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (poses, twists) = (rows("poses", poses)?, rows("twists", twists)?);
+    let (poses, twists) = (rows("poses", poses, None)?, rows("twists", twists, None)?);
     let (poses, twists): (&[[f64; 3]], &[[f64; 3]]) = (&poses, &twists);
     let moved = py.detach(|| integrate_batch(poses, twists, dt))?;
     Ok(Array2::from(moved).into_pyarray(py))

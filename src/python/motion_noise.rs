@@ -2,11 +2,12 @@
 
 use glam::DMat3;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::arrays::matrix;
 use super::pose::{Pose, PoseArgument};
-use super::{stream_number, whole_number};
+use super::random_stream::SeedArgument;
 
 /// Odometry noise: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
 ///
@@ -96,8 +97,9 @@ impl MotionNoise {
     ///     pose: Pose (x, y, yaw) at the start of the step [m, m, rad].
     ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
     ///     dt: Duration of the step [s].
-    ///     seed: Seed of the random stream, 0 to 2**64 - 1.
-    ///     index: Index of the step, 0 to 2**64 - 1. The same seed and index give the same errors on every machine.
+    ///     seed: Seed of the random stream, 0 to 2**64 - 1, or a `RandomStream`, which counts the steps of all calls.
+    ///     index: Index of the step, 0 to 2**64 - 1. The same seed and index give the same errors on every machine. Must be
+    ///         given with a number as seed.
     ///
     /// Returns:
     ///     The pose reached. Its yaw is not wrapped.
@@ -112,17 +114,22 @@ impl MotionNoise {
     ///     >>> from mobile_robot_simulator import MotionNoise
     ///     >>> MotionNoise().sample((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 2.0, seed=1, index=0)
     ///     Pose(2.0, 0.0, 0.0)
-    #[pyo3(signature = (pose, twist, dt, *, seed, index))]
+    #[pyo3(signature = (pose, twist, dt, *, seed, index = None))]
     fn sample(
         &self,
         pose: PoseArgument,
         twist: [f64; 3],
         dt: f64,
         seed: &Bound<'_, PyAny>,
-        index: &Bound<'_, PyAny>,
+        index: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Pose> {
-        let seed = stream_number("seed", Some(seed))?;
-        let index = whole_number("index", index, "in 0..2**64 - 1")?;
+        let seed = SeedArgument::new(Some(seed), "index", index)?;
+        if !seed.has_index() {
+            return Err(PyValueError::new_err(
+                "a seed needs an index: give index= the number of steps before, or seed=RandomStream(7), which counts them",
+            ));
+        }
+        let (seed, index) = seed.take(1)?;
         Ok(Pose(self.0.sample_from(pose.0, twist.into(), dt, seed, index)?))
     }
 
@@ -133,7 +140,7 @@ impl MotionNoise {
     /// errors (table 5.3). First order is accurate while the standard deviation of the yaw is below about 0.2 rad.
     ///
     /// Args:
-    ///     covariance: (3, 3) float64, covariance of (x, y, yaw) before the step [m², m·rad, rad²].
+    ///     covariance: (3, 3), covariance of (x, y, yaw) before the step [m², m·rad, rad²].
     ///     pose: True or estimated pose (x, y, yaw) at the start of the step [m, m, rad].
     ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
     ///     dt: Duration of the step [s].
@@ -143,7 +150,7 @@ impl MotionNoise {
     ///
     /// Raises:
     ///     ValueError: The covariance has another shape, or an argument or the result is not finite.
-    ///     TypeError: The covariance is not float64.
+    ///     TypeError: The covariance cannot be converted to float64 without loss.
     ///
     /// Examples:
     ///     At 2 m/s, the variance of the speed is 0.01 · 2²:

@@ -11,13 +11,13 @@ use crate::raycast;
 /// Returns the range of each ray: the distance at which it enters the first blocking cell or obstacle.
 ///
 /// The rays are independent; for the beams of a scanner, use `LaserScanner.scan_batch`. Ranges are exact: the grid traversal
-/// follows Amanatides & Woo (1987), section 2. Arrays in C order are used in place, without a copy, so no other thread
+/// follows Amanatides & Woo (1987), section 2. More than 100,000 rays are read in place, without a copy, so no other thread
 /// may write to them during the call.
 ///
 /// Args:
 ///     grid: Map to cast the rays in.
-///     rays: (N, 3) float64, one row (x, y, direction) per ray in the map frame [m, m, rad]. Rays may start outside the
-///         grid.
+///     rays: (N, 3), one row (x, y, direction) per ray in the map frame [m, m, rad]. Rays may start outside the grid.
+///         Anything that NumPy can convert to float64 without loss.
 ///     max_range: Range of a ray that hits nothing [m].
 ///     obstacles: Pairs (Shape, pose) that also stop rays, with poses in the map frame.
 ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -56,7 +56,7 @@ pub fn cast_rays<'py>(
     threads: Option<&Bound<'py, PyAny>>,
     out: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (grid, rays, threads) = (grid.get().core(), rows("rays", rays)?, thread_count(threads)?);
+    let (grid, rays, threads) = (grid.get().core(), rows("rays", rays, out.as_ref())?, thread_count(threads)?);
     let rays: &[[f64; 3]] = &rays;
     fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), rays, max_range, threads, ranges))
 }

@@ -4,12 +4,13 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{fill, rows, typed, vector};
+use super::arrays::{check_out, fill, rows, typed, vector};
 use super::beam_model::BeamModel;
 use super::grid::OccupancyGrid;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
-use super::{stream_number, thread_count, whole_number};
+use super::random_stream::SeedArgument;
+use super::{thread_count, whole_number};
 use crate::{NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner with evenly spaced beams.
@@ -164,17 +165,17 @@ impl LaserScanner {
     /// Returns one scan from each pose of a batch, with or without noise.
     ///
     /// True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
-    /// batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine. Arrays
-    /// in C order are used in place, without a copy, so no other thread may write to them during the call.
+    /// batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine.
     ///
     /// Args:
     ///     grid: Map to scan.
-    ///     poses: (N, 3) float64, one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie
-    ///         outside the grid.
+    ///     poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie outside the
+    ///         grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
     ///     obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame.
     ///     noise: Beam model to draw the readings from. None means no noise.
-    ///     seed: Seed of the noise, 0 to 2**64 - 1. None means 0.
-    ///     first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0.
+    ///     seed: Seed of the noise, 0 to 2**64 - 1, or a `RandomStream`, which counts the scans of all calls. Noise needs one.
+    ///     first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0, or that of the
+    ///         `RandomStream`.
     ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
     ///     out: (N, beam_count) float32 in C order, an array for the result. None means a new array.
     ///
@@ -183,8 +184,8 @@ impl LaserScanner {
     ///         at `angle_min + j * angle_increment`. Exactly `max_range` means no return.
     ///
     /// Raises:
-    ///     ValueError: A shape is wrong, a pose is not finite, an integer is out of range, or `out` is read-only, in use or
-    ///         not in C order.
+    ///     ValueError: A shape is wrong, a pose is not finite, an integer is out of range, noise has no seed, or `out` is
+    ///         read-only, in use or not in C order.
     ///     TypeError: An argument has the wrong type or dtype.
     ///     OSError: The threads could not be started.
     ///
@@ -226,10 +227,19 @@ impl LaserScanner {
         threads: Option<&Bound<'py, PyAny>>,
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (grid, poses, threads) = (grid.get().core(), rows("poses", poses)?, thread_count(threads)?);
-        let (seed, first_index) = (stream_number("seed", seed)?, stream_number("first_index", first_index)?);
-        let noise = noise.map(|model| Noise { model: model.0, seed, first_index });
+        let (grid, poses, threads) = (grid.get().core(), rows("poses", poses, out.as_ref())?, thread_count(threads)?);
+        let seed = SeedArgument::new(seed, "first_index", first_index)?;
+        if noise.is_some() && seed.is_none() {
+            return Err(PyValueError::new_err(
+                "noise needs a seed: give seed=RandomStream(7), which counts the scans of all calls, or seed=7 with \
+                 first_index= the number of scans before, because calls with the same seed and index draw the same noise",
+            ));
+        }
         let poses: &[[f64; 3]] = &poses;
+        check_out::<f32>(out.as_ref(), &[poses.len(), self.beam_count()])?;
+        let noise = noise
+            .map(|model| seed.take(poses.len()).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
+            .transpose()?;
         fill(py, out, &[poses.len(), self.beam_count()], |readings| {
             self.0.scan_batch((&*grid, &obstacles.0), poses, noise, threads, readings)
         })

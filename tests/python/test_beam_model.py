@@ -218,6 +218,16 @@ def test_impossible_readings_have_no_likelihood(reading: float) -> None:
     assert likelihood(mrs.BeamModel(z_rand=0.1), np.array([reading]), 5.0, 30.0).tolist() == [0.0]
 
 
+def test_readings_and_true_ranges_are_broadcast() -> None:
+    model, readings, ranges = mrs.BeamModel(), np.linspace(0, 9, 5, dtype=np.float32), np.float32([[3.0], [4.0], [10.0]])
+    found = model.likelihood(readings, ranges, 10.0)
+    assert found.shape == (3, 5)
+    for row, true_range in zip(found, ranges[:, 0], strict=True):
+        assert row.tolist() == model.likelihood(readings, np.full(5, true_range), 10.0).tolist()
+    assert model.likelihood(readings, np.float32(3.0), 10.0).tolist() == found[0].tolist()
+    assert model.likelihood(np.float32(3.0), np.float32(3.0), 10.0).shape == ()
+
+
 def test_likelihoods_have_the_shape_of_the_readings() -> None:
     z = np.linspace(0.0, 30.0, 24, dtype=np.float32).reshape(4, 6)
     noise = mrs.BeamModel(z_rand=0.1)
@@ -248,12 +258,16 @@ def test_extreme_parameters_have_readings(sigma: float, rate: float, true_range:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ((np.zeros(3, np.float32), np.zeros(4, np.float32), 30.0), ValueError, "shape of readings (3,), got (4,)"),
+        (
+            (np.zeros(3, np.float32), np.zeros(4, np.float32), 30.0),
+            ValueError,
+            "readings and true_ranges must have shapes that broadcast, got (3,) and (4,)",
+        ),
         ((np.zeros(3), np.zeros(3, np.float32), 30.0), TypeError, "readings must have dtype float32, got float64"),
         ((np.zeros(3, np.float32), np.zeros(3), 30.0), TypeError, "true_ranges must have dtype float32, got float64"),
         ((np.zeros(3, np.float32), np.zeros(3, np.float32), 0.0), ValueError, "max_range must be positive"),
         ((np.zeros(3, np.float32), np.zeros(3, np.float32), math.nan), ValueError, "max_range must be positive"),
-        ((0.5, 0.5, 30.0), TypeError, "readings must be a NumPy array of float32, got float"),
+        ((0.5, 0.5, 30.0), TypeError, "readings must have dtype float32, got float64"),
         ((np.zeros(1, np.float32), np.full(1, math.nan, np.float32), 30.0), ValueError, "true_ranges must be"),
         ((np.zeros(1, np.float32), np.full(1, -1.0, np.float32), 30.0), ValueError, "true_ranges must be"),
     ],

@@ -187,7 +187,7 @@ def test_no_free_place_is_an_error(cells: Any, radius: float) -> None:
         ({"radius": math.nan, "seed": 1}, ValueError, "radius must be"),
         ({"radius": 0.1, "seed": -1}, ValueError, "seed must be in 0..2**64 - 1, got -1"),
         ({"radius": 0.1, "seed": 2**64}, ValueError, f"got {2**64}"),
-        ({"radius": 0.1, "seed": 0.5}, TypeError, "seed must be an integer, got float"),
+        ({"radius": 0.1, "seed": 0.5}, TypeError, "seed must be an integer or a RandomStream, got float"),
     ],
 )
 def test_invalid_draws_are_rejected(
@@ -217,7 +217,7 @@ def with_value(value: int) -> Any:
         ({"cells": np.zeros((2, 3))}, TypeError, "cells must have dtype int8, got float64"),
         ({"cells": np.zeros((2, 3), np.uint8)}, TypeError, "cells must have dtype int8, got uint8"),
         ({"cells": np.zeros((2, 3), bool)}, TypeError, "cells must have dtype int8, got bool"),
-        ({"cells": [[0, 0]]}, TypeError, "cells must be a NumPy array of int8, got list"),
+        ({"cells": [[0, 0]]}, TypeError, "cells must have dtype int8, got int64"),
         ({"cells": np.zeros((1, 65_536), np.int8)}, ValueError, "at most 65535 cells, got 65536"),
         ({"cells": np.zeros((65_536, 1), np.int8)}, ValueError, "at most 65535 cells, got 65536"),
         ({"resolution": 0.0}, ValueError, "resolution must be positive, got 0"),

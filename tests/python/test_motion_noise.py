@@ -50,7 +50,7 @@ def test_invalid_input_is_rejected() -> None:
     with pytest.raises(ValueError, match=r"covariance must have shape \(3, 3\), got \(6, 6\)"):
         NOISE.propagate(np.zeros((6, 6)), (0, 0, 0), TWIST, 0.1)
     with pytest.raises(TypeError, match="covariance must have dtype float64"):
-        NOISE.propagate(np.zeros((3, 3), np.float32), (0, 0, 0), TWIST, 0.1)
+        NOISE.propagate(np.zeros((3, 3), complex), (0, 0, 0), TWIST, 0.1)
     with pytest.raises(ValueError, match="covariance must be finite, got NaN"):
         NOISE.propagate(np.full((3, 3), math.nan), (0, 0, 0), TWIST, 0.1)
     with pytest.raises(TypeError, match="index must be an integer, got float"):

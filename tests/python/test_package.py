@@ -38,6 +38,7 @@ BUILT_WITH = [
     "MotionNoise",
     "OccupancyGrid",
     "Pose",
+    "RandomStream",
     "Shape",
     "Simulation",
     "advance",

@@ -176,7 +176,7 @@ def test_scans_from_huge_poses_are_valid(room: mrs.OccupancyGrid, pose: tuple[fl
     for mount in ((0.0, 0.0, 0.0), (1e308, -1e308, 1.7e308)):
         laser = mrs.LaserScanner(beam_count=31, mount=mount)
         for noise in (None, NOISY):
-            ranges = laser.scan_batch(room, np.array([pose]), noise=noise)
+            ranges = laser.scan_batch(room, np.array([pose]), noise=noise, seed=NOISE_SEED)
             assert ((ranges >= 0.0) & (ranges <= 30.0)).all()
 
 
@@ -193,7 +193,7 @@ def test_a_batch_equals_a_loop(room: mrs.OccupancyGrid, mount: tuple[float, floa
 
 
 def test_no_poses_give_no_scans(room: mrs.OccupancyGrid) -> None:
-    ranges = mrs.LaserScanner(beam_count=7).scan_batch(room, np.zeros((0, 3)), noise=NOISY)
+    ranges = mrs.LaserScanner(beam_count=7).scan_batch(room, np.zeros((0, 3)), noise=NOISY, seed=NOISE_SEED)
     assert (ranges.shape, ranges.dtype) == ((0, 7), np.float32)
 
 
@@ -233,7 +233,7 @@ def test_another_seed_or_index_gives_other_noise(room: mrs.OccupancyGrid, change
 
 def test_seed_and_index_default_to_zero(room: mrs.OccupancyGrid) -> None:
     laser, pose = mrs.LaserScanner(beam_count=50), np.zeros((1, 3))
-    plain = laser.scan_batch(room, pose, noise=NOISY)
+    plain = laser.scan_batch(room, pose, noise=NOISY, seed=0)
     assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=0, first_index=0))
     assert np.array_equal(plain, laser.scan_batch(room, pose, noise=NOISY, seed=np.uint64(0), first_index=None))
 
@@ -245,7 +245,7 @@ def test_other_python_threads_run_during_a_batch(room: mrs.OccupancyGrid) -> Non
 
     def scan() -> None:
         span.append(time.perf_counter())
-        laser.scan_batch(room, poses, noise=NOISY, threads=1)
+        laser.scan_batch(room, poses, noise=NOISY, seed=NOISE_SEED, threads=1)
         span.append(time.perf_counter())
 
     worker = threading.Thread(target=scan)
@@ -330,16 +330,74 @@ def test_out_is_written_in_place_and_returned(room: mrs.OccupancyGrid) -> None:
 def test_out_can_be_used_again(room: mrs.OccupancyGrid) -> None:
     laser, poses = mrs.LaserScanner(beam_count=31), poses_in(room, 12)
     out = np.empty((12, 31), np.float32)
-    first = laser.scan_batch(room, poses, noise=NOISY, out=out).copy()
-    assert np.array_equal(laser.scan_batch(room, poses, noise=NOISY, out=out), first)
+    first = laser.scan_batch(room, poses, noise=NOISY, seed=NOISE_SEED, out=out).copy()
+    assert np.array_equal(laser.scan_batch(room, poses, noise=NOISY, seed=NOISE_SEED, out=out), first)
 
 
-def test_out_must_not_overlap_the_poses(room: mrs.OccupancyGrid) -> None:
+@pytest.mark.parametrize("bases", [1, 2])
+def test_out_may_overlap_the_poses(room: mrs.OccupancyGrid, bases: int) -> None:
     laser, poses = mrs.LaserScanner(beam_count=6), poses_in(room, 40)
-    kept = poses.copy()
-    with pytest.raises(ValueError, match="or one that is already in use"):
-        laser.scan_batch(room, poses, out=poses.view(np.float32))
-    assert np.array_equal(poses, kept)
+    expected = laser.scan_batch(room, poses)
+    buffer = bytearray(poses.tobytes())
+    shared = np.frombuffer(buffer).reshape(40, 3)
+    out = shared.view(np.float32) if bases == 1 else np.frombuffer(buffer, np.float32).reshape(40, 6)
+    assert np.array_equal(laser.scan_batch(room, shared, out=out, threads=1), expected)
+
+
+@pytest.mark.parametrize(
+    "convert",
+    [
+        lambda poses: [tuple(map(float, pose)) for pose in poses],
+        lambda poses: [mrs.Pose(*map(float, pose)) for pose in poses],
+        lambda poses: poses.astype(np.float32),
+        lambda poses: poses.astype(">f8"),
+        lambda poses: poses.astype(np.int16),
+        lambda poses: Wrapped(poses),
+        lambda poses: Exported(poses),
+        lambda poses: poses.view(Lying),
+    ],
+    ids=["tuples", "poses", "float32", "big-endian", "int16", "__array__", "DLPack", "subclass"],
+)
+def test_poses_can_be_anything_that_numpy_converts_without_loss(room: mrs.OccupancyGrid, convert: Any) -> None:
+    # Whole numbers, which every type here holds exactly.
+    laser, poses = mrs.LaserScanner(beam_count=6), np.array([[2.0, 1.0, 0.0], [3.0, 2.0, 1.0]])
+    assert np.array_equal(laser.scan_batch(room, convert(poses)), laser.scan_batch(room, poses))
+
+
+class Wrapped:
+    """Offers an array by `__array__`."""
+
+    def __init__(self, array: Any) -> None:
+        self.array = array
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return self.array
+
+
+class Exported:
+    """Offers an array by DLPack only."""
+
+    def __init__(self, array: Any) -> None:
+        self.array = array
+
+    def __dlpack__(self, **options: Any) -> Any:
+        return self.array.__dlpack__(**options)
+
+    def __dlpack_device__(self) -> Any:
+        return self.array.__dlpack_device__()
+
+
+class Lying(np.ndarray[Any, Any]):
+    """An array with wrong attributes."""
+
+    shape = (7, 7, 7)  # type: ignore[assignment]
+    flags = None  # type: ignore[assignment]
+    ndim = -3  # type: ignore[assignment,misc]
+
+    def astype(self, *_: Any, **__: Any) -> Any:
+        return "no array"
+
+    copy = astype  # type: ignore[assignment]
 
 
 @pytest.mark.parametrize("threads", [1, 2, None])
@@ -426,7 +484,7 @@ def test_a_missing_return_is_infinite_by_default() -> None:
 
 def test_marked_scans_have_a_range_or_an_infinity(room: mrs.OccupancyGrid) -> None:
     laser = mrs.LaserScanner(min_range=1.0, max_range=7.0)
-    ranges = laser.scan_batch(room, poses_in(room, 50), noise=NOISY)
+    ranges = laser.scan_batch(room, poses_in(room, 50), noise=NOISY, seed=NOISE_SEED)
     marked = laser.mark_invalid(ranges)
     assert np.array_equal(np.isposinf(marked), ranges == 7.0)
     assert np.array_equal(np.isneginf(marked), ranges < 1.0)
@@ -500,15 +558,20 @@ def test_invalid_scanners_are_rejected(options: dict[str, Any], error: type[Exce
         ({"poses": np.zeros((2, 4))}, ValueError, "poses must have shape (N, 3), got (2, 4)"),
         ({"poses": np.zeros((3, 7))}, ValueError, "poses must have shape (N, 3), got (3, 7)"),
         ({"poses": np.zeros(3)}, ValueError, "poses must have shape (N, 3), got (3,)"),
-        ({"poses": np.zeros((2, 3), np.float32)}, TypeError, "poses must have dtype float64, got float32"),
-        ({"poses": [(0.0, 0.0, 0.0)]}, TypeError, "poses must be a NumPy array of float64, got list"),
+        ({"poses": np.zeros((2, 3), complex)}, TypeError, "poses must have dtype float64, got complex128"),
+        ({"poses": np.zeros((2, 3), bool)}, TypeError, "poses must have dtype float64, got bool"),
+        ({"poses": np.zeros((2, 3), np.longdouble)}, TypeError, "convert it with .astype(np.float64)"),
+        ({"poses": [("a", 0.0, 0.0)]}, TypeError, "poses must have dtype float64, got <U"),
+        ({"poses": [(0.0, 0.0), (0.0, 0.0, 0.0)]}, ValueError, "poses must have rows of equal length, got list"),
+        ({"poses": [(0.0, None, 0.0)]}, TypeError, "poses must be an array of numbers, got list"),
+        ({"poses": np.zeros((1,) * 33)}, TypeError, "poses must have at most 32 dimensions, got 33"),
         ({"poses": np.array([[0.0, math.nan, 0.0]])}, ValueError, "poses must be finite, got [0.0, NaN, 0.0] in row 0"),
         ({"poses": np.array([[0.0] * 3, [0.0, 0.0, -math.inf]])}, ValueError, "in row 1"),
         ({"noise": 0.1}, TypeError, "noise"),
         ({"noise": {"sigma_hit": 0.1}}, TypeError, "noise"),
         ({"seed": -1}, ValueError, "seed must be in 0..2**64 - 1, got -1"),
         ({"seed": 2**64}, ValueError, f"seed must be in 0..2**64 - 1, got {2**64}"),
-        ({"seed": 1.0}, TypeError, "seed must be an integer, got float"),
+        ({"seed": 1.0}, TypeError, "seed must be an integer or a RandomStream, got float"),
         ({"first_index": -1}, ValueError, "first_index must be in 0..2**64 - 1, got -1"),
         ({"first_index": "0"}, TypeError, "first_index must be an integer, got str"),
         ({"threads": 0}, ValueError, "threads must be in 1..1024, got 0"),
@@ -551,7 +614,7 @@ def test_invalid_poses_are_rejected(post: mrs.OccupancyGrid, pose: Any, error: t
     ("call", "error", "message"),
     [
         (lambda laser: laser.mark_invalid(np.zeros(541)), TypeError, "readings must have dtype float32, got float64"),
-        (lambda laser: laser.mark_invalid([0.0]), TypeError, "readings must be a NumPy array of float32, got list"),
+        (lambda laser: laser.mark_invalid([0.0]), TypeError, "readings must have dtype float32, got float64"),
         (
             lambda laser: laser.mark_invalid(np.zeros(5, np.float32), no_return="nan"),
             ValueError,

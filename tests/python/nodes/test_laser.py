@@ -483,7 +483,7 @@ def test_weights_are_normalised_with_a_warning(room: mrs.OccupancyGrid, caplog: 
     rig.run_to(0.1)
     noise = mrs.BeamModel(z_hit=0.75, z_short=0.25, z_max=0.0, z_rand=0.0)
     scanner = mrs.LaserScanner(beam_count=61, max_range=12.0)
-    expected = scanner.mark_invalid(scanner.scan_batch(room, np.array([[1.0, 2.0, 0.5]]), noise=noise)[0])
+    expected = scanner.mark_invalid(scanner.scan_batch(room, np.array([[1.0, 2.0, 0.5]]), noise=noise, seed=0)[0])
     assert np.array_equal(rig.scans[0].ranges, expected)
 
 
