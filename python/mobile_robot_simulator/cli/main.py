@@ -12,6 +12,7 @@ from .console import console, error_console
 from .floor_plan import generate_floor_plan
 from .info import info
 from .parameters import parameters
+from .recover import recover
 from .ros import PASSED_ON, ros1, ros2
 from .run import run
 from .scan import scan
@@ -23,6 +24,7 @@ app = typer.Typer(
     help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
 )
 app.command()(run)
+app.command()(recover)
 app.command()(scan)
 app.command()(info)
 app.command()(parameters)

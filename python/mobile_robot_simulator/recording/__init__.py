@@ -11,9 +11,9 @@ from .deferred import DeferredRecorder
 from .format import Format
 
 if TYPE_CHECKING:
-    from .recorder import Recorder
+    from .recorder import Recorder, recover
 
-__all__ = ["DeferredRecorder", "Format", "Recorder"]
+__all__ = ["DeferredRecorder", "Format", "Recorder", "recover"]
 
 
 def __getattr__(name: str) -> Any:

@@ -5,26 +5,30 @@ The same messages in the same order give the same files, byte for byte, with the
 
 from __future__ import annotations
 
+import errno
 import os
+import sqlite3
 from collections import deque
+from contextlib import suppress
 from operator import index
 from pathlib import Path
-from typing import get_args
+from typing import NoReturn, get_args
 
 from ..messages import Message
-from .folder import room_for_recording
 from .format import Format
 from .writer_thread import WriterThread
 
 try:
     from rosbags.interfaces import Connection
 
+    from .folder import RECOVER, RecordingFolder
+    from .recovery import recover
     from .ros1_bag import Ros1Bag
     from .ros2_bag import Ros2Bag
 except ImportError as error:
     raise ImportError("recordings need rosbags: pip install 'mobile-robot-simulator[recording]'") from error
 
-__all__ = ["Format", "Recorder"]
+__all__ = ["Format", "Recorder", "recover"]
 
 _BATCH = 1024
 """Number of messages passed to the writer thread at once. Passing work to it costs about as much as writing ten messages."""
@@ -36,14 +40,20 @@ class Recorder:
     Each message is copied when it is written, so it may change afterwards. If an error or Ctrl-C ends the ``with`` block
     early, the recording can still be opened and contains all messages written so far.
 
+    Until the recorder is closed, the messages are in the folder ``recording.unfinished``, which is locked. If the process is
+    killed or the disk is full, this folder stays, and `recover` makes a recording of it. It lacks at most the last 1,024
+    messages and, for "mcap" and "bag", the last megabyte.
+
     Args:
         path: Folder of the recording, created if needed. The recording in it is ``recording/`` (rosbag2: metadata.yaml and
             recording.mcap or recording.db3) or ``recording.bag`` (ROS 1).
         format: "mcap" or "sqlite3" for ROS 2 Humble and later, "bag" for ROS 1.
-        overwrite: Replace an older recording of any format. The older recording is deleted once the new one has begun.
+        overwrite: Replace an older recording of any format. The older one is deleted when the new one is complete. What is
+            left of a recording that was broken off is deleted at the beginning.
 
     Raises:
         FileExistsError: There is a recording and `overwrite` is False, or there is something else with its name.
+        BlockingIOError: Another process records into the folder.
         ValueError: The format is unknown.
         OSError: The folder cannot be written.
     """
@@ -57,16 +67,21 @@ class Recorder:
         self._closed = False
         self._thread = WriterThread()
         try:
-            with room_for_recording(Path(path), overwrite=overwrite) as folder:
-                self._thread.run(lambda: self._begin(folder, format))
+            self._folder = RecordingFolder(Path(path), overwrite=overwrite)
+            try:
+                self._thread.run(lambda: self._begin(format))
+            except BaseException:
+                self._folder.discard()
+                raise
         except BaseException:
             self._thread.stop()
             raise
+        self._path = Path(path) / self._bag.path.name
 
     @property
     def path(self) -> Path:
-        """The recording itself: a rosbag2 folder or a ROS 1 file."""
-        return self._bag.path
+        """The recording itself: a rosbag2 folder or a ROS 1 file. It is there once the recorder is closed."""
+        return self._path
 
     def write(self, topic: str, message: Message, time_ns: int) -> None:
         """Adds a message that was published on a topic.
@@ -93,10 +108,14 @@ class Recorder:
             raise ValueError(f"topic {topic} carries {ros_type}, got {message.ros_type}")
         self._pending.append((topic, time_ns, self._bag.encode(message)))
         if len(self._pending) >= _BATCH:
-            self._thread.run(self._write_pending)
+            self._thread.run(self._write_batch)
 
     def close(self) -> None:
-        """Writes the remaining messages and the index. Closing twice does no harm."""
+        """Writes the remaining messages and the index, and moves the recording to its place. Closing twice does no harm.
+
+        Raises:
+            OSError: The disk is full, or the folder was removed. The message says where the written messages are.
+        """
         if self._closed:
             return
         try:
@@ -110,8 +129,16 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _begin(self, folder: Path, format: Format) -> None:
-        self._bag = Ros1Bag(folder) if format == "bag" else Ros2Bag(folder, format)
+    def _begin(self, format: Format) -> None:
+        unfinished = self._folder.unfinished
+        self._bag = Ros1Bag(unfinished) if format == "bag" else Ros2Bag(unfinished, format)
+
+    def _write_batch(self) -> None:
+        try:
+            self._write_pending()
+            self._bag.flush()
+        except BaseException as error:
+            self._break_off(error)
 
     def _write_pending(self) -> None:
         while self._pending:
@@ -121,10 +148,28 @@ class Recorder:
             self._bag.write(self._connections[topic], time_ns, data)
 
     def _finish(self) -> None:
-        self._closed = True
         try:
             self._write_pending()
             self._bag.close()
-        except BaseException:
+            self._folder.finish(self._bag.path)
+        except BaseException as error:
+            self._break_off(error)
+        self._closed = True
+
+    def _break_off(self, error: BaseException) -> NoReturn:
+        """Closes the recording without an index, keeps what is on the disk, and raises the error with its path."""
+        self._closed = True
+        self._pending.clear()
+        with suppress(OSError, sqlite3.Error):
             self._bag.abort()
-            raise
+        self._folder.keep()
+        if not isinstance(error, (OSError, sqlite3.Error)):
+            raise error
+        number = error.errno if isinstance(error, OSError) and error.errno else errno.EIO
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        unfinished = self._folder.unfinished
+        if unfinished.is_dir():
+            kept = f"messages written before are kept, `{RECOVER} {unfinished.parent}` recovers them"
+        else:
+            kept = "the folder is gone, nothing is kept"
+        raise OSError(number, f"{reason}. The recording was broken off; {kept}", str(unfinished)) from error

@@ -32,6 +32,11 @@ class Ros1Bag:
         self._writer.open()
         self.close, self.abort = self._writer.close, self._writer.abort
 
+    def flush(self) -> None:
+        """Passes all complete chunks to the operating system, so that they outlive the process."""
+        if self._writer.bio is not None:
+            self._writer.bio.flush()
+
     def encode(self, message: Message) -> memoryview:
         """Returns the bytes of a message."""
         return to_ros1_bytes(message)

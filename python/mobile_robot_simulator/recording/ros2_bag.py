@@ -6,6 +6,8 @@ from pathlib import Path
 
 from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from ..messages import Message
 from .folder import NAME
@@ -32,7 +34,18 @@ class Ros2Bag:
         # Jazzy and later write version 9, which Humble cannot read. All of them can read version 8.
         self._writer = Writer(self.path, version=8, storage_plugin=StoragePlugin[format.upper()])
         self._writer.open()
+        self._storage = self._writer.storage
+        if isinstance(self._storage, Sqlite3Writer):
+            # Waiting for the disk at each commit would guard against power failure only, and is slow.
+            self._storage.conn.execute("PRAGMA synchronous = OFF")
         self.write, self.close, self.abort = self._writer.write, self._writer.close, self._writer.abort
+
+    def flush(self) -> None:
+        """Passes rows and complete chunks to the operating system, so that they outlive the process."""
+        if isinstance(self._storage, Sqlite3Writer):
+            self._storage.conn.commit()
+        elif isinstance(self._storage, McapWriter):
+            self._storage.bio.flush()
 
     def encode(self, message: Message) -> memoryview:
         """Returns the bytes of a message."""

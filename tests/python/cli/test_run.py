@@ -98,6 +98,26 @@ def test_an_ignored_hangup_stays_ignored(drive_for_ever, tmp_path):
     assert process.returncode == 143
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals")
+@pytest.mark.parametrize("form", ["mcap", "bag", "sqlite3"])
+def test_a_killed_run_is_recovered(command, drive_for_ever, tmp_path, form):
+    process = drive_for_ever("--format", form)
+    out = tmp_path / "out"
+    busy = command("recover", out)
+    assert busy.returncode == 1 and "Another process is recording" in busy.stderr
+    process.kill()
+    process.communicate(timeout=60.0)
+    assert [item.name for item in out.iterdir()] == ["recording.unfinished"]
+    done = command("recover", out)
+    assert done.returncode == 0, done.stderr
+    path = out / ("recording.bag" if form == "bag" else "recording")
+    with AnyReader([path]) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+        times = [time_ns for connection, time_ns, _ in reader.messages() if connection.topic == "/odom"]
+    assert done.stdout == f"{path}: {sum(counts.values())} messages\n"
+    assert times == [100_000_000 * step for step in range(1, len(times) + 1)] and len(times) > 100
+
+
 def test_real_time_takes_real_time(command, room, tmp_path):
     out = tmp_path / "out"
     done = command("run", room, "--duration", 2, "--real-time", "-p", "speed_factor:=2.0", "--out", out)

@@ -37,7 +37,7 @@ def test_the_recording_is_the_same_from_memory_and_from_disk(tmp_path, monkeypat
 def test_discarding_deletes_all_messages_and_ignores_later_ones(tmp_path, monkeypatch, most):
     monkeypatch.setattr(deferred, "MOST_IN_MEMORY", most)
     recorder = filled(tmp_path)
-    assert (tmp_path / "recording").exists() == (most == 20)
+    assert (tmp_path / "recording.unfinished").exists() == (most == 20)
     recorder.discard()
     recorder.write("/twist", mrs.messages.Twist(), COUNT)
     assert not list(tmp_path.iterdir()) and not recorder._messages

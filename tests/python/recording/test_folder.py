@@ -81,3 +81,28 @@ def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "out").touch()
     with pytest.raises(OSError, match="out"):
         Recorder(tmp_path / "out")
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_two_recordings_at_a_time_in_one_folder_are_an_error(tmp_path: Path, overwrite: bool) -> None:
+    with Recorder(tmp_path) as recorder:
+        with pytest.raises(BlockingIOError, match="Another process is recording") as raised:
+            Recorder(tmp_path, overwrite=overwrite)
+        assert raised.value.filename == str(tmp_path)
+        recorder.write("/clock", ros.Clock(), 5)
+    assert [time_ns for _, _, time_ns in read(recorder.path)] == [5]
+
+
+def test_an_older_recording_is_kept_until_the_new_one_is_complete(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = record(tmp_path, "mcap", drive(2))
+    before = contents(path)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("rosbags.rosbag2.Writer.close", full)
+    recorder = Recorder(tmp_path, overwrite=True)
+    assert contents(path) == before
+    with pytest.raises(OSError, match="No space left"):
+        recorder.close()
+    assert contents(path) == before
