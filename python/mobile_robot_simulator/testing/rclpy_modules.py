@@ -9,6 +9,19 @@ from ..bus import clock, node, parameter, service, timer, topic
 from ..nodes.future import Future
 from .rclpy_qos import SENSOR_DATA, DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from .ros_messages import generated_packages
+from .tf2 import (
+    Buffer,
+    ConnectivityException,
+    ExtrapolationException,
+    LookupException,
+    StaticTransformBroadcaster,
+    TransformBroadcaster,
+    TransformException,
+    TransformListener,
+    do_transform_point,
+    do_transform_pose,
+    do_transform_pose_stamped,
+)
 
 
 class ExternalShutdownException(Exception):
@@ -30,6 +43,21 @@ def _describe_parameter(**_: Any) -> None:
 def _refuse_to_spin(*_: Any, **__: Any) -> None:
     raise RuntimeError("on the bus, nodes are run by the simulation: call sim.run_for(seconds)")
 
+
+TF2: dict[str, object] = {
+    kind.__name__: kind
+    for kind in (
+        Buffer,
+        TransformListener,
+        TransformBroadcaster,
+        StaticTransformBroadcaster,
+        TransformException,
+        LookupException,
+        ConnectivityException,
+        ExtrapolationException,
+    )
+}
+"""Contents of `tf2_ros`."""
 
 RCLPY: dict[str, dict[str, object]] = {
     "rclpy": {
@@ -64,12 +92,20 @@ RCLPY: dict[str, dict[str, object]] = {
     "rclpy.task": {"Future": Future},
     "rclpy.time": {"Time": instant.Instant},
     "rclpy.timer": {"Timer": timer.BusTimer},
+    "tf2_ros": TF2,
+    "tf2_ros.buffer": TF2,
+    "tf2_ros.transform_broadcaster": TF2,
+    "tf2_ros.transform_listener": TF2,
+    "tf2_ros.static_transform_broadcaster": {"StaticTransformBroadcaster": StaticTransformBroadcaster},
+    "tf2_geometry_msgs": {
+        kind.__name__: kind for kind in (do_transform_pose, do_transform_pose_stamped, do_transform_point)
+    },
     "rcl_interfaces.msg": {
         "ParameterDescriptor": _describe_parameter,
         "SetParametersResult": parameter.SetParametersResult,
     },
 }
-"""Contents of the modules of rclpy: the object on the bus for each name."""
+"""Contents of the modules of rclpy and tf2: the object on the bus for each name."""
 
 
 def message_packages() -> dict[str, dict[str, object]]:
