@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 console = Console()
 error_console = Console(stderr=True)
@@ -18,7 +19,7 @@ def print_table(title: str, rows: Iterable[tuple[str, str]]) -> None:
     console.print(title, highlight=False, markup=False, soft_wrap=True)
     table = Table(show_header=False)
     for name, value in rows:
-        table.add_row(name, value)
+        table.add_row(name, Text(value))  # text, because Rich would take [brackets] for markup
     console.print(table)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,9 @@ from ..recording.format import Format
 from .console import console, print_table, progress_bar
 from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
 from .signals import signals_as_interrupt
+
+if TYPE_CHECKING:
+    from .drive import Drive
 
 
 class DriverName(str, Enum):
@@ -51,11 +54,10 @@ def run(
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
 ) -> None:
-    """Drive a robot through a map. Saves a recording of all topics, a picture and a summary.
+    """Drive a robot through a map. Saves a recording of all topics, a summary and, with Matplotlib, a picture.
 
     Ctrl-C, SIGTERM and SIGHUP end the drive early; what was driven is saved. The exit status is then 130, 143 or 129.
     """
-    from .. import plotting  # noqa: F401 - a missing extra is an error before the drive, not after it
     from ..recording.recorder import Recorder
     from .drive import Drive
     from .script import Script
@@ -78,14 +80,22 @@ def run(
             with progress_bar(duration) as advance:
                 summary = drive.run(duration, real_time=real_time, progress=advance)
         summary.save(out / "summary.json")
-        drive.draw(out / "drive.png")
-
-        files = [("recording", f"{recorder.path}"), ("picture", f"{out / 'drive.png'}")]
+        files = [("recording", f"{recorder.path}"), ("picture", _draw(drive, out / "drive.png"))]
         print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
         if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
             console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
         if summary.interrupted:
             raise typer.Exit(interruption.exit_status)
+
+
+def _draw(drive: Drive, file: Path) -> str:
+    """Saves the picture of a drive. Returns its path or, without Matplotlib, the reason why there is none."""
+    try:
+        drive.draw(file)
+    except ImportError as error:
+        file.unlink(missing_ok=True)  # an older picture, of the drive that was just replaced
+        return f"none; {error}"
+    return f"{file}"
 
 
 def _check_positive(option: str, value: float) -> None:

@@ -1,6 +1,7 @@
 """The command run: a recording, a picture and a summary of a drive."""
 
 import json
+import os
 import signal
 import sys
 
@@ -116,6 +117,20 @@ def test_a_killed_run_is_recovered(command, drive_for_ever, tmp_path, form):
         times = [time_ns for connection, time_ns, _ in reader.messages() if connection.topic == "/odom"]
     assert done.stdout == f"{path}: {sum(counts.values())} messages\n"
     assert times == [100_000_000 * step for step in range(1, len(times) + 1)] and len(times) > 100
+
+
+def test_without_matplotlib_there_is_no_picture(command, room, tmp_path, monkeypatch):
+    out, blocked = tmp_path / "out", tmp_path / "blocked"
+    assert command("run", room, "--duration", 1, "--out", out).returncode == 0
+    (blocked / "matplotlib").mkdir(parents=True)
+    (blocked / "matplotlib" / "__init__.py").write_text("raise ImportError")
+    monkeypatch.setenv("PYTHONPATH", str(blocked), prepend=os.pathsep)
+    done = command("run", room, "--duration", 2, "--out", out, "--overwrite")
+    assert done.returncode == 0, done.stderr
+    assert "mobile-robot-simulator[plotting]" in done.stdout
+    # The picture of the drive that was replaced is gone too.
+    assert {item.name for item in out.iterdir()} == {"recording", "summary.json"}
+    assert json.loads((out / "summary.json").read_text())["simulated_seconds"] == 2.0
 
 
 def test_real_time_takes_real_time(command, room, tmp_path):
