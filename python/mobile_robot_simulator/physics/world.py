@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+import numpy as np
+
 from .._core import OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
 from .motion import Motion
@@ -13,6 +15,9 @@ from .obstacles import Obstacle
 
 STEP_NS = 20_000_000
 """Time step for robots with a footprint [ns]; all other bodies are frozen during a step."""
+
+OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+"""A map without walls, to ask for obstacles alone."""
 
 Placed: TypeAlias = tuple[Shape, Pose]
 """A shape and its pose in the map frame."""
@@ -105,8 +110,12 @@ class World(Handle):
     def place(self, obstacle: Obstacle) -> None:
         """Adds an obstacle."""
         self.now_ns()
+        placed = obstacle.shape, obstacle.pose(self._stepped_ns)
+        # Only what is new is computed, so that many obstacles can be added.
+        self._frozen.insert(len(self.obstacles), (obstacle, placed))
+        self._index_of = {other: index + 1 for other, index in self._index_of.items()}
         self.obstacles.append(obstacle)
-        self.changed()
+        self._latest = None
 
     def changed(self) -> None:
         """Updates the poses that robots can collide with.
@@ -131,7 +140,7 @@ class World(Handle):
     def touched(self, shape: Shape, pose: Pose) -> str | None:
         """Name of an obstacle or robot that a shape at a pose would touch now; None if there is none."""
         for other, placed in self.everybody():
-            if self.grid is not None and touches(self.grid, shape, pose, obstacles=[placed]):
+            if self.grid is not None and touches(OPEN, shape, pose, obstacles=[placed]):
                 return _name_of(other)
         return None
 

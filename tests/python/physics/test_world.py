@@ -52,3 +52,38 @@ def test_a_map_can_be_replaced_and_is_restored():
     assert sim.robots["robot1"].pose.x == pytest.approx(7.0 - 0.25, abs=1e-6)
     sim.restore(state)
     assert world.grid is before
+
+
+def test_a_wall_is_not_taken_for_an_obstacle():
+    sim = pair(robot_radius=0.25)
+    wall = np.zeros((20, 20), np.int8)
+    wall[:, 7] = 100
+    sim._world.use_map(mrs.OccupancyGrid(wall, resolution=1.0))
+    sim.add_obstacle(mrs.Shape.disc(0.3), (12, 12, 0), name="pillar")
+    shape = mrs.Shape.disc(0.25)
+    assert sim._world.touched(shape, mrs.Pose(7.5, 2.0, 0.0)) is None
+    assert sim._world.touched(shape, mrs.Pose(12.2, 12.0, 0.0)) == "obstacle pillar"
+
+
+def test_adding_an_obstacle_reads_no_other_trajectory():
+    sim, reads = pair(robot_radius=0.25), []
+
+    def trajectory(time):
+        reads.append(time)
+        return 15.0, 15.0, 0.0
+
+    for _ in range(50):
+        sim.add_obstacle(mrs.Shape.disc(0.1), trajectory)
+    assert len(reads) == 50
+    drive(sim, 1.0, topic="/robot1/cmd_vel")
+    sim.run_for(20.0)
+    assert sim.robots["robot1"].truth.contacts[0].what == "robot robot2"
+
+
+def test_an_obstacle_whose_trajectory_fails_is_not_added():
+    sim = pair(robot_radius=0.25)
+    with pytest.raises(TypeError, match="must return poses"):
+        sim.add_obstacle(mrs.Shape.disc(0.1), lambda time: "here")
+    sim.add_obstacle(mrs.Shape.disc(0.1), (15, 15, 0))
+    sim.run_for(1.0)
+    assert len(sim._world.obstacles) == 1
