@@ -48,13 +48,16 @@ fn rays(criterion: &mut Criterion) {
         let max_range = 600.0 * grid.resolution();
         let ranges = |kernel| {
             let mut ranges = vec![0.0; rays.len()];
-            Caster::new(&grid, max_range, kernel).cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges).expect("ranges");
+            Caster::new(&grid, max_range, kernel)
+                .expect("a range")
+                .cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges)
+                .expect("ranges");
             ranges
         };
         let expected = ranges(Kernel::Traversal);
         for kernel in kernels() {
             assert!(ranges(kernel) == expected, "{map} by {}", kernel.name());
-            let (caster, mut ranges) = (Caster::new(&grid, max_range, kernel), vec![0.0; rays.len()]);
+            let (caster, mut ranges) = (Caster::new(&grid, max_range, kernel).expect("a range"), vec![0.0; rays.len()]);
             group.bench_function(kernel.name(), |bencher| {
                 bencher.iter(|| caster.cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges));
             });

@@ -84,7 +84,7 @@ fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
 fn rays(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 1] {
     let rays = poses(grid, RAYS);
     in_turns(kernels, rays.len(), |kernel, _, ranges| {
-        let caster = Caster::new(grid, 600.0 * grid.resolution(), kernel);
+        let caster = Caster::new(grid, 600.0 * grid.resolution(), kernel).expect("a range");
         caster.cast_rays(Obstacles::NONE, &rays, Some(1), ranges).expect("ranges");
     })
 }

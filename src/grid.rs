@@ -115,9 +115,7 @@ impl OccupancyGrid {
     /// - [`Error::Number`]: a resolution that is not positive, an origin that is not finite, or a threshold outside 1 to
     ///   100.
     pub fn new(cells: Vec<i8>, width: usize, options: GridOptions) -> Result<Self, Error> {
-        if width == 0 || cells.is_empty() {
-            return Err(Error::Count { name: "the number of cells", value: cells.len(), needed: "at least 1" });
-        }
+        check_counts(cells.len(), width)?;
         let height = cells.len() / width;
         if height * width != cells.len() {
             return Err(Error::Length { name: "cells", value: cells.len(), needed: (height + 1) * width });
@@ -222,9 +220,7 @@ impl OccupancyGrid {
     /// - [`Error::OffGrid`]: the rectangle is not on the grid.
     /// - [`Error::Cell`]: a value outside -1 to 100.
     pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
-        if values.is_empty() || width == 0 {
-            return Err(Error::Count { name: "the number of cells", value: 0, needed: "at least 1" });
-        }
+        check_counts(values.len(), width)?;
         let height = values.len().div_ceil(width);
         if height * width != values.len() {
             return Err(Error::Length { name: "cells", value: values.len(), needed: height * width });
@@ -376,7 +372,7 @@ impl OccupancyGrid {
     /// ```
     ///
     /// # Errors
-    /// - [`Error::NoFreePlace`]: these points have no area, or one so small that no draw finds it.
+    /// - [`Error::NoFreePlace`]: these points have no area, or are nowhere wider than about 1/2000 of a cell.
     /// - [`Error::Number`]: a radius that is not finite or negative.
     /// - [`Error::Count`]: `threads` is 0 or more than 1024.
     /// - [`Error::Threads`]: the system could not start the threads.
@@ -473,6 +469,16 @@ impl GridOptions {
 
 fn check_radius(radius: f64) -> Result<f64, Error> {
     check_number("radius", radius, "at least 0", |value| value >= 0.0)
+}
+
+/// Checks that there are cells, and columns.
+fn check_counts(cells: usize, width: usize) -> Result<(), Error> {
+    for (name, value) in [("the number of cells", cells), ("width", width)] {
+        if value == 0 {
+            return Err(Error::Count { name, value, needed: "at least 1" });
+        }
+    }
+    Ok(())
 }
 
 /// Checks that all values are in -1 to 100. The error names the first one that is not.
@@ -583,6 +589,7 @@ mod tests {
         let error =
             |cells: &[i8], width, options| OccupancyGrid::new(cells.to_vec(), width, options).unwrap_err().to_string();
         assert_eq!(error(&[], 3, OPTIONS), "the number of cells must be at least 1, got 0");
+        assert_eq!(error(&[0; 5], 0, OPTIONS), "width must be at least 1, got 0");
         assert_eq!(error(&[0; 5], 3, OPTIONS), "cells must have 6 elements, got 5");
         assert_eq!(error(&vec![0; 65_536], 65_536, OPTIONS), "a side of the grid must be at most 65535 cells, got 65536");
         assert_eq!(error(&[0, 0, 0, 101], 2, OPTIONS), "cells must be in -1..100, got 101 at row 1, column 1");
@@ -609,6 +616,7 @@ mod tests {
         assert_eq!(error(&mut grid, 0, 1, &[0; 3]), "row and column must be below 3 and 4, got 3 and 0");
         assert_eq!(error(&mut grid, 0, 2, &[0; 3]), "cells must have 4 elements, got 3");
         assert_eq!(error(&mut grid, 0, 2, &[]), "the number of cells must be at least 1, got 0");
+        assert_eq!(error(&mut grid, 0, 0, &[0; 3]), "width must be at least 1, got 0");
         assert_eq!(error(&mut grid, 0, 2, &[0, 101]), "cells must be in -1..100, got 101 at row 0, column 1");
         assert_eq!(grid.cells(), rebuilt.cells());
     }

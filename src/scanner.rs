@@ -166,7 +166,7 @@ impl LaserScanner {
     ///
     /// `ranges[i]` is the distance from the laser to the nearest blocking cell or obstacle along beam `i`: 0 if the laser is
     /// inside one, `max_range` without a return. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The
-    /// robot may be off the grid. `map_from_base` must be finite; this is not checked here.
+    /// robot may be off the grid.
     ///
     /// ```
     /// use mobile_robot_simulator::{
@@ -196,9 +196,11 @@ impl LaserScanner {
     /// If `ranges` does not have one element per beam.
     ///
     /// # Errors
-    /// [`Error::Kernel`] if the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot
-    /// run.
+    /// - [`Error::Number`]: `map_from_base` is not finite.
+    /// - [`Error::Kernel`]: the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot
+    ///   run.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
+        map_from_base.checked()?;
         let (world, max_range) = (world.into(), self.options.max_range);
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }));
@@ -317,7 +319,7 @@ impl LaserScanner {
     }
 
     fn caster<'a>(&self, world: World<'a>) -> Result<Caster<'a>, Error> {
-        Ok(Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?))
+        Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?)
     }
 
     /// Casts all beams from each pose and sends the ranges of each scan to its own sink.

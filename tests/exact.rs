@@ -151,7 +151,10 @@ fn all_kernels_are_exact() {
         let rays = poses(&grid, RAYS, 1000 + index);
         let cast = |kernel| {
             let mut ranges = vec![0.0; RAYS];
-            Caster::new(&grid, 1e30, kernel).cast_rays(Obstacles::NONE, &rays, None, &mut ranges).expect("rays");
+            Caster::new(&grid, 1e30, kernel)
+                .expect("a range")
+                .cast_rays(Obstacles::NONE, &rays, None, &mut ranges)
+                .expect("rays");
             ranges
         };
         let far = cast(Kernel::Traversal);

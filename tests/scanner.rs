@@ -197,6 +197,16 @@ fn readings_that_are_not_valid_returns_are_marked() {
 }
 
 #[test]
+fn a_scan_from_a_pose_that_is_not_finite_is_an_error() {
+    let (grid, laser) = (room(), scanner(ScannerOptions::default()));
+    let disc = Obstacles::new([(&Shape::disc(0.5).unwrap(), Pose::new(1.0, 1.0, 0.0))]).unwrap();
+    let mut ranges = vec![7.0; laser.options().beam_count];
+    let error = laser.scan((&grid, &disc), Pose::new(f64::NAN, 1.0, 0.0), &mut ranges).unwrap_err();
+    assert_eq!(error.to_string(), "x must be finite, got NaN");
+    assert!(ranges.iter().all(|&range| range == 7.0));
+}
+
+#[test]
 fn a_yaw_that_overflows_has_no_returns() {
     let mut grid = room();
     let options = GridOptions { origin: Pose::new(-1.0, 2.0, -1.7e308), ..grid.options() };
@@ -211,7 +221,10 @@ fn a_yaw_that_overflows_has_no_returns() {
         assert_eq!(ranges, [5.0; 3], "{}", kernel.name());
         let rays = [start, [-0.5, 2.5, -1.7e308], [-0.5, 2.5, 1.0]];
         let mut ranges = [0.0; 3];
-        Caster::new(&grid, 5.0, kernel).cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges).expect("ranges");
+        Caster::new(&grid, 5.0, kernel)
+            .expect("a range")
+            .cast_rays(Obstacles::NONE, &rays, Some(1), &mut ranges)
+            .expect("ranges");
         assert_eq!(ranges[0], 5.0, "{}", kernel.name());
         others.push([ranges[1], ranges[2]]);
     }

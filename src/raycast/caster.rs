@@ -33,7 +33,7 @@ use crate::world::World;
 /// let grid = OccupancyGrid::new(vec![0, 0, 0, 100], 4, options)?;
 /// let rays = [[0.25, 0.25, 0.0], [0.25, 0.25, 3.0], [1.75, 0.25, 0.0]];
 /// let mut ranges = [0.0; 3];
-/// Caster::new(&grid, 10.0, Kernel::Traversal).cast_rays(Obstacles::NONE, &rays, None, &mut ranges)?;
+/// Caster::new(&grid, 10.0, Kernel::Traversal)?.cast_rays(Obstacles::NONE, &rays, None, &mut ranges)?;
 /// // Onto the wall, off the grid, and from within the wall.
 /// assert_eq!(ranges, [1.25, 10.0, 0.0]);
 /// # Ok::<(), mobile_robot_simulator::Error>(())
@@ -54,13 +54,15 @@ const _: () = assert!(CHUNK.is_multiple_of(GROUP) && CHUNK <= block::BLOCK);
 impl<'grid> Caster<'grid> {
     /// Returns a caster for rays over `grid`. A ray without a hit within `max_range` metres has no return.
     ///
-    /// `max_range` must be positive and at most `f32::MAX`; this is not checked here.
-    #[must_use]
-    pub fn new(grid: &'grid OccupancyGrid, max_range: f64, kernel: Kernel) -> Self {
+    /// # Errors
+    /// [`Error::Number`] if `max_range` is not positive, not finite or too large for a float32.
+    pub fn new(grid: &'grid OccupancyGrid, max_range: f64, kernel: Kernel) -> Result<Self, Error> {
+        check_number("max_range", max_range, "positive", |value| value > 0.0)?;
+        check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
         // One cell longer than the maximum range, so that rounding cannot drop a hit that is in range. The comparison in
         // metres, by `InMetres`, decides which hits are in range.
         let limit = max_range / grid.resolution() + 1.0;
-        Self { grid, kernel, max_range, limit }
+        Ok(Self { grid, kernel, max_range, limit })
     }
 
     /// Builds the free boxes of the grid if the kernel uses them, on `threads` threads (default: all cores).
@@ -245,9 +247,7 @@ pub fn cast_rays<'a>(
     ranges: &mut [f32],
 ) -> Result<(), Error> {
     let World { grid, obstacles } = world.into();
-    check_number("max_range", max_range, "positive", |value| value > 0.0)?;
-    check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
-    Caster::new(grid, max_range, Kernel::chosen()?).cast_rays(obstacles, rays, threads, ranges)
+    Caster::new(grid, max_range, Kernel::chosen()?)?.cast_rays(obstacles, rays, threads, ranges)
 }
 
 #[cfg(test)]
@@ -266,15 +266,24 @@ mod tests {
         for (kernel, is_prepared) in [(Kernel::Traversal, false), (Kernel::Portable, true)] {
             let grid = empty_grid();
             let mut ranges = [0.0; 40];
-            Caster::new(&grid, 5.0, kernel).cast_rays(Obstacles::NONE, &[[0.5; 3]; 40], None, &mut ranges).expect("rays");
+            let caster = Caster::new(&grid, 5.0, kernel).expect("a range");
+            caster.cast_rays(Obstacles::NONE, &[[0.5; 3]; 40], None, &mut ranges).expect("rays");
             assert_eq!((ranges, grid.is_prepared()), ([5.0; 40], is_prepared), "{}", kernel.name());
+        }
+    }
+
+    #[test]
+    fn the_maximum_range_is_checked() {
+        for max_range in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e39] {
+            let error = Caster::new(&empty_grid(), max_range, Kernel::Portable).unwrap_err().to_string();
+            assert!(error.starts_with("max_range must be "), "{error}");
         }
     }
 
     #[test]
     fn up_to_half_a_block_is_shared() {
         let grid = empty_grid();
-        let caster = Caster::new(&grid, 9.0, Kernel::Portable);
+        let caster = Caster::new(&grid, 9.0, Kernel::Portable).expect("a range");
         for beam_count in [1_usize, 5, 31, 32, 33, 95, 129, 360, 541, 544, 1088, 1089] {
             let fans = caster.fans_per_cast(1037, beam_count.div_ceil(GROUP), 2);
             assert_eq!(fans > 1, beam_count <= 544, "{fans} fans of {beam_count} beams");

@@ -38,7 +38,7 @@ pub fn cast_all(kernel: Kernel, grid: &OccupancyGrid, starts: &[Start]) -> Vec<f
     }
     let mut distances = Vec::new();
     let source = Rays { groups: &groups, count: starts.len(), upcoming: &[] };
-    Caster::new(grid, FAR, kernel).cast(source, |_, ranges: &Group| distances.extend_from_slice(ranges));
+    Caster::new(grid, FAR, kernel).expect("a range").cast(source, |_, ranges: &Group| distances.extend_from_slice(ranges));
     distances.truncate(starts.len());
     distances
 }
