@@ -100,6 +100,8 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     outcome: Any = yield
     report: pytest.TestReport = outcome.get_result()
     seed = item.stash.get(_SEED, None)
+    if seed is not None and report.when == "setup":
+        item.user_properties.append(("simulator_seed", seed))
     if not report.failed or seed is None:
         return
     factories = item.stash.get(_FACTORIES, [])
@@ -112,7 +114,9 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
         f"repeat with: pytest {node} --simulator-seed {seed}",
     ]
     if report.when != "teardown":
-        lines += [line for factory in factories for line in factory.save()]
+        saved = [line for factory in factories for line in factory.save()]
+        item.user_properties += [(f"simulator_{what}", path) for what, _, path in (line.partition(": ") for line in saved)]
+        lines += saved
     report.sections.append(("mobile robot simulator", "\n".join(lines)))
 
 

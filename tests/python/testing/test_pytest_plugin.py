@@ -282,3 +282,11 @@ def test_a_start_takes_precedence_over_marked_robots(simulation):
     assert list(simulation(start=(2, 2, 0)).robots) == [""]
 """
     run(code).assert_outcomes(passed=10)
+
+
+def test_the_junit_report_has_the_seed_and_the_saved_files(run, pytester):
+    run(FAILING + PASSING, "--simulator-seed", "5", "--junit-xml=report.xml")
+    report = (pytester.path / "report.xml").read_text()
+    assert report.count('<property name="simulator_seed" value="5"') == 2
+    assert re.search(r'<property name="simulator_recording" value="\S*recording"', report)
+    assert re.search(r'<property name="simulator_picture" value="\S*\.png"', report)
