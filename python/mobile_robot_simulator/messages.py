@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from functools import cache
+from numbers import Integral, Real
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -45,6 +46,7 @@ __all__ = [
     "TwistStamped",
     "TwistWithCovariance",
     "Vector3",
+    "check_fields",
     "copied",
 ]
 
@@ -83,6 +85,31 @@ def copied(value: T) -> T:
     if isinstance(value, np.ndarray):
         return value.copy() if value.flags.writeable else value
     return [copied(item) for item in value] if isinstance(value, list) else value  # type: ignore[return-value]
+
+
+def check_fields(message: Message) -> None:
+    """Checks that the fields of a message, and of the messages in it, hold values of their types.
+
+    Raises:
+        TypeError: A field holds something else. The text names the field.
+    """
+    for name, kind in _field_kinds(type(message)).items():  # type: ignore[arg-type]
+        value = getattr(message, name)
+        if not isinstance(value, _ACCEPTED.get(kind, kind)):
+            raise TypeError(f"{type(message).__name__}.{name} must be a {kind.__name__}, got {value!r}")
+        if isinstance(value, Message):
+            check_fields(value)
+
+
+_ACCEPTED: dict[type, type] = {float: Real, int: Integral}
+"""Types of accepted values, for fields of numbers: NumPy's numbers are not floats or ints."""
+
+
+@cache
+def _field_kinds(kind: type[Message]) -> dict[str, type]:
+    """Returns the types of the fields that hold numbers, texts or messages."""
+    kinds = {name: type(getattr(kind(), name)) for name in _field_names(kind)}  # type: ignore[arg-type]
+    return {name: found for name, found in kinds.items() if found in (float, int, str) or issubclass(found, Message)}
 
 
 @cache

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from ..handle import Handle
-from ..messages import Message, copied
+from ..messages import Message, check_fields, copied
 from ..nodes.interface import M
 
 
@@ -115,7 +115,14 @@ class BusPublisher(Handle, Generic[M]):
         return self.topic.name
 
     def publish(self, message: M) -> None:
-        """Sends a copy of the message. The caller can change the message afterwards and send it again."""
+        """Sends a copy of the message. The caller can change the message afterwards and send it again.
+
+        Raises:
+            TypeError: The topic carries messages of another type, or a field of the message holds a value of a wrong type.
+        """
+        if not isinstance(message, self.topic.msg_type):
+            raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {message!r}")
+        check_fields(message)
         self.send(self.topic, copied(message))
 
     def get_subscription_count(self) -> int:

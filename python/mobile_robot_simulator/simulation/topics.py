@@ -50,7 +50,9 @@ class Topics:
         key = name, type(message)
         publisher = self._publishers.get(key)
         if publisher is None:
-            find_topic(self._bus, name)
+            found = find_topic(self._bus, name)
+            if not isinstance(message, Message):
+                raise TypeError(f"{found.name} carries {found.msg_type.__name__}, got {message!r}")
             publisher = self._publishers[key] = self._node.create_publisher(type(message), name)
         publisher.publish(message)
 

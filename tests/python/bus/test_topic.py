@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
@@ -119,3 +120,25 @@ def test_a_refused_type_creates_no_topic(bus: Bus, node: BusNode) -> None:
     with pytest.raises(TypeError):
         node.create_publisher(int, "/a")  # type: ignore[type-var]
     assert bus.topic_names() == []
+
+
+@pytest.mark.parametrize(
+    ("message", "text"),
+    [
+        (mrs.messages.Twist(0.5, 0.1), r"Twist\.linear must be a Vector3, got 0\.5"),
+        (mrs.messages.Twist(mrs.messages.Vector3("1")), r"Vector3\.x must be a float, got '1'"),
+        (mrs.messages.TwistStamped(), r"/cmd_vel carries Twist, got TwistStamped"),
+        ((1, 2), r"/cmd_vel carries Twist, got \(1, 2\)"),
+        (None, r"/cmd_vel carries Twist, got None"),
+    ],
+)
+def test_a_message_of_wrong_types_is_refused_when_it_is_published(message, text):
+    sim = mrs.Simulation(mrs.OccupancyGrid(np.zeros((60, 60), np.int8), resolution=0.1), start=(3, 3, 0))
+    publisher = sim.create_node("driver").create_publisher(mrs.messages.Twist, "/cmd_vel", 10)
+    with pytest.raises(TypeError, match=text):
+        publisher.publish(message)
+    with pytest.raises(TypeError, match=r"must be a|/cmd_vel carries Twist, got"):
+        sim.publish("/cmd_vel", message)
+    publisher.publish(mrs.messages.Twist(mrs.messages.Vector3(np.float32(0.5), 0)))
+    sim.run_for(0.1)
+    assert sim.truth.velocity[0] == 0.5
