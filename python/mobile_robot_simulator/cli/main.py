@@ -19,7 +19,6 @@ from .scan import scan
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
 )

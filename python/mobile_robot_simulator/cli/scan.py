@@ -11,7 +11,7 @@ import typer
 
 from .._core import LaserScanner, Pose
 from ..parameters import LaserParameters, for_node
-from .console import print_table
+from .console import console, print_table
 from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
 
 
@@ -48,6 +48,12 @@ def scan(
         ("farthest", f"{ranges.max():.3f} m"),
     ]
     print_table(f"{map_file} from {pose}", rows)
+    laser = Pose(*pose) * scanner.mount
+    cell = grid.cell_at(laser.x, laser.y)
+    if cell is None:
+        console.print("The scanner is off the map. Only beams that reach the map can have a return.")
+    elif grid.cells[cell] >= grid.occupied_threshold:
+        console.print("The scanner is inside a wall (an occupied cell), so its ranges say nothing about the map.")
 
 
 def _json(pose: tuple[float, float, float], scanner: LaserScanner, ranges: np.ndarray) -> str:

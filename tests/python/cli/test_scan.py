@@ -18,3 +18,10 @@ def test_scan_saves_a_picture(command, room, tmp_path):
     picture = tmp_path / "scan.png"
     done = command("scan", room, "--pose", 3, 2, 0, "--plot", picture)
     assert done.returncode == 0 and picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("x", "words"), [(0.02, "inside a wall"), (-5.0, "off the map"), (3.0, None)])
+def test_scan_says_when_the_scanner_is_not_in_free_space(command, room, x, words):
+    done = command("scan", room, "--pose", x, 2, 0)
+    assert done.returncode == 0, done.stderr
+    assert [each for each in ("inside a wall", "off the map") if each in done.stdout] == ([words] if words else [])
