@@ -155,3 +155,26 @@ fn a_side_that_turns_about_a_corner_passes() {
     let (end, contact) = advance(&grid, &footprint, start, twist, 2.0, ContactMode::Stop).unwrap();
     assert_eq!((end, contact), (integrate(start, twist, 2.0), None));
 }
+
+#[test]
+fn huge_twists_and_durations_give_a_pose_or_an_error() {
+    let grid = grid(&[false; 16], 4, 0.5, Pose::default());
+    let disc = Shape::disc(0.2).unwrap();
+    let obstacles = Obstacles::new([(&disc, Pose::new(2.0, 2.0, 0.0))]).unwrap();
+    let (mut poses, mut errors) = (0, 0);
+    for twist in [[1e155, 0.0, 0.0], [0.0, 0.0, 1e155], [1e300, 1e300, 0.0], [1e155, 0.0, 1e155], [1e100, 0.0, 0.0]] {
+        for dt in [0.0, 1e-300, 1e-155, 1e-100, 1.0, 1e300] {
+            for mode in [ContactMode::Stop, ContactMode::Slide, ContactMode::Report] {
+                let start = Pose::new(0.2, 0.2, 0.1);
+                match advance((&grid, &obstacles), &disc, start, twist.into(), dt, mode) {
+                    Ok((end, _)) => {
+                        poses += 1;
+                        assert!(end.checked().is_ok(), "{twist:?} {dt} {mode:?}: {end:?}");
+                    }
+                    Err(_) => errors += 1,
+                }
+            }
+        }
+    }
+    assert!(poses > 30 && errors > 30, "{poses} {errors}");
+}
