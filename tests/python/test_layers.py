@@ -15,10 +15,14 @@ PACKAGE = Path(mrs.__file__).parent
 
 ROOMS = (
     "_core",
+    "quoting",
+    "user_files",
+    "yaml_documents",
     "messages",
     "instant",
     "handle",
     "parameters",
+    "nav2_loopback_names",
     "parameter_files",
     "maps",
     "plotting",

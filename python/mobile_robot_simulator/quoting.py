@@ -1,0 +1,68 @@
+"""Quoting: values as error messages show them, cut to a length that can be read."""
+
+from __future__ import annotations
+
+import reprlib
+
+import numpy as np
+
+LONGEST = 200
+"""Largest number of characters of a quoted value."""
+
+_LONGEST_INT = 40
+_CUT = "..."
+
+
+class _Quoter(reprlib.Repr):
+    """Formats like `repr`, but looks at a few items of each container and at a few levels only.
+
+    Containers can share their items, as YAML aliases do. Nine levels of ten references each stand for a billion items, so
+    the text must be cut while it is made, not afterwards.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 3
+        self.maxlist = self.maxtuple = self.maxdict = self.maxset = self.maxfrozenset = self.maxdeque = 8
+        self.maxstring = self.maxother = LONGEST
+        self.maxlong = _LONGEST_INT
+
+    def repr_int(self, value: int, level: int) -> str:
+        """Returns a large integer as its number of bits. Python takes quadratic time for its digits, or refuses."""
+        return repr(value) if value.bit_length() <= 128 else f"an integer of {value.bit_length()} bits"
+
+    def repr_instance(self, value: object, level: int) -> str:
+        """Returns a NumPy number like a number of Python."""
+        return super().repr_instance(value.item() if isinstance(value, np.generic) else value, level)
+
+    def repr_bytes(self, value: bytes, level: int) -> str:
+        """Returns the start of long bytes."""
+        return _ended(repr(value[:LONGEST]))
+
+
+def quoted(value: object) -> str:
+    """Returns a value as `repr` shows it, cut to at most `LONGEST` characters.
+
+    Args:
+        value: Any object. Large or deeply nested containers are cut before their text is made.
+
+    Example:
+        >>> quoted("map.pgm")
+        "'map.pgm'"
+        >>> quoted(list(range(1000)))
+        '[0, 1, 2, 3, 4, 5, 6, 7, ...]'
+    """
+    return _ended(_Quoter().repr(value))
+
+
+def shortened(text: object) -> str:
+    """Returns the text of an object, on one line and cut to at most `LONGEST` characters.
+
+    Args:
+        text: An object whose text is short to make, for example the message of another error.
+    """
+    return _ended(" ".join(str(text).split()))
+
+
+def _ended(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - len(_CUT)] + _CUT
