@@ -14,6 +14,7 @@ from __future__ import annotations
 import errno
 import math
 import os
+import re
 import tempfile
 import warnings
 from pathlib import Path
@@ -24,16 +25,22 @@ import yaml
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid
-from .map_image import MapImage, read_image
+from ..quoting import quoted
+from ..user_files import read_text
+from ..yaml_documents import MappingNode, Node, ScalarNode, SequenceNode, entries_of, invalid, parse
+from .map_image import MapImage, is_image, read_image
 
 __all__ = ["load_map", "save_map"]
 
 _Cells: TypeAlias = NDArray[np.int8]
-_Entries: TypeAlias = dict[object, object]
+_Entries: TypeAlias = dict[str, Node]
 
 _MODES = ("trinary", "scale", "raw")
 _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
-_TRUTH_VALUES = {"0": False, "1": True, "false": False, "true": True}
+
+# Integers and truth values of yaml-cpp. Nav2 reads `negate` as an integer if it is one, and takes all but 0 as true.
+_INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
+_TRUTH_VALUES = {"n": False, "no": False, "false": False, "off": False, "y": True, "yes": True, "true": True, "on": True}
 
 # Values that the map savers of Nav2 and ROS 1 write. With these thresholds, both map servers read grey 205 as unknown.
 _SAVED_THRESHOLDS = {"occupied_thresh": 0.65, "free_thresh": 0.196}
@@ -107,7 +114,7 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     """
     yaml_path = Path(path)
     if yaml_path.suffix.lower() not in (".yaml", ".yml"):
-        raise ValueError(f"the path of a map must end in .yaml or .yml, got {str(yaml_path)!r}")
+        raise ValueError(f"the path of a map must end in .yaml or .yml, got {quoted(str(yaml_path))}")
     image_path = yaml_path.with_suffix(".pgm")
     mode, pixels = _pixels_from_cells(grid.cells)
     height, width = grid.shape
@@ -135,14 +142,23 @@ class _Description(NamedTuple):
 
 
 def _read_description(path: Path) -> _Description:
-    entries = _parse_yaml(path)
+    try:
+        text = read_text(path)
+        root = parse(text, path, as_nav2=True)
+    except ValueError:
+        if hint := _image_hint(path):
+            raise ValueError(hint) from None
+        raise
+    if not isinstance(root, MappingNode):
+        raise ValueError(_image_hint(path) or f"{path}: must contain a YAML mapping, got {quoted(text.strip())}")
+    entries = entries_of(root, path)
     missing = [key for key in _REQUIRED_KEYS if key not in entries]
     if missing:
         raise ValueError(f"{path}: missing {', '.join(missing)}; the required keys are {', '.join(_REQUIRED_KEYS)}")
     try:
         free_thresh, occupied_thresh = _thresholds(entries)
         return _Description(
-            image_path=path.parent / _image(entries),
+            image_path=_image_path(path, entries),
             resolution=_resolution(entries),
             origin=_origin(entries),
             negate=_negate(entries),
@@ -154,53 +170,53 @@ def _read_description(path: Path) -> _Description:
         raise ValueError(f"{path}: {error}") from None
 
 
-def _parse_yaml(path: Path) -> _Entries:
-    """Entries of the YAML file, with every scalar as text.
-
-    PyYAML's types do not match those of yaml-cpp, which Nav2 uses: it reads 0.05e0 as a string, 010 as 8 and 1:30 as 90.
-    """
-    text = path.read_bytes()
-    try:
-        entries = yaml.load(text, yaml.BaseLoader)
-    except (yaml.YAMLError, RecursionError) as error:
-        raise ValueError(f"{path}: not valid YAML: {error}") from error
-    if not isinstance(entries, dict):
-        raise ValueError(f"{path}: must contain a YAML mapping, got {str(entries)[:40]!r}")
-    return entries
+def _image_hint(path: Path) -> str:
+    """Returns a message if the given file is an image and not a YAML file, otherwise an empty text."""
+    if not is_image(path):
+        return ""
+    beside = path.with_suffix(".yaml")
+    return f"{path}: this is an image; give the YAML file of the map" + (f", {beside}" if beside.is_file() else "")
 
 
-def _image(entries: _Entries) -> str:
-    image = entries["image"]
-    if not isinstance(image, str) or not image:
-        raise _invalid("image", "the path of an image", image)
-    return image
+def _image_path(yaml_path: Path, entries: _Entries) -> Path:
+    """Returns the path of the image: absolute, from the home folder if it begins with ~/, or relative to the YAML file."""
+    image = _text(entries["image"])
+    if not image:
+        raise invalid("image", entries["image"], "the path of an image")
+    if image.startswith("~/") and not (yaml_path.parent / image).is_file():
+        return Path(image).expanduser()
+    return yaml_path.parent / os.fsdecode(image.encode("utf-8", "surrogateescape"))
 
 
 def _resolution(entries: _Entries) -> float:
     resolution = _number(entries["resolution"])
     if not 0 < resolution < math.inf:
-        raise _invalid("resolution", "a positive number [m]", entries["resolution"])
+        raise invalid("resolution", entries["resolution"], "a positive number [m]")
     return resolution
 
 
 def _origin(entries: _Entries) -> tuple[float, float, float]:
     origin = entries["origin"]
-    if not isinstance(origin, list) or len(origin) != 3:
-        raise _invalid("origin", "three numbers [x, y, yaw]", origin)
-    x, y, yaw = map(_number, origin)
-    if str(origin[2]).lower().lstrip("+-.") == "nan":
-        warnings.warn(f"the yaw of the map's origin is {origin[2]}; 0 is used instead", stacklevel=4)
+    if not isinstance(origin, SequenceNode) or len(origin.value) != 3:
+        raise invalid("origin", origin, "three numbers [x, y, yaw]")
+    x, y, yaw = map(_number, origin.value)
+    text = _text(origin.value[2])
+    if text.lower().lstrip("+-.") == "nan":
+        warnings.warn(f"the yaw of the map's origin is {text}; 0 is used instead", stacklevel=4)
         yaw = 0.0
     if not all(map(math.isfinite, (x, y, yaw))):
-        raise _invalid("origin", "three finite numbers [x, y, yaw]", origin)
+        raise invalid("origin", origin, "three finite numbers [x, y, yaw]")
     return x, y, yaw
 
 
 def _negate(entries: _Entries) -> bool:
-    negate = _TRUTH_VALUES.get(str(entries["negate"]).lower())
-    if negate is None:
-        raise _invalid("negate", "0, 1, false or true", entries["negate"])
-    return negate
+    text = _text(entries["negate"])
+    if _INTEGER.fullmatch(text):
+        return any(digit not in "+-0xX" for digit in text)
+    truth = _TRUTH_VALUES.get(text.lower())
+    if truth is None or text not in (text.lower(), text.upper(), text.capitalize()):
+        raise invalid("negate", entries["negate"], "0, 1, no, yes, off, on, false or true")
+    return truth
 
 
 def _thresholds(entries: _Entries) -> tuple[float, float]:
@@ -208,29 +224,31 @@ def _thresholds(entries: _Entries) -> tuple[float, float]:
     free, occupied = (_number(entries[key]) for key in ("free_thresh", "occupied_thresh"))
     for key, threshold in (("free_thresh", free), ("occupied_thresh", occupied)):
         if not 0 <= threshold <= 1:
-            raise _invalid(key, "a number from 0 to 1", entries[key])
+            raise invalid(key, entries[key], "a number from 0 to 1")
     if free > occupied:
-        raise _invalid("free_thresh", f"at most occupied_thresh, which is {occupied}", entries["free_thresh"])
+        raise invalid("free_thresh", entries["free_thresh"], f"at most occupied_thresh, which is {occupied}")
     return free, occupied
 
 
 def _mode(entries: _Entries) -> str:
-    mode = entries.get("mode", "trinary")
-    if not isinstance(mode, str) or mode not in _MODES:
-        raise _invalid("mode", "trinary, scale or raw", mode)
+    mode = _text(entries["mode"]) if "mode" in entries else "trinary"
+    if mode not in _MODES:
+        raise invalid("mode", entries["mode"], "trinary, scale or raw")
     return mode
 
 
-def _number(entry: object) -> float:
-    """Value of a YAML scalar as a number; NaN if it is not a number."""
+def _text(node: Node) -> str:
+    """Text of a scalar without the blanks around it, which a block scalar has. Empty if the node is not a scalar."""
+    return node.value.strip() if isinstance(node, ScalarNode) else ""
+
+
+def _number(node: Node) -> float:
+    """Value of a scalar as a number; NaN if it is not a number. As yaml-cpp, it takes 0.05e0, but neither 0_05 nor 1:30."""
+    text = _text(node)
     try:
-        return float(entry) if isinstance(entry, str) else math.nan
+        return math.nan if "_" in text else float(text)
     except ValueError:
         return math.nan
-
-
-def _invalid(key: str, needed: str, entry: object) -> ValueError:
-    return ValueError(f"{key} must be {needed}, got {entry!r}")
 
 
 def _describe(grid: OccupancyGrid, image_name: str, mode: str) -> str:

@@ -7,8 +7,9 @@ too high.
 from __future__ import annotations
 
 import io
+import os
 import re
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -21,11 +22,20 @@ from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 from PIL.TiffImagePlugin import TiffImageFile
 
+from ..quoting import shortened
+from ..user_files import open_regular, read_bytes
+
 _Grey = NDArray[np.uint8]
 _Sample = TypeVar("_Sample", bound=np.generic)
 
 # 32768 x 32768 pixels: 1.6 km by 1.6 km at 5 cm per pixel. A larger size is treated as a corrupt or malicious header.
 _MAX_PIXELS = 2**30
+
+# A compressed file of 1 MB can hold that many pixels, which then need several GB. 16384 x 16384 pixels need one.
+_MAX_COMPRESSED_PIXELS = 2**28
+
+# More than the largest image needs in any of the formats, except for colours of 16 bits.
+_MAX_BYTES = 2**32
 
 # GraphicsMagick's PixelIntensityRec601, (306 R + 601 G + 117 B) // 1024.
 # The last number cancels the 0.5 that Pillow adds before it truncates.
@@ -41,6 +51,8 @@ _PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
     (b"MM\0*", TiffImageFile),
     (b"GIF8", GifImageFile),
 )
+
+_PNM_KINDS = (b"P1", b"P2", b"P3", b"P4", b"P5", b"P6")
 
 # Netpbm headers: white space or comments separate the fields; one white space, or the end of a comment, ends the header.
 _GAP = rb"(?:\s|#[^\r\n]*[\r\n])"
@@ -69,22 +81,40 @@ def read_image(path: Path, yaml_path: Path) -> MapImage:
         ValueError: The file is not an image, or it is truncated.
     """
     try:
-        data = path.read_bytes()
+        data = read_bytes(path, _MAX_BYTES)
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror} (image of the map {yaml_path})", str(path)) from error
+        raise OSError(
+            error.errno, f"{error.strerror} (image of the map {yaml_path}){_place(path, yaml_path)}", str(path)
+        ) from None
     try:
-        if data[:2] in (b"P1", b"P2", b"P3", b"P4", b"P5", b"P6"):
+        if data[:2] in _PNM_KINDS:
             return _decode_pnm(data)
         return _decode_with_pillow(data)
     except MemoryError:
         raise
     except Exception as error:  # Pillow raises many kinds of errors for corrupt files.
-        raise ValueError(f"{path}: cannot read the image of the map {yaml_path}: {error}") from error
+        raise ValueError(f"{path}: cannot read the image of the map {yaml_path}: {shortened(error)}") from error
+
+
+def is_image(path: Path) -> bool:
+    """Returns True if a file starts like an image that `read_image` knows."""
+    with open_regular(path) as file:
+        start = file.read(8)
+    return start[:2] in _PNM_KINDS or any(start.startswith(signature) for signature, _ in _PILLOW_READERS)
+
+
+def _place(path: Path, yaml_path: Path) -> str:
+    """Returns a hint where a missing image is: beside its YAML file, if that was written on another machine."""
+    name = PureWindowsPath(path).name  # knows both separators
+    beside = yaml_path.parent / name
+    if os.path.lexists(path) or not beside.is_file():
+        return ""
+    return f"; a file of this name is beside the YAML file: write `image: {name}` there"
 
 
 def _decode_with_pillow(data: bytes) -> MapImage:
     image = _open_with_pillow(data)
-    _check_size(*image.size)
+    _check_size(*image.size, _MAX_PIXELS if isinstance(image, BmpImageFile) else _MAX_COMPRESSED_PIXELS)
     if image.mode.startswith("I;16"):
         alpha = _mask_of_transparent_grey(image)
         return MapImage(_to_8_bits(np.asarray(image), 65535), alpha)
@@ -224,6 +254,6 @@ def _first_samples(samples: NDArray[_Sample], shape: tuple[int, int]) -> NDArray
     return samples[:count].reshape(shape)
 
 
-def _check_size(width: int, height: int) -> None:
-    if not 0 < width * height <= _MAX_PIXELS:
-        raise ValueError(f"an image must have from 1 to {_MAX_PIXELS} pixels, got {width} x {height}")
+def _check_size(width: int, height: int, most: int = _MAX_PIXELS) -> None:
+    if not 0 < width * height <= most:
+        raise ValueError(f"an image must have from 1 to {most} pixels, got {width} x {height}")

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from operator import index
 
 from ..._core import OccupancyGrid
+from ...quoting import quoted
 from .cave import draw_cave
 from .connectivity import fill_unreachable
 from .corridor import draw_corridor
@@ -61,17 +62,17 @@ def floor_plan(
     if kind not in _DRAW:
         near = difflib.get_close_matches(kind, KINDS, 1, 0.4) if isinstance(kind, str) else []
         hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {kind!r}{hint}")
+        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {quoted(kind)}{hint}")
     if index(seed) < 0:
-        raise ValueError(f"seed must be at least 0, got {seed}")
+        raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
     try:
         width, height = map(float, size)
     except (TypeError, ValueError):
-        raise ValueError(f"size must be two numbers (width, height) [m], got {size!r}") from None
+        raise ValueError(f"size must be two numbers (width, height) [m], got {quoted(size)}") from None
     if not all(_MIN_SIDE <= side < math.inf for side in (width, height)):
         raise ValueError(f"size must be at least {_MIN_SIDE} x {_MIN_SIDE} m, got {width} x {height}")
     if not 0.0 < resolution <= _MAX_RESOLUTION:
-        raise ValueError(f"resolution must be above 0 and at most {_MAX_RESOLUTION} m, got {resolution}")
+        raise ValueError(f"resolution must be above 0 and at most {_MAX_RESOLUTION} m, got {quoted(resolution)}")
     if (width / resolution) * (height / resolution) > _MAX_CELLS:
         raise ValueError(f"a plan must have at most {_MAX_CELLS} cells, got more: {width} x {height} m at {resolution} m")
     plan = Plan(round(width / resolution), round(height / resolution), resolution)
