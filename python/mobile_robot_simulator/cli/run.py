@@ -34,7 +34,10 @@ def run(
     ] = None,
     commands: Annotated[
         Path | None,
-        typer.Option(help="CSV file of commands with the header time,vx,vy,wz. Each command applies until the next one."),
+        typer.Option(
+            help="CSV file of commands with the columns time, vx, vy, wz, or - for standard input. "
+            "Each command applies until the next one."
+        ),
     ] = None,
     driver: Annotated[DriverName, typer.Option(help="Built-in driver used without --commands.")] = DriverName.wander,
     radius: Annotated[

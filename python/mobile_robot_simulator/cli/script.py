@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..nodes.interface import Node
+from ..nodes.robot import MAX_COMMAND
+from ..quoting import quoted
+from ..user_files import read_text
 from .commander import Commander
 
 COLUMNS = ("time", "vx", "vy", "wz")
+
+LARGEST_FILE = 2**26
+"""Largest size of a file of commands [bytes]: about 2 million rows."""
+
+FIRST_STAMP = 1e6
+"""First time [s] from which the times of a file are stamps of a clock. No drive begins with a pause of 11 days."""
+
+_LARGEST_TIME = 1e11
 
 REPEAT = 0.1
 """Time between repetitions of a command [s]. It is shorter than any sensible velocity timeout."""
@@ -23,30 +35,38 @@ class Script:
 
     Args:
         rows: Commands: time [s], vx, vy [m/s], wz [rad/s]. The times must increase.
+        origin: Time in the file at which the drive starts [s]: 0, or the first time if the file has stamps of a clock.
     """
 
     rows: tuple[tuple[float, float, float, float], ...]
+    origin: float = 0.0
 
     @classmethod
     def read(cls, path: str | Path) -> Script:
-        """Returns the commands in a CSV file with the header `time,vx,vy,wz`.
+        """Returns the commands in a CSV file.
+
+        The first line names the columns: time, vx, vy and wz, in any order. Other columns are ignored. Commas, semicolons or
+        tabs separate the values. With semicolons and tabs, numbers may have decimal commas, as spreadsheets write them.
+
+        The times count from the start of the drive. If the first one is at least `FIRST_STAMP`, they are stamps of a clock,
+        and count from the first row.
+
+        Args:
+            path: The file, in UTF-8, or in UTF-16 with a byte order mark. `-` is standard input.
 
         Raises:
             OSError: The file cannot be read.
-            ValueError: The contents are invalid. The message names the line.
+            ValueError: The contents are invalid. The message gives the line, the column, the value and the requirement.
         """
-        with open(path, newline="", encoding="utf-8") as file:
-            lines = list(csv.reader(file))
-        if not lines or tuple(cell.strip() for cell in lines[0]) != COLUMNS:
-            header = ",".join(lines[0]) if lines else ""
-            raise ValueError(f"{path}: the first line must be {','.join(COLUMNS)}, got {header!r}")
         rows: list[tuple[float, float, float, float]] = []
-        for number, cells in enumerate(lines[1:], start=2):
-            if cells:
-                rows.append(_row(cells, where=f"{path}, line {number}", previous_time=rows[-1][0] if rows else None))
+        for where, row in _rows(read_text(path, LARGEST_FILE, allow_stdin=True), path):
+            if rows and row[0] <= rows[-1][0]:
+                raise ValueError(f"{where}, column time: must be above {rows[-1][0]}, the time before, got {row[0]}")
+            rows.append(row)
         if not rows:
             raise ValueError(f"{path}: there must be at least one command, got none")
-        return cls(tuple(rows))
+        origin = rows[0][0] if rows[0][0] >= FIRST_STAMP else 0.0
+        return cls(tuple((time - origin, vx, vy, wz) for time, vx, vy, wz in rows), origin)
 
     def start(self, node: Node, commander: Commander) -> None:
         """Starts to send the commands. Their times are relative to this call."""
@@ -69,17 +89,56 @@ class Script:
         node.create_timer(REPEAT, send)
 
 
-def _row(cells: list[str], *, where: str, previous_time: float | None) -> tuple[float, float, float, float]:
-    """Returns the command of a line. `previous_time` [s] is that of the previous command."""
+def _rows(text: str, path: str | Path) -> Iterator[tuple[str, tuple[float, float, float, float]]]:
+    """Yields each command with its file and line."""
+    header, _, _ = text.lstrip().partition("\n")
+    delimiter = next((mark for mark in ";\t" if mark in header), ",")
+    lines = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    names: list[str] = []
     try:
-        time, vx, vy, wz = map(float, cells)
+        for cells in lines:
+            if not any(cell.strip() for cell in cells):
+                continue
+            where = f"{path}, line {lines.line_num}"
+            if not names:
+                names = _header(cells, where, delimiter)
+                continue
+            if len(cells) < len(names) or any(cell.strip() for cell in cells[len(names) :]):
+                hint = "; numbers with decimal commas need semicolons between them" if len(cells) > len(names) else ""
+                line = quoted(delimiter.join(cells))
+                raise ValueError(
+                    f"{where}: must have {len(names)} values, as the first line, got {len(cells)}: {line}{hint}"
+                )
+            time, vx, vy, wz = (_number(cells[names.index(name)], f"{where}, column {name}", delimiter) for name in COLUMNS)
+            yield where, (time, vx, vy, wz)
+    except csv.Error as error:
+        raise ValueError(f"{path}, line {lines.line_num}: not CSV: {error}") from None
+
+
+def _header(cells: list[str], where: str, delimiter: str) -> list[str]:
+    """Returns the names of the columns."""
+    names = [cell.strip().lower() for cell in cells]
+    if any(names.count(name) != 1 for name in COLUMNS):
+        columns, got = ", ".join(COLUMNS), quoted(delimiter.join(cells))
+        raise ValueError(f"{where}: the first line must name each of the columns {columns} once, got {got}")
+    return names
+
+
+def _number(cell: str, where: str, delimiter: str) -> float:
+    """Returns the value of a cell. Times must be at least 0; the largest velocity is that of the robot node."""
+    text = cell.strip() if delimiter == "," else cell.strip().replace(",", ".")
+    try:
+        value = math.nan if "_" in text else float(text)
     except ValueError:
-        raise ValueError(f"{where}: must be four numbers, got {','.join(cells)!r}") from None
-    if not all(map(math.isfinite, (time, vx, vy, wz))):
-        raise ValueError(f"{where}: must be finite, got {','.join(cells)!r}")
-    if time < 0.0 or (previous_time is not None and time <= previous_time):
-        raise ValueError(f"{where}: times must be at least 0 and increase, got {time}")
-    return time, vx, vy, wz
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{where}: must be a finite number, got {quoted(cell)}")
+    if where.endswith(" time"):
+        if not 0.0 <= value < _LARGEST_TIME:
+            raise ValueError(f"{where}: must be seconds, at least 0 and below {_LARGEST_TIME:g}, got {quoted(cell)}")
+    elif abs(value) > MAX_COMMAND:
+        raise ValueError(f"{where}: must be from -{MAX_COMMAND:g} to {MAX_COMMAND:g}, got {quoted(cell)}")
+    return value
 
 
 def call_once(node: Node, delay: float, callback: Callable[[], None]) -> None:
