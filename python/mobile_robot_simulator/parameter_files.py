@@ -2,69 +2,154 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from .parameters import NODES, check_names, for_node, unknown_name
+from .nav2_loopback_names import SYNONYMS, translate
+from .parameters import NODES, Parameters, check_names, for_node
+from .quoting import quoted
+from .user_files import read_text
+from .yaml_documents import MappingNode, Node, entries_of, parse, text_of, value_of
+
+_PARAMETERS = "ros__parameters"
+_WILDCARDS = ("*", "**")
+_SIMILARITY = 0.75
+"""Similarity of names, 0 to 1, from which the name of another node is taken for a misspelt one."""
+
+
+def is_for_ros(name: str) -> bool:
+    """Returns True if a parameter belongs to ROS itself, which every node of ROS 2 has."""
+    return name in ("use_sim_time", "start_type_description_service") or name.startswith("qos_overrides.")
 
 
 def read_file(path: str | Path) -> dict[str, Any]:
-    """Reads the values in a ROS 2 parameter file.
+    """Reads the values in a ROS 2 parameter file, as the nodes on ROS 2 do.
 
     Args:
         path: YAML file with sections that hold `ros__parameters`. The section `/**` is for all nodes; a section with the
-            name of a node is for that node only.
+            name of a node is for that node only, in any namespace. Sections of other nodes are ignored, and so are the
+            parameters of ROS itself, such as `use_sim_time`.
 
     Returns:
         Values by key, as `parameters.for_node` takes them: the key is `name` for a value from `/**`, and `node:name` for a
-        value from the section of a node.
+        value from the section of a node. Parameters of nav2_loopback_sim have their own names; `translated` replaces them.
 
     Raises:
         OSError: The file cannot be read.
-        ValueError: The content is not YAML, does not have this structure, or names an unknown node or parameter.
+        ValueError: The content is not YAML or does not have this structure, no section is for these nodes, one node has
+            sections in two namespaces, or a parameter is unknown.
     """
-    data = Path(path).read_bytes()
-    try:
-        content = yaml.safe_load(data)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not YAML: {error}") from None
-    if not isinstance(content, dict):
-        raise ValueError(f"{path} must contain node names with ros__parameters, got {type(content).__name__}")
-    nodes = {model.node_name: model for model in NODES}
+    root = parse(read_text(path), path)
+    if not isinstance(root, MappingNode):
+        got = "nothing" if root is None else text_of(root)
+        raise ValueError(f"{path}: must contain node names with {_PARAMETERS}, got {got}")
+    models = {model.node_name: model for model in NODES}
+    sections: dict[str, tuple[str, MappingNode]] = {}
+    others = []
+    for name, section in _sections(root, "", path):
+        namespace, _, node = name.rpartition("/")
+        if node not in (*models, *_WILDCARDS):
+            if near := get_close_matches(node, models, n=1, cutoff=_SIMILARITY):
+                raise ValueError(f"{path}: unknown node {quoted(node)}; did you mean {near[0]!r}?")
+            others.append(name)
+            continue
+        node = "**" if node in _WILDCARDS else node
+        if node in sections:
+            first = f"{sections[node][0]}/{node}"
+            raise ValueError(f"{path}: there must be one section for {node}, got {quoted(first)} and {quoted(name)}")
+        sections[node] = (namespace, section)
+    if others and not sections:
+        raise ValueError(f"{path}: must have a section for {', '.join(models)} or /**, got sections for {quoted(others)}")
     values: dict[str, Any] = {}
-    for key in sorted(content, key=lambda key: key != "/**"):
-        node = str(key).lstrip("/")
-        if node not in (*nodes, "**"):
-            raise ValueError(f"{path}: {unknown_name(str(key), ['/**', *nodes], kind='node')}")
-        section = content[key]
-        parameters = section.get("ros__parameters") if isinstance(section, dict) else None
-        if not isinstance(parameters, dict):
-            raise ValueError(f"{path}: {key} must contain a mapping ros__parameters, got {section!r}")
-        check_names(map(str, parameters), NODES if node == "**" else (nodes[node],))
-        values.update(parameters if node == "**" else {f"{node}:{name}": value for name, value in parameters.items()})
+    for node, (_, section) in sorted(sections.items(), key=lambda item: item[0] != "**"):
+        own = {name: value for name, value in _flat(section, "", path) if not is_for_ros(name)}
+        _check_names(own, NODES if node == "**" else (models[node],), path)
+        values.update(own if node == "**" else {f"{node}:{name}": value for name, value in own.items()})
     return values
+
+
+def _sections(node: MappingNode, prefix: str, path: str | Path) -> Iterator[tuple[str, MappingNode]]:
+    """Yields the full name of each node and the mapping of its parameters. Namespaces are mappings around the nodes."""
+    for key, value in entries_of(node, path).items():
+        name = f"{prefix}/{key.strip('/')}"
+        if key == _PARAMETERS and prefix and isinstance(value, MappingNode):
+            yield prefix, value
+        elif key != _PARAMETERS and isinstance(value, MappingNode) and value.value:
+            yield from _sections(value, name, path)
+        else:
+            where = prefix if key == _PARAMETERS else key
+            line = value.start_mark.line + 1
+            raise ValueError(f"{path}: line {line}: {where} must contain a mapping {_PARAMETERS}, got {text_of(value)}")
+
+
+def _flat(node: MappingNode, prefix: str, path: str | Path) -> Iterator[tuple[str, Any]]:
+    """Yields names and values. The name of a value in a mapping is that of the mapping, a dot, and its own."""
+    for key, value in entries_of(node, path).items():
+        if isinstance(value, MappingNode):
+            yield from _flat(value, f"{prefix}{key}.", path)
+        else:
+            yield f"{prefix}{key}", value_of(value)
 
 
 def read_assignment(text: str) -> tuple[str, Any]:
     """Returns the key and the value of an assignment, as in `--param name:=value`.
 
     Args:
-        text: `name:=value`, or `node:name:=value` for one node only. The value is YAML.
+        text: `name:=value`, or `node:name:=value` for one node only. The value is YAML, with the types of ROS 2: 1e7 is a
+            number.
 
     Raises:
         ValueError: The text is not an assignment, the parameter is unknown, or the value is not YAML.
     """
     name, separator, value = text.partition(":=")
     if not separator or not name:
-        raise ValueError(f"a parameter must have the form name:=value, got {text!r}")
-    check_names([name])
+        raise ValueError(f"a parameter must have the form name:=value, got {quoted(text)}")
+    _check_names([name])
     try:
-        return name, yaml.safe_load(value)
-    except yaml.YAMLError:
-        raise ValueError(f"the value of {name} must be YAML, got {value!r}") from None
+        return name, value_of(_without_mapping(parse(value)))
+    except ValueError as error:
+        raise ValueError(f"the value of {name} must be YAML, got {quoted(value)}: {error}") from None
+
+
+def _without_mapping(node: Node | None) -> Node | None:
+    if isinstance(node, MappingNode):
+        raise ValueError("a value must be a single value or a list")
+    return node
+
+
+def translated(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns values without the names of ROS itself, and with our names instead of those of nav2_loopback_sim.
+
+    If a parameter is given under both names, ours wins.
+
+    Args:
+        values: Values by key, as `read_file` returns them.
+
+    Raises:
+        ValueError: A value of nav2_loopback_sim cannot be translated.
+    """
+    names = {key: key.rpartition(":")[2] for key in values}
+    result = {key: value for key, value in values.items() if names[key] not in SYNONYMS and not is_for_ros(names[key])}
+    for model in NODES:
+        given = {key: value for key, value in values.items() if key == names[key]}
+        given |= {names[key]: value for key, value in values.items() if key == f"{model.node_name}:{names[key]}"}
+        for meaning in translate(given).values():
+            own = {name: value for name, value in meaning.items() if name in model.model_fields and name not in given}
+            result.update({f"{model.node_name}:{name}": value for name, value in own.items()})
+    return result
+
+
+def _check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES, path: str | Path | None = None) -> None:
+    """Checks names like `check_names`. Those of nav2_loopback_sim and of ROS itself are known too."""
+    bare = ((name, name.rpartition(":")[2]) for name in names)
+    try:
+        check_names([name for name, own in bare if own not in SYNONYMS and not is_for_ros(own)], models)
+    except ValueError as error:
+        raise ValueError(str(error) if path is None else f"{path}: {error}") from None
 
 
 def to_yaml(values: Mapping[str, Any] | None = None) -> str:

@@ -12,6 +12,8 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from ._core import BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
+from .quoting import quoted, shortened
+from .yaml_documents import parse, value_of
 
 __all__ = [
     "NODES",
@@ -62,15 +64,21 @@ OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic
 
 def _corners_to_text(value: object) -> object:
     """Returns the corners as YAML text. Text is returned unchanged."""
-    return value if isinstance(value, str) else yaml.safe_dump(value, default_flow_style=True, width=math.inf).strip()
+    if isinstance(value, str):
+        return value
+    try:
+        corners = [[x if isinstance(x, int) else float(x) for x in (x, y)] for x, y in value]  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise ValueError("Input should be the corners [[x, y], ...] of a polygon") from None
+    return yaml.safe_dump(corners, default_flow_style=True, width=math.inf).strip()
 
 
 def _check_corners(text: str) -> str:
     if text:
         try:
-            Shape.polygon(yaml.safe_load(text))
-        except (ValueError, TypeError, yaml.YAMLError) as error:
-            raise ValueError(f"Input should be the corners [[x, y], ...] of a polygon ({error})") from None
+            Shape.polygon(value_of(parse(text)))
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"Input should be the corners [[x, y], ...] of a polygon ({shortened(error)})") from None
     return text
 
 
@@ -176,7 +184,7 @@ class RobotParameters(Parameters):
     @model_validator(mode="after")
     def _check_footprint(self) -> RobotParameters:
         if self.robot_radius and self.footprint:
-            given = f"got {self.robot_radius} and {self.footprint}"
+            given = f"got {self.robot_radius} and {quoted(self.footprint)}"
             raise ValueError(f"only one of robot_radius and footprint may be given, {given}")
         return self
 
@@ -184,7 +192,7 @@ class RobotParameters(Parameters):
     def shape(self) -> Shape | None:
         """Footprint in the robot's frame; None if neither `robot_radius` nor `footprint` is given."""
         if self.footprint:
-            return Shape.polygon(yaml.safe_load(self.footprint))
+            return Shape.polygon(value_of(parse(self.footprint)))
         return Shape.disc(self.robot_radius) if self.robot_radius else None
 
     @property
@@ -261,7 +269,7 @@ class LaserParameters(Parameters):
         if self.laser_mount is not None and self.laser_frame_id == self.base_link_frame:
             raise ValueError(
                 "laser_mount needs a laser_frame_id other than base_link_frame, "
-                f"got {self.laser_mount} for {self.laser_frame_id}"
+                f"got {self.laser_mount} for {shortened(self.laser_frame_id)}"
             )
         if self.z_hit + self.z_short + self.z_max + self.z_rand == 0.0:
             raise ValueError("at least one of z_hit, z_short, z_max, z_rand must be positive, got 0 for all")
@@ -366,8 +374,10 @@ def for_node(model: type[T], values: Mapping[str, Any]) -> T:
 def unknown_name(name: str, known: Iterable[str], kind: str = "parameter") -> str:
     """Returns an error message for an unknown name, with the nearest known name if one is similar."""
     known = list(known)
-    near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)
-    return f"unknown {kind} {name!r}; " + (f"did you mean {near[0]!r}?" if near else f"known {kind}s: {', '.join(known)}")
+    near = difflib.get_close_matches(name[:100].lower(), known, n=1, cutoff=0.5)
+    return f"unknown {kind} {quoted(name)}; " + (
+        f"did you mean {near[0]!r}?" if near else f"known {kind}s: {', '.join(known)}"
+    )
 
 
 def _explain(error: ValidationError, known: Iterable[str]) -> str:
@@ -382,7 +392,7 @@ def _explain(error: ValidationError, known: Iterable[str]) -> str:
             messages.append(f"{name} is required")
         elif name:  # The message is like "Input should be greater than 0" or "String should have at least 1 character".
             requirement = re.sub(r"^\w+ should ", "", message)
-            messages.append(f"{name} must {requirement}, got {detail['input']!r}")
+            messages.append(f"{name} must {requirement}, got {quoted(detail['input'])}")
         else:
             messages.append(message)
     return "; ".join(messages)

@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mobile_robot_simulator.parameter_files import read_assignment, read_file, to_yaml
+from mobile_robot_simulator.parameter_files import read_assignment, read_file, to_yaml, translated
 from mobile_robot_simulator.parameters import NODES, LaserParameters, RobotParameters, for_node
 
 
@@ -50,17 +50,17 @@ def test_files_are_read(tmp_path: Path, text: str, values: dict[str, Any]) -> No
         ("", "must contain node names"),
         ("5", "must contain node names"),
         ("- a\n- b\n", "must contain node names"),
-        ("laser_fov: 1.5\n", "unknown node 'laser_fov'"),
+        ("laser_fov: 1.5\n", "line 1: laser_fov must contain a mapping ros__parameters"),
         ("/**:\n  laser_fov: 1.5\n", "ros__parameters"),
         ("/**:\n  ros__parameters: 5\n", "ros__parameters"),
         ("/**: 5\n", "ros__parameters"),
         ("/**:\n  ros__parameters:\n    laser_fow: 1.5\n", "unknown parameter 'laser_fow'; did you mean 'laser_fov'"),
         ("laser_scanner_node:\n  ros__parameters: {}\n", "did you mean 'laser_scanner_simulator_node'"),
         ("mobile_robot_simulator_node:\n  ros__parameters:\n    laser_fov: 1.5\n", "unknown parameter 'laser_fov'"),
-        ("a: [1\n", "is not YAML"),
-        ("a: b: c\n", "is not YAML"),
-        ("a: \x07\n", "is not YAML"),
-        ("? [1, 2]\n: 5\n", "is not YAML"),
+        ("a: [1\n", "not valid YAML: line 2"),
+        ("a: b: c\n", "not valid YAML: line 1, column 5"),
+        ("a: \x07\n", "a must contain a mapping ros__parameters"),
+        ("? [1, 2]\n: 5\n", "line 1: a key must be a single word"),
         ("/**:\n  ros__parameters:\n    5: 1\n", "unknown parameter '5'"),
     ],
 )
@@ -106,7 +106,8 @@ def test_a_value_under_a_node_name_is_for_that_node_only(tmp_path: Path) -> None
     ("text", "expected"),
     [
         ("publish_rate:=20", ("publish_rate", 20)),
-        ("publish_rate:=2e1", ("publish_rate", "2e1")),
+        ("publish_rate:=2e1", ("publish_rate", 20.0)),
+        ("publish_rate:=1e7", ("publish_rate", 1e7)),
         ("laser_fov:=1.5", ("laser_fov", 1.5)),
         ("publish_map_transform:=true", ("publish_map_transform", True)),
         ("laser_topic:=/front/scan", ("laser_topic", "/front/scan")),
@@ -117,6 +118,38 @@ def test_a_value_under_a_node_name_is_for_that_node_only(tmp_path: Path) -> None
 )
 def test_assignments_are_read(text: str, expected: tuple[str, Any]) -> None:
     assert read_assignment(text) == expected
+
+
+def test_what_the_nodes_on_ros_take_is_taken(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        "/**:\n  ros__parameters: {use_sim_time: true, qos_overrides./tf.publisher.depth: 5}\n"
+        "controller_server:\n  ros__parameters: {frequency: 20.0, FollowPath: {plugin: x}}\n"
+        "robot1:\n  mobile_robot_simulator_node:\n    ros__parameters: {publish_rate: 1e2}\n"
+        "/robot1/laser_scanner_simulator_node:\n  ros__parameters: {scan_range_max: 12, scan_use_inf: false}\n",
+    )
+    values = translated(read_file(path))
+    assert for_node(RobotParameters, values).publish_rate == 100.0
+    laser = for_node(LaserParameters, values)
+    assert laser.laser_max_range == 12.0 and laser.no_return == "below_max"
+
+
+def test_two_sections_of_one_node_and_a_misspelt_node_are_errors(tmp_path: Path) -> None:
+    section = "laser_scanner_simulator_node:\n    ros__parameters: {seed: 1}\n"
+    with pytest.raises(ValueError, match="there must be one section for laser_scanner_simulator_node, got '/a/laser"):
+        read_file(written(tmp_path, f"a:\n  {section}b:\n  {section}"))
+    with pytest.raises(ValueError, match="unknown node 'laser_scaner_simulator_node'; did you mean"):
+        read_file(written(tmp_path, section.replace("scanner", "scaner")))
+    with pytest.raises(ValueError, match="must have a section for mobile_robot_simulator_node"):
+        read_file(written(tmp_path, "amcl:\n  ros__parameters: {alpha1: 0.1}\n"))
+
+
+def test_deep_nesting_is_an_error(tmp_path: Path) -> None:
+    for text in ("[" * 100_000, "{a: " * 100_000):
+        with pytest.raises(ValueError, match="inside at most 50 others"):
+            read_file(written(tmp_path, text))
+    with pytest.raises(ValueError, match="inside at most 50 others"):
+        read_assignment("laser_mount:=" + "[" * 100_000)
 
 
 def test_numbers_that_yaml_reads_as_text_are_accepted() -> None:

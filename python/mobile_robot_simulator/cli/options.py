@@ -9,8 +9,9 @@ import typer
 
 from .._core import OccupancyGrid
 from ..maps.map_files import load_map
-from ..parameter_files import read_assignment, read_file
+from ..parameter_files import read_assignment, read_file, translated
 from ..parameters import LaserParameters, for_node
+from .console import error_console
 
 MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="Map file in the YAML format of map_server.")]
 Assignments = Annotated[
@@ -35,12 +36,26 @@ def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, A
     """
     values = read_file(file) if file is not None else {}
     assigned = dict(map(read_assignment, assignments or []))
-    return {**{key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}, **assigned}
+    kept = {key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}
+    return translated({**kept, **assigned})
 
 
 def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
-    """Returns the grid of a map file. The laser's parameter `unknown` decides whether unknown cells block beams."""
-    return load_map(map_file, unknown=for_node(LaserParameters, values).unknown)
+    """Returns the grid of a map file. The laser's parameter `unknown` decides whether unknown cells block beams.
+
+    Prints a hint if unknown cells shall block and the map has none, because its thresholds make the usual grey free.
+    """
+    unknown = for_node(LaserParameters, values).unknown
+    grid = load_map(map_file, unknown=unknown)
+    if unknown == "occupied" and (grid.cells >= 0).all():
+        error_console.print(
+            f"{map_file}: no cell is unknown, so unknown:=occupied has no effect. If grey areas should be unknown, "
+            "lower free_thresh: with 0.196, grey 205 is unknown, as map_server means it.",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
+    return grid
 
 
 def seed_of(seed: int | None, values: dict[str, Any]) -> int:

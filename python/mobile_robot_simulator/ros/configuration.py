@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
+from ..nav2_loopback_names import SYNONYMS, translate
 from ..nodes.interface import Logger, Node
 from ..nodes.laser import LaserScannerSimulator
 from ..nodes.map_server import MapFileServer
 from ..nodes.robot import MobileRobotSimulator
 from ..parameters import LaserParameters, MapParameters, Parameters, RobotParameters, check_names
-from .nav2_loopback_names import SYNONYMS, translate
+from ..quoting import quoted
 from .node import RosProcess
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
@@ -79,7 +80,7 @@ def split_arguments(
     looks_like_an_option = next((index for index, argument in enumerate(own) if argument[:1] == "-" or ":=" in argument), 1)
     if (unexpected := min(looks_like_an_option, takes_map)) < len(own):
         expected = f"a map file and ROS arguments ({form})" if takes_map else f"ROS arguments only ({form})"
-        raise ValueError(f"unexpected argument {own[unexpected]!r}; {name} takes {expected}")
+        raise ValueError(f"unexpected argument {quoted(own[unexpected])}; {name} takes {expected}")
     return (own[0] if own else None), for_ros
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from ..messages import Message
 from ..nodes.future import Future
 from ..nodes.interface import Clock, Logger, M, QoS
+from ..parameter_files import is_for_ros
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
     Behaviour,
@@ -233,8 +234,7 @@ def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterR
     rclpy has already declared those that were given on the command line or in a file. They are set to their checked values.
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
-    from_rclpy = {"use_sim_time", "start_type_description_service"}
-    from_user = [name for name in given if name not in from_rclpy and not name.startswith("qos_overrides.")]
+    from_user = [name for name in given if not is_for_ros(name)]
     warn_about_unknown(from_user, node.get_logger())
     parameters = resolver.resolve(model, given, node.get_logger())
     if parameters is None:

@@ -29,3 +29,11 @@ def test_unknown_cells_block_beams_if_the_parameter_says_so(tmp_path):
     mrs.save_map(mrs.OccupancyGrid(cells, resolution=1.0), file)
     for unknown in ("free", "occupied"):
         assert load_grid(file, {"unknown": unknown}).unknown == unknown
+
+
+def test_a_hint_says_when_no_cell_is_unknown(tmp_path, capsys):
+    file = tmp_path / "map.yaml"
+    for cells, unknown, hinted in (([[0, 100]], "occupied", True), ([[0, 100]], "free", False), ([[-1]], "occupied", False)):
+        mrs.save_map(mrs.OccupancyGrid(np.array(cells, np.int8), resolution=1.0), file)
+        load_grid(file, {"unknown": unknown})
+        assert ("no cell is unknown, so unknown:=occupied has no effect" in capsys.readouterr().err) is hinted

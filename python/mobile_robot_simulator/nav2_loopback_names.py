@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from .quoting import quoted
+
 ANGLES = {"scan_angle_min": -math.pi, "scan_angle_max": math.pi, "scan_angle_increment": 0.02617}
 """The three scan angles of nav2_loopback_sim with their defaults there [rad]. They are translated together."""
 
@@ -77,5 +79,5 @@ def _beams(angles: Mapping[str, Any]) -> dict[str, Any]:
 
 def _positive(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
-        raise ValueError(f"{name} must be positive, got {value!r}")
+        raise ValueError(f"{name} must be positive, got {quoted(value)}")
     return float(value)

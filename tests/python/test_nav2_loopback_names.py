@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from mobile_robot_simulator.nav2_loopback_names import SYNONYMS, translate
 from mobile_robot_simulator.parameters import NODES
-from mobile_robot_simulator.ros.nav2_loopback_names import SYNONYMS, translate
 
 
 @pytest.mark.parametrize(
