@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from .quoting import quoted
+
 
 class Handle:
     """Base class of objects that a deep copy shares instead of copying."""
@@ -24,7 +26,7 @@ def check_callback(callback: object) -> None:
         TypeError: It is not callable.
     """
     if not callable(callback):
-        raise TypeError(f"a callback must be callable, got {callback!r}")
+        raise TypeError(f"a callback must be callable, got {quoted(callback)}")
 
 
 class Handles:

@@ -47,6 +47,7 @@ from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.future import Future, FutureSnapshot
+from ..quoting import quoted
 from .service import BusService, ServiceHandler
 from .timer import BusTimer, TimerSnapshot
 from .topic import BusTopic, TopicSnapshot, absolute
@@ -267,7 +268,7 @@ class Bus(Handle):
             ValueError: The name is empty.
         """
         if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
-            raise TypeError(f"a topic's type must be a message class, got {msg_type!r} for {name}")
+            raise TypeError(f"a topic's type must be a message class, got {quoted(msg_type)} for {name}")
         name = absolute(name)
         topic = self._topics.get(name)
         if topic is None:

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from ..handle import Handle, check_callback
 from ..nodes.interface import M, QoS
+from ..quoting import quoted
 from .bus import Bus
 from .clock import BusClock
 from .logger import BusLogger
@@ -60,7 +61,7 @@ class BusNode(Handle):
 
     def __init__(self, bus: Bus, name: str, *, namespace: str = "/", parameters: Mapping[str, Any] | None = None) -> None:
         if not name or "/" in name:
-            raise ValueError(f"a node's name must not be empty or contain a slash, got {name!r}")
+            raise ValueError(f"a node's name must not be empty or contain a slash, got {quoted(name)}")
         self._bus, self._name, self._namespace = bus, name, "/" + namespace.strip("/")
         self._clock = BusClock(bus)
         self._logger = BusLogger(self._clock, name)
@@ -376,7 +377,7 @@ class Node(BusNode):
     ) -> None:
         context = _spawn_context.get()
         if context is None:
-            raise RuntimeError(f"node {node_name!r} has no bus to run on: create it with Simulation.spawn")
+            raise RuntimeError(f"node {quoted(node_name)} has no bus to run on: create it with Simulation.spawn")
         overrides = {parameter.name: parameter.value for parameter in parameter_overrides or ()}
         super().__init__(
             context.bus,

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar
 
+from ..quoting import quoted
+
 
 class ParameterNotDeclaredException(ValueError):
     """A parameter that is not declared was read or set."""
@@ -106,7 +108,7 @@ class ParameterStore:
             ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
         """
         if name in self._parameters:
-            raise ParameterAlreadyDeclaredException(f"parameter {name!r} is already declared")
+            raise ParameterAlreadyDeclaredException(f"parameter {quoted(name)} is already declared")
         self._parameters[name] = Parameter(name, value=self._overrides.get(name, default))
         return self._parameters[name]
 
@@ -124,7 +126,7 @@ class ParameterStore:
         if name not in self._parameters:
             near = difflib.get_close_matches(name, self._parameters, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise ParameterNotDeclaredException(f"parameter {name!r} of {self._owner} is not declared{hint}")
+            raise ParameterNotDeclaredException(f"parameter {quoted(name)} of {self._owner} is not declared{hint}")
         return self._parameters[name]
 
     def set(self, parameters: Sequence[Parameter]) -> list[SetParametersResult]:

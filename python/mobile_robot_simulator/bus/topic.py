@@ -9,6 +9,7 @@ from typing import Any, Generic
 from ..handle import Handle
 from ..messages import Message, check_fields, copied
 from ..nodes.interface import M
+from ..quoting import quoted
 
 
 def absolute(name: str) -> str:
@@ -18,7 +19,7 @@ def absolute(name: str) -> str:
         ValueError: The name is empty or consists of slashes only.
     """
     if not name.strip("/"):
-        raise ValueError(f"a topic or service must have a name, got {name!r}")
+        raise ValueError(f"a topic or service must have a name, got {quoted(name)}")
     return name if name.startswith("/") else f"/{name}"
 
 

@@ -13,6 +13,7 @@ from ..bus.bus import Bus
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
+from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0
 from ..simulation.fault import Fault, FaultTarget
 from ..simulation.topics import find_topic
@@ -47,7 +48,7 @@ class MessageFault(Fault):
     ) -> None:
         super().__init__(start=start, end=end, seed=seed)
         if not 0.0 <= probability <= 1.0:
-            raise ValueError(f"the probability must be in 0..1, got {probability}")
+            raise ValueError(f"the probability must be in 0..1, got {quoted(probability)}")
         self.topic, self.probability = absolute(topic), probability
 
     @abstractmethod

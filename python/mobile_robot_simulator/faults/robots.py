@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
 from ..parameters import motion_noise
+from ..quoting import quoted
 from ..simulation.fault import F, Fault, FaultTarget
 from ..simulation.robots import SimulatedRobot
 
@@ -31,7 +32,7 @@ class Slip(Fault):
     def __init__(self, share: float, *, robot: str | None = None, **options: Any) -> None:
         super().__init__(**options)
         if not 0.0 <= share <= 1.0:
-            raise ValueError(f"the share must be in 0..1, got {share}")
+            raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self.share, self.robot = share, robot
 
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
@@ -107,7 +108,7 @@ class ClockJump(Fault):
     def __init__(self, seconds: float, *, at: float = 0.0) -> None:
         super().__init__(start=at)
         if not math.isfinite(seconds) or seconds == 0.0:
-            raise ValueError(f"a jump must be finite and not 0 s, got {seconds}")
+            raise ValueError(f"a jump must be finite and not 0 s, got {quoted(seconds)}")
         self.seconds = seconds
 
     def __repr__(self) -> str:
@@ -149,7 +150,7 @@ class Outage(Fault):
     def __init__(self, node: str, *, robot: str | None = None, start: float = 0.0, end: float = math.inf) -> None:
         super().__init__(start=start, end=end)
         if node not in ("robot", "laser", "map_server"):
-            raise ValueError(f"the node must be robot, laser or map_server, got {node!r}")
+            raise ValueError(f"the node must be robot, laser or map_server, got {quoted(node)}")
         self.node, self.robot = node, robot
 
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:

@@ -11,6 +11,7 @@ from typing import TypeAlias
 from .._core import Pose, Shape
 from ..handle import Handle
 from ..instant import NANOSECONDS
+from ..quoting import quoted
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
 """A pose, or its x, y [m] and yaw [rad]."""
@@ -66,7 +67,7 @@ class Obstacle(Handle):
         try:
             return Pose(*pose)
         except TypeError as error:
-            message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {pose!r}"
+            message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
             raise TypeError(message) from error
 
 
@@ -81,10 +82,10 @@ def _pose_function(trajectory: Trajectory) -> Callable[[float], PoseLike]:
         return lambda time: pose
     rows = [tuple(map(float, row)) for row in trajectory]  # type: ignore[arg-type]
     if any(len(row) != 4 or not math.isfinite(row[0]) for row in rows):
-        raise ValueError(f"a waypoint must be four finite numbers (time, x, y, yaw), got {rows}")
+        raise ValueError(f"a waypoint must be four finite numbers (time, x, y, yaw), got {quoted(rows)}")
     times, poses = [row[0] for row in rows], [Pose(*row[1:]) for row in rows]
     if any(later <= earlier for earlier, later in pairwise(times)):
-        raise ValueError(f"the times of waypoints must increase, got {times}")
+        raise ValueError(f"the times of waypoints must increase, got {quoted(times)}")
 
     def interpolated(time: float) -> PoseLike:
         after = bisect_right(times, time)

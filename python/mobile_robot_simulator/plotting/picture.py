@@ -12,6 +12,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..quoting import quoted
 from .style import picture_style
 from .view import LONGEST_SIDE, Points
 
@@ -128,7 +129,7 @@ def _checked(file: str | os.PathLike[str]) -> Path:
     """Returns the path of a picture after checking its ending and its folder."""
     path = Path(file)
     if path.suffix.lower() not in _METADATA:
-        raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {str(path)!r}")
+        raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {quoted(str(path))}")
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "Cannot save a picture over a folder", str(path))
     if not path.parent.is_dir():

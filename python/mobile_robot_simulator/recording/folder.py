@@ -138,5 +138,7 @@ def _is_recording(path: Path) -> bool:
         return False
     if path.is_dir():
         return all(item.name in _ROS2_FILES and item.is_file() and not item.is_symlink() for item in path.iterdir())
+    if not path.is_file():
+        return False
     with path.open("rb") as file:
         return file.read(len(_ROS1_START)) == _ROS1_START

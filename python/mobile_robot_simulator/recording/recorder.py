@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NoReturn, get_args
 
 from ..messages import Message
+from ..quoting import quoted
 from .format import Format
 from .writer_thread import WriterThread
 
@@ -60,7 +61,7 @@ class Recorder:
 
     def __init__(self, path: str | os.PathLike[str], *, format: Format = "mcap", overwrite: bool = False) -> None:
         if format not in get_args(Format):
-            raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {format!r}")
+            raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {quoted(format)}")
         self._types: dict[str, str] = {}
         self._connections: dict[str, Connection] = {}
         self._pending: deque[tuple[str, int, memoryview]] = deque()
@@ -102,7 +103,7 @@ class Recorder:
             raise ValueError(f"the recording {self.path} is closed")
         time_ns = index(time_ns)
         if not 0 <= time_ns < self._bag.end_of_time:
-            raise ValueError(f"time_ns must be at least 0 and below {self._bag.end_of_time}, got {time_ns}")
+            raise ValueError(f"time_ns must be at least 0 and below {self._bag.end_of_time}, got {quoted(time_ns)}")
         ros_type = self._types.setdefault(topic, message.ros_type)
         if ros_type != message.ros_type:
             raise ValueError(f"topic {topic} carries {ros_type}, got {message.ros_type}")

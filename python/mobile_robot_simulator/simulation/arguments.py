@@ -7,6 +7,7 @@ import math
 from .._core import Pose
 from ..instant import NANOSECONDS
 from ..physics.obstacles import PoseLike
+from ..quoting import quoted
 
 
 def check_at_least_0(**values: float) -> None:
@@ -20,7 +21,7 @@ def check_at_least_0(**values: float) -> None:
     """
     for name, value in values.items():
         if not 0.0 <= value < math.inf:
-            raise ValueError(f"{name} must be finite and at least 0, got {value}")
+            raise ValueError(f"{name} must be finite and at least 0, got {quoted(value)}")
 
 
 def to_nanoseconds(seconds: float, what: str) -> int:
@@ -34,7 +35,7 @@ def to_nanoseconds(seconds: float, what: str) -> int:
         ValueError: The duration is negative, infinite or NaN.
     """
     if not 0.0 <= seconds < math.inf:
-        raise ValueError(f"{what} must be finite and at least 0 s, got {seconds}")
+        raise ValueError(f"{what} must be finite and at least 0 s, got {quoted(seconds)}")
     return round(seconds * NANOSECONDS)
 
 
@@ -53,5 +54,5 @@ def to_pose(pose: PoseLike, what: str) -> Pose:
     try:
         x, y, yaw = map(float, pose)
     except (TypeError, ValueError):
-        raise ValueError(f"{what} must be three numbers (x, y, yaw), got {pose!r}") from None
+        raise ValueError(f"{what} must be three numbers (x, y, yaw), got {quoted(pose)}") from None
     return Pose(x, y, yaw)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .._core import Pose, Shape, clearance
 from ..handle import Handle
 from ..instant import NANOSECONDS
+from ..quoting import quoted
 
 if TYPE_CHECKING:
     from ..nodes.robot import MobileRobotSimulator
@@ -131,7 +132,7 @@ class GroundTruth(Handle):
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()
         time_ns = round(time * NANOSECONDS) if math.isfinite(time) else -1
         if not first <= time_ns <= now:
-            raise ValueError(f"the time must be in {first / NANOSECONDS:g}..{now / NANOSECONDS:g} s, got {time}")
+            raise ValueError(f"the time must be in {first / NANOSECONDS:g}..{now / NANOSECONDS:g} s, got {quoted(time)}")
         return time_ns
 
     def _clearance(self, pose: Pose, time_ns: int, limit: float) -> float:

@@ -16,6 +16,7 @@ from ..nodes.transforms import TransformBuffer, TransformListener
 from ..parameters import LaserParameters, RobotParameters, check_names, for_node
 from ..physics.obstacles import PoseLike
 from ..physics.world import World
+from ..quoting import quoted
 from .arguments import to_pose
 from .ground_truth import GroundTruth
 from .namespaces import of_namespace
@@ -140,14 +141,15 @@ class Robots(Handle):
         if name is None:
             return self.first
         if name not in self._robots:
-            raise ValueError(f"unknown robot {name!r}; there are {', '.join(map(repr, self._robots))}")
+            raise ValueError(f"unknown robot {quoted(name)}; there are {', '.join(map(repr, self._robots))}")
         return self._robots[name]
 
     def add(self, name: str, start: PoseLike, parameters: Mapping[str, Any]) -> SimulatedRobot:
         """Adds a robot and starts its nodes, as described for `Simulation.add_robot`."""
         if name in self._robots or (self._robots and not name) or "" in self._robots:
             raise ValueError(
-                f"each robot must have a name, different from all others, got {name!r} beside {sorted(self._robots)}"
+                "each robot must have a name, different from all others, "
+                f"got {quoted(name)} beside {quoted(sorted(self._robots))}"
             )
         values = self._values_of(name, parameters)
         robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)

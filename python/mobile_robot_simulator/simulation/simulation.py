@@ -22,6 +22,7 @@ from ..nodes.robot import MobileRobotSimulator
 from ..parameters import LaserParameters, check_names, for_node
 from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
+from ..quoting import quoted
 from .arguments import to_nanoseconds
 from .fault import F, Fault, FaultList
 from .ground_truth import GroundTruth
@@ -270,7 +271,7 @@ class Simulation(Handle):
             ValueError: The timeout is negative or not finite.
         """
         if not callable(predicate):
-            raise TypeError(f"the predicate must be a function of the simulation, got {predicate!r}")
+            raise TypeError(f"the predicate must be a function of the simulation, got {quoted(predicate)}")
         start_ns = self._bus.time_ns
         end_ns = start_ns + to_nanoseconds(timeout, "the timeout")
         while not (answer := predicate(self)):
@@ -278,7 +279,8 @@ class Simulation(Handle):
             if self._bus.time_ns >= end_ns and next_ns != end_ns:
                 raise TimeoutError(
                     f"{_called(predicate)} did not hold within {timeout:g} s, from {start_ns / NANOSECONDS:g} s to "
-                    f"{self.time:g} s: it last returned {answer!r}; {'; '.join(robot.status for robot in self._robots)}; "
+                    f"{self.time:g} s: it last returned {quoted(answer)}; "
+                    f"{'; '.join(robot.status for robot in self._robots)}; "
                     f"last messages: {self._topics.last_times()}"
                 )
             self._bus.run_until(end_ns if next_ns is None else min(next_ns, end_ns))
@@ -477,7 +479,7 @@ def _starts(start: PoseLike | None, robots: Mapping[str, PoseLike] | None) -> Ma
     if not isinstance(robots, Mapping):
         raise TypeError(f"robots must be a mapping from names to start poses, got {type(robots).__name__}")
     if start is not None:
-        raise ValueError(f"start and robots must not both be given, got {start!r} and {robots!r}")
+        raise ValueError(f"start and robots must not both be given, got {quoted(start)} and {quoted(robots)}")
     return robots
 
 

@@ -12,6 +12,7 @@ from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.interface import M
+from ..quoting import quoted
 
 
 def find_topic(bus: Bus, name: str) -> BusTopic:
@@ -29,7 +30,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
         names = bus.topic_names()
         near = difflib.get_close_matches(absolute(name), names, n=1)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
-        raise ValueError(f"unknown topic {name!r}; {hint}")
+        raise ValueError(f"unknown topic {quoted(name)}; {hint}")
     return found
 
 

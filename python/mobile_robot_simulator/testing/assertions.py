@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
+from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def assert_reaches(
     """
     __tracebackhide__ = True
     if len(goal) not in (2, 3) or not all(map(math.isfinite, goal)):
-        raise ValueError(f"goal must be two or three finite numbers, got {goal}")
+        raise ValueError(f"goal must be two or three finite numbers, got {quoted(goal)}")
     check_at_least_0(tolerance=tolerance, yaw_tolerance=yaw_tolerance)
     driver, start = sim.named(robot), sim.time
 
@@ -122,7 +123,7 @@ def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = No
     """
     __tracebackhide__ = True
     if not 0.0 < at_least < math.inf:
-        raise ValueError(f"the clearance must be positive and finite, got {at_least}")
+        raise ValueError(f"the clearance must be positive and finite, got {quoted(at_least)}")
     for driver in _chosen(sim, robot):
         path = driver.truth.path
         clearances = driver.truth.clearances(path, at_least)
@@ -157,7 +158,7 @@ def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, to
     """
     __tracebackhide__ = True
     if not 0.0 < hz < math.inf:
-        raise ValueError(f"the rate must be positive and finite, got {hz} Hz")
+        raise ValueError(f"the rate must be positive and finite, got {quoted(hz)} Hz")
     check_at_least_0(tolerance=tolerance)
     if not 2.0 <= hz * over < math.inf:
         raise ValueError(f"a rate of {hz:g} Hz needs more than {over:g} s to be measured: give a larger over")
@@ -196,7 +197,7 @@ def assert_scan_close(
     __tracebackhide__ = True
     check_at_least_0(tolerance=tolerance)
     if not 0.0 < share <= 1.0:
-        raise ValueError(f"the share must be above 0 and at most 1, got {share}")
+        raise ValueError(f"the share must be above 0 and at most 1, got {quoted(share)}")
     first, second = (np.asarray(scan.ranges if isinstance(scan, LaserScan) else scan, np.float64) for scan in (a, b))
     if first.ndim != 1 or first.shape != second.shape or not first.size:
         raise ValueError(f"scans must have the same number of beams, at least one, got shapes {first.shape}, {second.shape}")

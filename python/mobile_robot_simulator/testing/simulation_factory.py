@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..quoting import quoted
 from .start_poses import draw_start_poses
 
 # pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
@@ -159,7 +160,7 @@ class SimulationFactory:
             options = {name: value for name, value in self._settings.items() if name in PLAN_OPTIONS}
             return floor_plan(map, seed=seed, **{**options, **plan})
         if plan:
-            raise ValueError(f"{' and '.join(plan)} can be given for a generated floor plan only, got the map {map!r}")
+            raise ValueError(f"{' and '.join(plan)} can be given for a generated floor plan only, got the map {quoted(map)}")
         return _load(map) if isinstance(map, (str, Path)) else map
 
 

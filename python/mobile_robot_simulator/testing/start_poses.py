@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..quoting import quoted
+
 # pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
 if TYPE_CHECKING:
     from .._core import OccupancyGrid, Pose
@@ -36,7 +38,7 @@ def draw_start_poses(
     from ..simulation.namespaces import of_namespace
 
     if isinstance(names, str) or len(set(names)) < len(names):
-        raise ValueError(f"robots must be a list of different names, got {names!r}")
+        raise ValueError(f"robots must be a list of different names, got {quoted(names)}")
     placed: dict[str, tuple[Pose, float]] = {}
     for index, name in enumerate(names):
         shape = for_node(RobotParameters, of_namespace(name, parameters)).shape
