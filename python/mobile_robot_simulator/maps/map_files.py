@@ -48,7 +48,11 @@ _SAVED_GREYS = {0: 254, 100: 0, -1: 205}
 
 
 def load_map(
-    path: str | os.PathLike[str], *, occupied_threshold: int = 60, unknown: Literal["free", "occupied"] = "free"
+    path: str | os.PathLike[str],
+    *,
+    occupied_threshold: int = 60,
+    unknown: Literal["free", "occupied"] = "free",
+    transparency: Literal["unknown", "averaged"] = "unknown",
 ) -> OccupancyGrid:
     """Loads a map from a map_server YAML file and its image.
 
@@ -59,7 +63,9 @@ def load_map(
     - scale: the same, but round(100 * (p - free_thresh) / (occupied_thresh - free_thresh)) between the thresholds;
     - raw: `pixel` if it is at most 100, else -1; `negate` and the thresholds have no effect.
 
-    In trinary and scale mode a pixel that is not fully opaque becomes -1.
+    In trinary and scale mode a pixel that is not fully opaque becomes -1, as in Nav2 since April 2025 (Kilted, and Jazzy
+    since 1.3.7). Earlier versions of Nav2 and ROS 1 averaged the opacity with the three colours in trinary mode;
+    `transparency="averaged"` does so too.
 
     The image may be PNM (P1 to P6), PNG, JPEG, BMP, TIFF or GIF. Samples of more than 8 bits are scaled to 8 bits and
     rounded down. Colours of 16-bit samples can come out one level too high, because Pillow keeps only their high byte.
@@ -69,6 +75,7 @@ def load_map(
         occupied_threshold: Cells of at least this value block beams. Not to be confused with `occupied_thresh` in the
             YAML file, which turns pixels into cells.
         unknown: Treatment of unknown cells, which have the value -1: "free", or "occupied", which blocks beams.
+        transparency: Treatment of an image with transparency: "unknown" or "averaged", as above.
 
     Returns:
         The grid.
@@ -81,13 +88,16 @@ def load_map(
     Warns:
         UserWarning: The yaw of the origin is NaN, as in some real files; it is read as 0.
 
-    Sources: nav2_map_server, map_io.cpp; GraphicsMagick 1.3, image.h and pnm.c; Netpbm, pgm(5).
+    Sources: nav2_map_server, map_io.cpp, before and after commit 8d69483 of 2025-04-24; GraphicsMagick 1.3, image.h and
+    pnm.c; Netpbm, pgm(5).
     """
+    if transparency not in ("unknown", "averaged"):
+        raise ValueError(f"transparency must be 'unknown' or 'averaged', got {quoted(transparency)}")
     yaml_path = Path(path)
     description = _read_description(yaml_path)
     image = read_image(description.image_path, yaml_path)
     return OccupancyGrid(
-        _cells_from_image(image, description),
+        _cells_from_image(image, description, is_averaged=transparency == "averaged"),
         resolution=description.resolution,
         origin=description.origin,
         occupied_threshold=occupied_threshold,
@@ -267,7 +277,11 @@ def _describe(grid: OccupancyGrid, image_name: str, mode: str) -> str:
 # --- Pixels and cells ---
 
 
-def _cells_from_image(image: MapImage, description: _Description) -> _Cells:
+def _cells_from_image(image: MapImage, description: _Description, *, is_averaged: bool) -> _Cells:
+    if image.alpha is not None and is_averaged and description.mode == "trinary":
+        shades = 3 * image.grey[::-1].astype(np.int16) + image.alpha[::-1]
+        cells_of_shades: _Cells = np.take(_cell_by_shade(np.arange(1021) / 1020, description), shades)
+        return cells_of_shades
     # bytes.translate needs one byte of memory per pixel; indexing a NumPy table needs nine.
     table = _cell_by_grey(description).tobytes()
     cells = np.frombuffer(image.grey[::-1].tobytes().translate(table), np.int8).reshape(image.grey.shape)
@@ -281,9 +295,14 @@ def _cell_by_grey(description: _Description) -> _Cells:
     greys = np.arange(256)
     if description.mode == "raw":
         return np.where(greys <= 100, greys, -1).astype(np.int8)
+    return _cell_by_shade(greys / 255, description)
+
+
+def _cell_by_shade(shades: NDArray[np.float64], description: _Description) -> _Cells:
+    """Values of cells (N,) int8 for shades (N,) from 0, black, to 1, white, in trinary and scale mode."""
     free, occupied = description.free_thresh, description.occupied_thresh
-    occupancy = (greys if description.negate else 255 - greys) / 255
-    between = np.full(256, -1.0)
+    occupancy = shades if description.negate else 1 - shades
+    between = np.full(len(shades), -1.0)
     if description.mode == "scale" and free < occupied:
         between = np.floor(np.clip((occupancy - free) / (occupied - free), 0, 1) * 100 + 0.5)
     return np.select([occupancy >= occupied, occupancy <= free], [100, 0], between).astype(np.int8)

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..instant import Instant
 from ..messages import Message
+from ..nav2_loopback_names import SYNONYMS
 from ..nodes.future import Future
 from ..nodes.interface import Clock, Logger, M, QoS
 from ..parameters import Parameters, RobotParameters
@@ -32,7 +33,6 @@ from .configuration import (
 from .conversion import MessageConverter
 from .executor import Executor
 from .intra_process import IntraProcessTopic
-from .nav2_loopback_names import SYNONYMS
 from .node import RosNode, RosProcess
 
 try:

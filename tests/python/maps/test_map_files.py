@@ -132,6 +132,20 @@ def test_pixels_that_are_not_opaque_are_unknown_except_in_raw(tmp_path: Path, mo
     assert cells_of(write_map(tmp_path, data, mode="raw")) == [[0, -1, 50], [0, 0, -1]]
 
 
+def test_transparency_can_be_averaged_with_the_colours_as_before_april_2025(tmp_path: Path) -> None:
+    """The shade is (3 * grey + alpha) / 1020: a black pixel is 1 occupied if it is transparent, 0.75 if it is opaque."""
+    image = grey_image([[0, 0, 254, 254], [0, 60, 100, 205]]).convert("LA")
+    image.putalpha(grey_image([[0, 255, 0, 255], [128, 255, 255, 255]]))
+    path = write_map(tmp_path, encoded(image, "PNG"))
+    # Occupied from 0.65, free up to 0.196: 1, 0.75, 0.25, 0.003; 0.87, 0.57, 0.46, 0.15.
+    assert mrs.load_map(path, transparency="averaged").cells[::-1].tolist() == [[100, 100, -1, 0], [100, -1, -1, 0]]
+    assert mrs.load_map(path).cells[::-1].tolist() == [[-1, 100, -1, 0], [-1, 100, -1, -1]]
+    opaque = write_map(tmp_path, pgm([[0, 254]]))
+    assert mrs.load_map(opaque, transparency="averaged").cells.tolist() == [[100, 0]]
+    with pytest.raises(ValueError, match="transparency must be 'unknown' or 'averaged', got 'no'"):
+        mrs.load_map(opaque, transparency="no")  # type: ignore[arg-type]
+
+
 def test_transparent_values_of_a_png_without_alpha_are_unknown(tmp_path: Path) -> None:
     grey = grey_image([[0, 7, 8]])
     sixteen = Image.fromarray(np.array([[0, 7 * 257, 7 * 257 + 1]], np.uint16))
