@@ -6,7 +6,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A number outside its domain.
-    #[error("{name} must be {needed}, got {value}")]
+    #[error("{name} must be {needed}, got {}", shown(*value))]
     Number {
         /// Name of the number.
         name: &'static str,
@@ -95,7 +95,7 @@ pub enum Error {
         second: usize,
     },
     /// A grid without known free space for a disc of this radius.
-    #[error("no known free place for a disc of radius {radius} m on this grid, {}", largest_disc(*largest))]
+    #[error("no known free place for a disc of radius {} m on this grid, {}", shown(*radius), largest_disc(*largest))]
     NoFreePlace {
         /// Radius of the disc in metres.
         radius: f64,
@@ -118,6 +118,12 @@ pub enum Error {
         /// Reason that the system gave.
         reason: String,
     },
+}
+
+/// Formats a number with an exponent where it would have many digits.
+fn shown(value: f64) -> String {
+    let size = value.abs();
+    if size < 1e16 && (size >= 1e-5 || size == 0.0) { value.to_string() } else { format!("{value:?}") }
 }
 
 fn largest_disc(radius: Option<f64>) -> String {

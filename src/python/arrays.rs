@@ -213,6 +213,12 @@ pub fn shape(shape: &[usize]) -> String {
     if let [size] = &sizes[..] { format!("({size},)") } else { format!("({})", sizes.join(", ")) }
 }
 
+/// Returns the `repr` of a value, cut to a length that can be read. Large containers and numbers are cut while it is made.
+pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
+    let repr = || -> PyResult<String> { value.py().import("reprlib")?.call_method1("repr", (value,))?.extract() };
+    repr().unwrap_or_else(|_| type_name(value))
+}
+
 /// Returns the name of a value's type.
 pub fn type_name(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "another type".to_owned(), |name| name.to_string())

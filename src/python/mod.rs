@@ -38,7 +38,9 @@ fn whole_number<'py, T: FromPyObjectOwned<'py>>(name: &str, value: &Bound<'py, P
     let number = value
         .call_method0("__index__")
         .map_err(|_| PyTypeError::new_err(format!("{name} must be an integer, got {}", arrays::type_name(value))))?;
-    number.extract().map_err(|_| PyValueError::new_err(format!("{name} must be {needed}, got {number}")))
+    number
+        .extract()
+        .map_err(|_| PyValueError::new_err(format!("{name} must be {needed}, got {}", arrays::short_repr(&number))))
 }
 
 /// Converts a seed or an index of a random stream; `None` means 0.

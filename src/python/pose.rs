@@ -4,7 +4,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use super::arrays::type_name;
+use super::arrays::{short_repr, type_name};
 use crate::error::check_number;
 use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
 
@@ -238,7 +238,7 @@ impl<'py> FromPyObject<'_, 'py> for PoseArgument {
             Err(_) => Err(PyTypeError::new_err(format!(
                 "a pose must be three numbers (x, y, yaw), got {}: {}",
                 type_name(&value),
-                value.repr()?
+                short_repr(&value)
             ))),
         }
     }
