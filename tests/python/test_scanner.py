@@ -694,7 +694,7 @@ def test_no_argument_causes_a_panic(options: dict[str, Any], batch: dict[str, An
         (lambda: mrs.LaserScanner(max_range=-1e300), "got -1e300"),
         (lambda: mrs.Shape.disc(-1e-300), "got -1e-300"),
         (lambda: mrs.LaserScanner(beam_count=10**4000), "beam_count must be in 1..1000000, got 1000000"),
-        (lambda: mrs.LaserScanner(mount=tuple(range(100_000))), "three numbers (x, y, yaw), got tuple: (0, 1, 2, 3, 4, 5, ...)"),
+        (lambda: mrs.LaserScanner(mount=tuple(range(100_000))), "got tuple: (0, 1, 2, 3, 4, 5, ...)"),
         (lambda: mrs.RandomStream(-(10**4000)), "seed must be in 0..2**64 - 1, got -1000000"),
     ],
 )
