@@ -23,6 +23,11 @@ def print_table(title: str, rows: Iterable[tuple[str, str]]) -> None:
     console.print(table)
 
 
+def print_note(text: str) -> None:
+    """Prints a note on standard error, so that it does not mix with results."""
+    error_console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
 @contextmanager
 def progress_bar(duration: float) -> Iterator[Callable[[float], None]]:
     """Shows a progress bar while the context is open.

@@ -11,7 +11,7 @@ from .._core import OccupancyGrid
 from ..maps.map_files import load_map
 from ..parameter_files import read_assignment, read_file, translated
 from ..parameters import LaserParameters, for_node
-from .console import error_console
+from .console import print_note
 
 MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="Map file in the YAML format of map_server.")]
 Assignments = Annotated[
@@ -48,12 +48,9 @@ def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
     unknown = for_node(LaserParameters, values).unknown
     grid = load_map(map_file, unknown=unknown)
     if unknown == "occupied" and (grid.cells >= 0).all():
-        error_console.print(
+        print_note(
             f"{map_file}: no cell is unknown, so unknown:=occupied has no effect. If grey areas should be unknown, "
-            "lower free_thresh: with 0.196, grey 205 is unknown, as map_server means it.",
-            markup=False,
-            highlight=False,
-            soft_wrap=True,
+            "lower free_thresh: with 0.196, grey 205 is unknown, as map_server means it."
         )
     return grid
 

@@ -72,7 +72,7 @@ def run(
         values = read_values(param, params_file)
         drive = Drive(
             load_grid(map_file, values),
-            Script.read(commands) if commands else Wander(radius),
+            Script.read(commands, duration) if commands else Wander(radius),
             values,
             seed_of(seed, values),
             start=Pose(*start) if start else None,
