@@ -10,7 +10,7 @@ mod slide;
 
 use glam::DVec2;
 
-use crate::error::{Error, check_number};
+use crate::error::{Error, check_finite, check_number};
 use crate::motion::{Twist, integrate};
 use crate::pose::{Pose, rotate};
 use crate::shape::Shape;
@@ -53,6 +53,23 @@ pub struct Contact {
     pub fraction: f64,
     /// Index of the obstacle in [`Obstacles`](crate::Obstacles); `None` for a blocking cell of the grid.
     pub obstacle: Option<usize>,
+}
+
+impl Contact {
+    /// Returns the contact if its numbers are in their domains.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a point or normal that is not finite, a normal longer than 1, or a fraction outside 0 to 1.
+    pub fn checked(self) -> Result<Self, Error> {
+        check_finite("point x", self.point.x)?;
+        check_finite("point y", self.point.y)?;
+        check_finite("normal x", self.normal.x)?;
+        check_finite("normal y", self.normal.y)?;
+        // Rounding may make a unit vector a little longer.
+        check_number("length of normal", self.normal.length(), "at most 1", |length| length <= 1.0 + 1e-9)?;
+        check_number("fraction", self.fraction, "in 0..1", |fraction| (0.0..=1.0).contains(&fraction))?;
+        Ok(self)
+    }
 }
 
 /// Returns true if a footprint at a pose shares a point with a blocking cell or an obstacle.

@@ -2,8 +2,10 @@
 
 use numpy::PyArrayMethods;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{broadcast, typed, vector};
+use super::{Recipe, recipe};
 use crate::BeamModelOptions;
 
 /// Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
@@ -145,14 +147,13 @@ impl BeamModel {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand } = self.0.options();
         let names = ["sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand"];
         for (name, value) in names.into_iter().zip([sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand]) {
             keywords.set_item(name, value)?;
         }
-        Ok(((), keywords))
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

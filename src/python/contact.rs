@@ -2,20 +2,46 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::grid::OccupancyGrid;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::shape::Shape;
+use super::{Recipe, recipe, whole_number};
 use crate::ContactMode;
 
 /// Where and when a robot touched a wall or an obstacle. `advance` returns it.
+///
+/// Args:
+///     point: Point of contact (x, y) in the map frame [m], on the surface of the wall or obstacle.
+///     normal: Unit vector (x, y) in the map frame that points from the wall or obstacle to the robot; (0, 0) if the robot's
+///         origin is inside.
+///     fraction: Time of the contact as a fraction of the step, from 0 to 1.
+///     obstacle: Index in `obstacles` of the obstacle that was touched; None for a wall of the grid.
+///
+/// Raises:
+///     ValueError: A number is not finite, the normal is longer than 1, the fraction is not in 0..1, or the index is
+///         negative.
+///
+/// Examples:
+///     >>> from mobile_robot_simulator import Contact
+///     >>> Contact(point=(2.0, 0.5), normal=(-1.0, 0.0), fraction=0.5)
+///     Contact(point=(2.0, 0.5), normal=(-1.0, 0.0), fraction=0.5, obstacle=None)
 #[pyclass(frozen, eq, module = "mobile_robot_simulator")]
 #[derive(PartialEq)]
 pub struct Contact(crate::Contact);
 
 #[pymethods]
 impl Contact {
+    #[new]
+    #[pyo3(signature = (*, point, normal, fraction, obstacle = None))]
+    fn new(point: [f64; 2], normal: [f64; 2], fraction: f64, obstacle: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let obstacle = obstacle.map(|index| whole_number("obstacle", index, "at least 0")).transpose()?;
+        let contact = crate::Contact { point: point.into(), normal: normal.into(), fraction, obstacle };
+        Ok(Self(contact.checked()?))
+    }
+
     /// Point of contact (x, y) in the map frame [m], on the surface of the wall or obstacle.
     #[getter]
     fn point(&self) -> (f64, f64) {
@@ -49,6 +75,15 @@ impl Contact {
             "Contact(point=({:?}, {:?}), normal=({:?}, {:?}), fraction={fraction:?}, obstacle={obstacle})",
             point.x, point.y, normal.x, normal.y
         )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("point", self.point())?;
+        keywords.set_item("normal", self.normal())?;
+        keywords.set_item("fraction", self.fraction())?;
+        keywords.set_item("obstacle", self.obstacle())?;
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }
 

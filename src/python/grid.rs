@@ -6,11 +6,12 @@ use glam::DVec2;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyImportError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{check_out, fill, shape, typed, vector};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
-use super::{thread_count, whole_number};
+use super::{Recipe, recipe, thread_count, whole_number};
 use crate::{Cell, GridOptions, Unknown};
 
 /// A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
@@ -404,13 +405,12 @@ impl OccupancyGrid {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((Bound<'py, PyAny>,), Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         keywords.set_item("resolution", self.resolution())?;
         keywords.set_item("origin", self.origin())?;
         keywords.set_item("occupied_threshold", self.occupied_threshold())?;
         keywords.set_item("unknown", self.unknown())?;
-        Ok(((self.cells(py)?.into_any(),), keywords))
+        recipe::<Self>(py, PyTuple::new(py, [self.cells(py)?])?, keywords)
     }
 }

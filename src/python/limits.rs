@@ -1,8 +1,10 @@
 //! The Python class `Limits`.
 
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::pose::{Pose, PoseArgument};
+use super::{Recipe, recipe};
 
 /// Limits on velocity and acceleration along each axis (vx, vy, wz) of a robot.
 ///
@@ -140,12 +142,11 @@ impl Limits {
         format!("Limits(velocity={velocity:?}, acceleration={acceleration:?}, deceleration={deceleration:?})")
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         keywords.set_item("velocity", self.velocity())?;
         keywords.set_item("acceleration", self.acceleration())?;
         keywords.set_item("deceleration", self.deceleration())?;
-        Ok(((), keywords))
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

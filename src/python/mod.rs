@@ -19,8 +19,10 @@ mod raycast;
 mod scanner;
 mod shape;
 
+use pyo3::PyTypeInfo;
 use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::Error;
 
@@ -51,6 +53,18 @@ fn stream_number(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<u64> 
 /// Converts a number of threads; `None` means one per core.
 fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     threads.map(|value| whole_number("threads", value, "in 1..1024")).transpose()
+}
+
+/// How pickle and copy make an object: they call the function with the class, its positional and its keyword arguments.
+type Recipe<'py> = (Bound<'py, PyAny>, (Bound<'py, PyType>, Bound<'py, PyTuple>, Bound<'py, PyDict>));
+
+/// Returns what `__reduce__` has to return for an object of class `T` that these arguments make. Every protocol takes it.
+fn recipe<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: Bound<'py, PyTuple>,
+    keywords: Bound<'py, PyDict>,
+) -> PyResult<Recipe<'py>> {
+    Ok((py.import("copyreg")?.getattr("__newobj_ex__")?, (py.get_type::<T>(), arguments, keywords)))
 }
 
 /// Compiled core of mobile_robot_simulator: grids, scanners, noise, contact and motion.

@@ -4,10 +4,12 @@ use glam::DMat3;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::matrix;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
+use super::{Recipe, recipe};
 
 /// Odometry noise: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
 ///
@@ -207,14 +209,13 @@ impl MotionNoise {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         let names = ["alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6"];
         for (name, value) in names.into_iter().zip(self.0.alpha()) {
             keywords.set_item(name, value)?;
         }
         keywords.set_item("reference_step", self.0.reference_step())?;
-        Ok(((), keywords))
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

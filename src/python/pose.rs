@@ -2,9 +2,10 @@
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{short_repr, type_name};
+use super::{Recipe, recipe};
 use crate::error::check_number;
 use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
 
@@ -202,15 +203,15 @@ impl Pose {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
-        self.__getnewargs__(py)?.as_any().get_item(index)
+        self.to_tuple(py)?.as_any().get_item(index)
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(self.__getnewargs__(py)?.try_iter()?.into_any())
+        Ok(self.to_tuple(py)?.try_iter()?.into_any())
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__(py)?.hash()
+        self.to_tuple(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
@@ -218,7 +219,13 @@ impl Pose {
         format!("Pose({x:?}, {y:?}, {yaw:?})")
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        recipe::<Self>(py, self.to_tuple(py)?, PyDict::new(py))
+    }
+}
+
+impl Pose {
+    fn to_tuple<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.0.to_array())
     }
 }

@@ -4,10 +4,10 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::type_name;
-use super::{stream_number, whole_number};
+use super::{Recipe, recipe, stream_number, whole_number};
 
 /// A seed that counts what has been drawn with it, so that no two calls draw the same noise.
 ///
@@ -86,11 +86,10 @@ impl RandomStream {
         format!("RandomStream({}, next_index={})", self.seed, self.next_index())
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         keywords.set_item("next_index", self.next_index())?;
-        Ok((PyTuple::new(py, [self.seed])?, keywords))
+        recipe::<Self>(py, PyTuple::new(py, [self.seed])?, keywords)
     }
 }
 

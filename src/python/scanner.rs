@@ -3,6 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{check_out, fill, rows, typed, vector};
 use super::beam_model::BeamModel;
@@ -10,7 +11,7 @@ use super::grid::OccupancyGrid;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
-use super::{thread_count, whole_number};
+use super::{Recipe, recipe, thread_count, whole_number};
 use crate::{NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner with evenly spaced beams.
@@ -334,14 +335,13 @@ impl LaserScanner {
         )
     }
 
-    #[allow(clippy::type_complexity, reason = "the form that pickle needs")]
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, pyo3::types::PyDict>)> {
-        let keywords = pyo3::types::PyDict::new(py);
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
         keywords.set_item("fov", self.fov())?;
         keywords.set_item("beam_count", self.beam_count())?;
         keywords.set_item("min_range", self.min_range())?;
         keywords.set_item("max_range", self.max_range())?;
         keywords.set_item("mount", self.mount())?;
-        Ok(((), keywords))
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -68,3 +69,34 @@ def test_invalid_steps_are_rejected(post: mrs.OccupancyGrid) -> None:
         mrs.clearance(post, DISC, (0, 0, 0), limit=0.0)
     with pytest.raises(TypeError):
         mrs.touches(post, "disc", (0, 0, 0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"point": (math.nan, 0.0)}, "point x must be finite, got NaN"),
+        ({"normal": (1.0, 0.1)}, "length of normal must be at most 1, got 1.00"),
+        ({"fraction": 1.5}, "fraction must be in 0..1, got 1.5"),
+        ({"obstacle": -1}, "obstacle must be at least 0, got -1"),
+    ],
+)
+def test_a_contact_can_be_made_of_its_numbers(changed: dict[str, Any], message: str) -> None:
+    numbers: dict[str, Any] = {"point": (2.0, 2.5), "normal": (-1.0, 0.0), "fraction": 0.5, "obstacle": 1}
+    contact = mrs.Contact(**numbers)
+    assert {name: getattr(contact, name) for name in numbers} == numbers
+    with pytest.raises(ValueError, match=message):
+        mrs.Contact(**numbers | changed)
+
+
+def test_every_contact_can_be_made_anew(post: mrs.OccupancyGrid) -> None:
+    outlines = [DISC, mrs.Shape.rectangle(0.7, 0.3), mrs.Shape.polygon([(0.5, 0.0), (-0.3, 0.4), (-0.1, -0.4)])]
+    obstacles = [(mrs.Shape.disc(0.4), (1.0, 1.0, 0.0))]
+    found = 0
+    for number in range(600):
+        start, twist = (number % 17 / 4, number % 19 / 4, number / 7), (1.0, number % 5 / 5, number % 3 - 1.0)
+        _, contact = mrs.advance(post, outlines[number % 3], start, twist, 2.0, mode="report", obstacles=obstacles)
+        if contact is not None:
+            found += 1
+            names = ("point", "normal", "fraction", "obstacle")
+            assert mrs.Contact(**{name: getattr(contact, name) for name in names}) == contact
+    assert found > 200

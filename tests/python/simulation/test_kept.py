@@ -89,3 +89,16 @@ def test_objects_added_later_are_no_longer_kept():
     kept.add(copied)
     kept.restore(state)
     assert kept.save() == ()
+
+
+def test_a_kept_object_may_hold_any_value_of_the_core():
+    class Bumper:
+        def __init__(self) -> None:
+            self.contact = mrs.Contact(point=(1.0, 2.0), normal=(0.0, 1.0), fraction=0.5)
+
+    sim = small_room()
+    bumper = sim.keep(Bumper())
+    first, state = bumper.contact, sim.save()
+    bumper.contact = mrs.Contact(point=(3.0, 2.0), normal=(1.0, 0.0), fraction=0.25)
+    sim.restore(state)
+    assert bumper.contact == first
