@@ -1,6 +1,5 @@
 //! Batches: sharing the work between threads, and checking that all rows are finite.
 
-use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -12,10 +11,18 @@ use crate::error::Error;
 /// Largest number of threads that a caller may ask for.
 pub const MAX_THREADS: usize = 1024;
 
-/// Thread pools started so far, by process and number of threads.
-///
-/// The process is part of the key because a forked process inherits the memory of its parent, but none of its threads.
-static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+/// Number of thread pools that are kept for later calls.
+const MAX_POOLS: usize = 4;
+
+/// The thread pools that were used last, each with another number of threads.
+static POOLS: Mutex<Pools> = Mutex::new(Pools { process: 0, last_used: Vec::new() });
+
+struct Pools {
+    /// The process that started the threads. A forked process inherits the memory of its parent, but none of its threads.
+    process: u32,
+    /// At most [`MAX_POOLS`] pools, the most recently used one at the end.
+    last_used: Vec<Arc<ThreadPool>>,
+}
 
 /// Smallest batch, in elements, that is shared between threads.
 const MIN_SHARED: usize = 4096;
@@ -106,15 +113,25 @@ fn pool_for(threads: Option<usize>, elements: usize) -> Result<Option<Arc<Thread
     }
 }
 
+/// Returns a pool of this many threads. A pool that is not kept any longer ends with the last call that uses it.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    let key = (std::process::id(), threads);
-    if let Some(pool) = pools.get(&key) {
-        return Ok(Arc::clone(pool));
+    let process = std::process::id();
+    if pools.process != process {
+        // To end a pool is to talk to its threads, which do not exist here.
+        std::mem::forget(std::mem::take(&mut pools.last_used));
+        pools.process = process;
     }
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    let pool = builder.build().map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
-    let pool = Arc::new(pool);
-    pools.insert(key, Arc::clone(&pool));
-    Ok(pool)
+    let pools = &mut pools.last_used;
+    if let Some(index) = pools.iter().position(|pool| pool.current_num_threads() == threads) {
+        pools[index..].rotate_left(1);
+    } else {
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = builder.build().map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
+        if pools.len() == MAX_POOLS {
+            pools.remove(0);
+        }
+        pools.push(Arc::new(pool));
+    }
+    Ok(Arc::clone(&pools[pools.len() - 1]))
 }
