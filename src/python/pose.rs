@@ -225,7 +225,7 @@ impl Pose {
 }
 
 impl Pose {
-    fn to_tuple<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+    fn to_tuple(self, py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
         PyTuple::new(py, self.0.to_array())
     }
 }
