@@ -76,7 +76,9 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     }
     let needed =
         |_| PyTypeError::new_err(format!("{name} must be an (N, 2) array or number pairs, got {}", type_name(value)));
-    value.extract().map_err(needed)
+    // Not extracted as a vector, which would trust a length that the object only claims to have.
+    let pairs = value.len().and_then(|_| value.try_iter()).map_err(needed)?;
+    pairs.map(|pair| pair?.extract().map_err(PyErr::from)).collect::<PyResult<_>>().map_err(needed)
 }
 
 /// Largest number of dimensions that arrays can have here. NumPy allows 64.
