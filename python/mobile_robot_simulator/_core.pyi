@@ -1,4 +1,5 @@
 from collections.abc import Iterable, Iterator, Sequence
+from math import inf
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
@@ -234,7 +235,11 @@ class RandomStream:
 @final
 class Limits:
     def __new__(
-        cls, *, velocity: _TwistLike = ..., acceleration: _TwistLike = ..., deceleration: _TwistLike = ...
+        cls,
+        *,
+        velocity: _TwistLike = (inf, inf, inf),
+        acceleration: _TwistLike = (inf, inf, inf),
+        deceleration: _TwistLike = (inf, inf, inf),
     ) -> Self: ...
     @property
     def velocity(self) -> tuple[float, float, float]: ...

@@ -36,12 +36,17 @@ const NONE: crate::Limits = crate::Limits::NONE;
 #[pymethods]
 impl Limits {
     #[new]
-    #[pyo3(signature = (
-        *,
-        velocity = NONE.velocity(),
-        acceleration = NONE.acceleration(),
-        deceleration = NONE.deceleration(),
-    ))]
+    // The text shows the defaults in `help()`. It is an expression that Python can evaluate; a test compares the values.
+    #[pyo3(
+        text_signature = "(*, velocity=(1e999, 1e999, 1e999), acceleration=(1e999, 1e999, 1e999), \
+                          deceleration=(1e999, 1e999, 1e999))",
+        signature = (
+            *,
+            velocity = NONE.velocity(),
+            acceleration = NONE.acceleration(),
+            deceleration = NONE.deceleration(),
+        )
+    )]
     fn new(velocity: [f64; 3], acceleration: [f64; 3], deceleration: [f64; 3]) -> PyResult<Self> {
         Ok(Self(crate::Limits::new(velocity, acceleration, deceleration)?))
     }

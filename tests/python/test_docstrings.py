@@ -64,6 +64,7 @@ def test_every_parameter_is_described(name: str) -> None:
     [
         _core.BeamModel(),
         _core.LaserScanner(),
+        _core.Limits(),
         _core.MotionNoise(),
         _core.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0),
         _core.Pose(),
