@@ -16,16 +16,19 @@ from mobile_robot_simulator.testing.ros_messages import generated_packages, regi
 from simulations import small_room
 
 with stand_in(
-    {"my_msgs/msg/Speeds": "float64 left\nfloat64 right\nuint8 FAST=3", "my_msgs/srv/Ask": "string a\n---\nbool b"}
+    {
+        "test_msgs_of_ours/msg/Speeds": "float64 left\nfloat64 right\nuint8 FAST=3",
+        "test_msgs_of_ours/srv/Ask": "string a\n---\nbool b",
+    }
 ):
     from diagnostic_msgs.msg import DiagnosticStatus
     from geometry_msgs.msg import Pose, PoseArray, PoseStamped
-    from my_msgs.msg import Speeds
-    from my_msgs.srv import Ask
     from nav_msgs.msg import Path
     from sensor_msgs.msg import Image, Imu, JointState, LaserScan
     from std_msgs.msg import Bool, Float64, Header
     from std_srvs.srv import Empty, SetBool
+    from test_msgs_of_ours.msg import Speeds
+    from test_msgs_of_ours.srv import Ask
     from visualization_msgs.msg import Marker, MarkerArray
 
 MESSAGES = [
@@ -119,11 +122,11 @@ def test_a_service_of_a_generated_type_answers():
     ("definitions", "message"),
     [
         ({"Speeds": "float64 left"}, "a ROS type is package/msg/Name"),
-        ({"my_msgs/msg/Speeds": "float64 other"}, "already has another definition"),
+        ({"test_msgs_of_ours/msg/Speeds": "float64 other"}, "already has another definition"),
         ({"std_msgs/msg/Bool": "bool data"}, "common type"),
-        ({"my_msgs/msg/Bad": "float64 3x"}, "wrong definition of my_msgs/msg/Bad"),
-        ({"my_msgs/msg/Lost": "my_msgs/Nowhere x"}, "my_msgs/msg/Nowhere has no definition"),
-        ({"my_msgs/srv/Half": "float64 x"}, "one line '---'"),
+        ({"test_msgs_of_ours/msg/Bad": "float64 3x"}, "wrong definition of test_msgs_of_ours/msg/Bad"),
+        ({"test_msgs_of_ours/msg/Lost": "test_msgs_of_ours/Nowhere x"}, "test_msgs_of_ours/msg/Nowhere has no definition"),
+        ({"test_msgs_of_ours/srv/Half": "float64 x"}, "one line '---'"),
     ],
 )
 def test_a_wrong_definition_is_refused(definitions, message):
@@ -141,4 +144,4 @@ def test_without_rosbags_the_simulators_own_messages_are_left(monkeypatch):
             from geometry_msgs.msg import PoseStamped  # noqa: F401
     assert Twist is mrs.messages.Twist
     with pytest.raises(ImportError):
-        register_definitions({"my_msgs/msg/Other": "float64 x"})
+        register_definitions({"test_msgs_of_ours/msg/Other": "float64 x"})
