@@ -56,7 +56,7 @@ fn build(grid: &OccupancyGrid) -> f64 {
     let times = (0..TURNS).map(|_| {
         let grid = OccupancyGrid::new(grid.cells().to_vec(), grid.width(), grid.options()).expect("a grid");
         let start = Instant::now();
-        grid.prepare(Some(1));
+        grid.prepare(Some(1)).expect("enough memory");
         start.elapsed().as_secs_f64()
     });
     median(times.collect()) * 1e9 / grid.cells().len() as f64

@@ -3,6 +3,7 @@
 use rand::{Rng, RngExt};
 
 use crate::error::{Error, check_finite, check_number};
+use crate::memory;
 use crate::numeric::{GROUP, normal};
 use crate::random::BeamBits;
 
@@ -230,7 +231,12 @@ impl BeamModel {
             }
             Ok(self.likelihood(reading.into(), (range < max).then_some(range), max))
         };
-        readings.into_iter().zip(ranges).map(each).collect()
+        let pairs = readings.into_iter().zip(ranges);
+        let mut likelihoods = memory::with_room("the likelihoods", pairs.size_hint().0)?;
+        for pair in pairs {
+            memory::push("the likelihoods", &mut likelihoods, each(pair)?)?;
+        }
+        Ok(likelihoods)
     }
 }
 

@@ -110,6 +110,14 @@ pub enum Error {
         /// Names of the kernels that can run.
         available: String,
     },
+    /// Memory that the system does not have.
+    #[error("not enough memory for {what}, which need {bytes} bytes")]
+    Memory {
+        /// What the memory is for.
+        what: &'static str,
+        /// Number of bytes needed.
+        bytes: usize,
+    },
     /// Threads that the operating system did not start.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

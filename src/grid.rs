@@ -11,7 +11,8 @@ use rand::RngExt;
 use crate::batch::{for_each_chunk, is_pool_thread};
 use crate::error::{Error, check_finite, check_number};
 use crate::free_area::{Distances, FreeArea, FreeAreas, largest_radius};
-use crate::free_boxes::FreeBoxes;
+use crate::free_boxes::{FreeBoxes, Room};
+use crate::memory;
 use crate::pose::Pose;
 use crate::random;
 
@@ -81,7 +82,7 @@ pub struct GridOptions {
 /// assert!(!grid.is_blocking(Cell { col: 2, row: 1 }));
 /// # Ok::<(), mobile_robot_simulator::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct OccupancyGrid {
     cells: Vec<i8>,
     width: usize,
@@ -185,21 +186,44 @@ impl OccupancyGrid {
     ///
     /// All kernels except the plain traversal need them. Without this call, the first cast builds them. They take 8 bytes
     /// per cell.
-    pub fn prepare(&self, threads: Option<usize>) {
-        self.free_boxes_by(threads);
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn prepare(&self, threads: Option<usize>) -> Result<(), Error> {
+        self.free_boxes_by(threads).map(|_| ())
+    }
+
+    /// Returns a copy of the grid with all that was built for it.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn try_clone(&self) -> Result<Self, Error> {
+        let free_boxes = OnceLock::new();
+        if let Some(built) = self.free_boxes.get() {
+            let _ = free_boxes.set(built.try_clone()?);
+        }
+        let cells = memory::collected("the cells of the grid", self.cells.iter().copied())?;
+        Ok(Self { cells, free_boxes, free_areas: self.free_areas.clone(), ..*self })
     }
 
     /// Returns the free boxes of the cells; the first call builds them on all cores.
+    ///
+    /// # Panics
+    /// If there is not enough memory to build them. After [`prepare`](Self::prepare) they are there.
     pub(crate) fn free_boxes(&self) -> &FreeBoxes {
-        self.free_boxes_by(None)
+        self.free_boxes_by(None).expect("enough memory")
     }
 
-    fn free_boxes_by(&self, threads: Option<usize>) -> &FreeBoxes {
+    fn free_boxes_by(&self, threads: Option<usize>) -> Result<&FreeBoxes, Error> {
+        if let Some(built) = self.free_boxes.get() {
+            return Ok(built);
+        }
+        let room = Room::new(self.cells.len(), self.width)?;
         let blocks = |&value: &i8| self.options.blocks(value);
         // A pool thread must not wait for other threads here. While it waits, it could start a task that needs these free
         // boxes: a deadlock.
         let threads = if is_pool_thread() { Some(1) } else { threads };
-        self.free_boxes.get_or_init(|| FreeBoxes::new(&self.cells, self.width, threads, blocks))
+        Ok(self.free_boxes.get_or_init(|| FreeBoxes::new(room, &self.cells, threads, blocks)))
     }
 
     /// Returns true if the free boxes exist.
@@ -236,7 +260,10 @@ impl OccupancyGrid {
         self.free_areas = FreeAreas::default();
         if let Some(free_boxes) = self.free_boxes.get_mut() {
             let region = (corner.col..corner.col + width, corner.row..corner.row + height);
-            free_boxes.update(&self.cells, region, |&value| self.options.blocks(value));
+            if free_boxes.update(&self.cells, region, |&value| self.options.blocks(value)).is_err() {
+                // There is no memory for it, so the next cast builds them anew.
+                self.free_boxes = OnceLock::new();
+            }
         }
         Ok(())
     }
@@ -374,6 +401,7 @@ impl OccupancyGrid {
     /// # Errors
     /// - [`Error::NoFreePlace`]: these points have no area, or are nowhere wider than about 1/2000 of a cell.
     /// - [`Error::Number`]: a radius that is not finite or negative.
+    /// - [`Error::Memory`]: there is not enough memory.
     /// - [`Error::Count`]: `threads` is 0 or more than 1024.
     /// - [`Error::Threads`]: the system could not start the threads.
     pub fn draw_free_poses(
@@ -391,15 +419,16 @@ impl OccupancyGrid {
         check_radius(radius)?;
         let is_known_free = |index: usize| self.cells[index] >= 0 && !self.options.blocks(self.cells[index]);
         let build = || Distances::new(&self.cells, self.width, |&value| self.options.blocks(value));
-        let distances = self.free_areas.distances(build);
+        let distances = self.free_areas.distances(build)?;
         let in_cells = radius / self.resolution();
         let build = || FreeArea::new(&distances, in_cells, self.rounding_of_cells(), is_known_free);
         let no_place = || {
             // Whole micrometres, rounded down, are easy to read.
             let round = |cells: f64| (cells * self.resolution() * 1e6).floor() / 1e6;
-            Error::NoFreePlace { radius, largest: largest_radius(&distances, is_known_free).map(round) }
+            largest_radius(&distances, is_known_free)
+                .map_or_else(|error| error, |largest| Error::NoFreePlace { radius, largest: largest.map(round) })
         };
-        let area = self.free_areas.area(in_cells, build).ok_or_else(no_place)?;
+        let area = self.free_areas.area(in_cells, build)?.ok_or_else(no_place)?;
         let Pose { position: origin, .. } = self.options.origin;
         let map_from_grid = DVec2::new(self.grid_from_map.x, -self.grid_from_map.y) * self.resolution();
         let to_map = |at: DVec2| origin + map_from_grid.rotate(at);
@@ -604,7 +633,7 @@ mod tests {
     #[test]
     fn setting_cells_updates_the_free_boxes() {
         let mut grid = grid(&[0; 12], 4, OPTIONS);
-        grid.prepare(Some(1));
+        grid.prepare(Some(1)).expect("enough memory");
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
         let rebuilt = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");

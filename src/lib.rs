@@ -53,6 +53,7 @@ mod error;
 mod free_area;
 mod free_boxes;
 mod grid;
+mod memory;
 mod motion;
 mod numeric;
 mod obstacles;

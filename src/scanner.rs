@@ -8,6 +8,7 @@ use glam::DVec2;
 use crate::batch::{check_rows, for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
 use crate::error::{Error, check_finite, check_number};
+use crate::memory;
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Spread, View};
 use crate::pose::Pose;
@@ -124,7 +125,8 @@ impl LaserScanner {
         let gaps = if (fov - TAU).abs() < FULL_TURN_TOLERANCE { beam_count } else { beam_count - 1 };
         let (angle_min, angle_increment) = if beam_count == 1 { (0.0, 0.0) } else { (-0.5 * fov, fov / gaps as f64) };
         let groups = beam_count.div_ceil(GROUP);
-        let (mut cos, mut sin) = (vec![[1.0; GROUP]; groups], vec![[0.0; GROUP]; groups]);
+        let (mut cos, mut sin) =
+            (memory::filled("the beams", [1.0; GROUP], groups)?, memory::filled("the beams", [0.0; GROUP], groups)?);
         for beam in 0..beam_count {
             let (group, place) = (beam / GROUP, beam % GROUP);
             (sin[group][place], cos[group][place]) = libm::sincos(angle_min + beam as f64 * angle_increment);
@@ -203,7 +205,9 @@ impl LaserScanner {
         map_from_base.checked()?;
         let (world, max_range) = (world.into(), self.options.max_range);
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
-        self.cast(self.caster(world)?, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }));
+        let caster = self.caster(world)?;
+        caster.prepare(None)?;
+        self.cast(caster, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }));
         Ok(())
     }
 
@@ -237,7 +241,7 @@ impl LaserScanner {
         }
         let max_range = self.options.max_range;
         let caster = self.caster(world)?;
-        caster.prepare(threads);
+        caster.prepare(threads)?;
         let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
@@ -309,7 +313,9 @@ impl LaserScanner {
         let point = |(&reading, (&cos, &sin)): (&f32, (&f64, &f64))| {
             map_from_laser.transform_point(DVec2::new(cos, sin) * f64::from(reading)).to_array()
         };
-        Ok(returns.map(point).collect())
+        let mut points = memory::with_room("the end points", returns.clone().count())?;
+        points.extend(returns.map(point));
+        Ok(points)
     }
 
     /// Returns the same scanner, but casting with `kernel`, regardless of the environment. All kernels give the same ranges.

@@ -2,6 +2,9 @@
 
 use glam::DVec2;
 
+use crate::error::Error;
+use crate::memory;
+
 /// Marks a row without blocking cells to that side. A side of a grid is shorter than this.
 const NONE: u16 = u16::MAX;
 
@@ -24,15 +27,19 @@ impl Distances {
     ///
     /// Method: Felzenszwalb & Huttenlocher, *Distance Transforms of Sampled Functions*, 2012: distances along the rows, then
     /// for each column the lower envelope of one parabola per row.
-    pub fn new<T>(cells: &[T], width: usize, blocks: impl Fn(&T) -> bool) -> Self {
-        let mut in_row = vec![[NONE; 2]; cells.len()];
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn new<T>(cells: &[T], width: usize, blocks: impl Fn(&T) -> bool) -> Result<Self, Error> {
+        const TABLE: &str = "the distances of the grid";
+        let mut in_row = memory::filled(TABLE, [NONE; 2], cells.len())?;
         for (cells, in_row) in cells.chunks_exact(width).zip(in_row.chunks_exact_mut(width)) {
             fill_row(cells, in_row, &blocks);
         }
         let height = cells.len() / width;
-        let mut between_centers = vec![f32::INFINITY; cells.len()];
-        let mut columns = vec![0.0; COLUMNS * height];
-        let mut envelope = Vec::with_capacity(height);
+        let mut between_centers = memory::filled(TABLE, f32::INFINITY, cells.len())?;
+        let mut columns = memory::filled(TABLE, 0.0, COLUMNS * height)?;
+        let mut envelope = memory::with_room(TABLE, height)?;
         for first in (0..width).step_by(COLUMNS) {
             let count = COLUMNS.min(width - first);
             for (row, in_row) in in_row.chunks_exact(width).enumerate() {
@@ -51,7 +58,7 @@ impl Distances {
                 }
             }
         }
-        Self { width, in_row, between_centers }
+        Ok(Self { width, in_row, between_centers })
     }
 
     /// Returns the number of columns.
@@ -168,7 +175,7 @@ mod tests {
     #[test]
     fn distances_between_cells_are_those_to_the_nearest_blocking_one() {
         for grid in grids() {
-            let distances = Distances::new(&grid.0, grid.1, |&blocks| blocks);
+            let distances = Distances::new(&grid.0, grid.1, |&blocks| blocks).expect("enough memory");
             let blocking = blocking_cells(&grid);
             for (index, &found) in distances.between_centers().iter().enumerate() {
                 let cell = DVec2::new((index % grid.1) as f64, (index / grid.1) as f64);
@@ -182,7 +189,7 @@ mod tests {
     fn the_clearance_of_a_point_is_its_distance_to_the_nearest_square() {
         let mut stream = random::stream(4, 0);
         for grid in grids() {
-            let distances = Distances::new(&grid.0, grid.1, |&blocks| blocks);
+            let distances = Distances::new(&grid.0, grid.1, |&blocks| blocks).expect("enough memory");
             let blocking = blocking_cells(&grid);
             for _ in 0..200 {
                 let size = DVec2::new(grid.1 as f64, (grid.0.len() / grid.1) as f64);

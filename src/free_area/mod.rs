@@ -12,8 +12,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec2;
 use rand::Rng;
 
+use crate::error::Error;
+use crate::memory;
+
 pub use distances::Distances;
 use runs::Runs;
+
+/// What the memory is for, in errors.
+const PLACES: &str = "the free places of the grid";
 
 /// Smallest side of a square is 2 to the power of minus this.
 const MAX_LEVEL: usize = 12;
@@ -84,26 +90,30 @@ struct Built {
 
 impl FreeAreas {
     /// Returns the distances; builds them if they are not built yet.
-    pub fn distances(&self, build: impl FnOnce() -> Distances) -> Arc<Distances> {
+    pub fn distances(&self, build: impl FnOnce() -> Result<Distances, Error>) -> Result<Arc<Distances>, Error> {
         if let Some(distances) = self.built().distances {
-            return distances;
+            return Ok(distances);
         }
         // The lock is not held meanwhile. Two threads may build the same distances.
-        let distances = Arc::new(build());
+        let distances = Arc::new(build()?);
         self.change(|built| built.distances = Some(Arc::clone(&distances)));
-        distances
+        Ok(distances)
     }
 
     /// Returns the free area for this radius; builds it if another radius was asked for last.
-    pub fn area(&self, radius: f64, build: impl FnOnce() -> Option<FreeArea>) -> Option<Arc<FreeArea>> {
+    pub fn area(
+        &self,
+        radius: f64,
+        build: impl FnOnce() -> Result<Option<FreeArea>, Error>,
+    ) -> Result<Option<Arc<FreeArea>>, Error> {
         if let Some(area) = self.built().area
             && area.radius == radius
         {
-            return Some(area);
+            return Ok(Some(area));
         }
-        let area = Arc::new(build()?);
+        let Some(area) = build()?.map(Arc::new) else { return Ok(None) };
         self.change(|built| built.area = Some(Arc::clone(&area)));
-        Some(area)
+        Ok(Some(area))
     }
 
     fn built(&self) -> Built {
@@ -126,9 +136,17 @@ impl FreeArea {
     ///
     /// `is_known_free` tells for each cell, by its index, whether a point in it may be drawn. `slack` is a bound on the
     /// rounding errors of points. Cost: linear in the number of cells.
-    pub fn new(distances: &Distances, radius: f64, slack: f64, is_known_free: impl Fn(usize) -> bool) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn new(
+        distances: &Distances,
+        radius: f64,
+        slack: f64,
+        is_known_free: impl Fn(usize) -> bool,
+    ) -> Result<Option<Self>, Error> {
         let (width, centers) = (distances.width(), distances.between_centers());
-        let mut split = Vec::new();
+        let (mut split, mut stored) = (Vec::new(), Ok(()));
         let is_whole = |&(index, &between): &(usize, &f32)| {
             let between = f64::from(between);
             // No point of a cell is farther from a blocking cell than the two centres are.
@@ -137,11 +155,12 @@ impl FreeArea {
             }
             let is_free = radius == 0.0 || between * (1.0 - ROUNDING) - SQRT_2 >= radius + slack;
             if !is_free {
-                split.push(Square::cell(index, width));
+                stored = stored.clone().and(memory::push(PLACES, &mut split, Square::cell(index, width)));
             }
             is_free
         };
-        let cells = Runs::new(centers.iter().enumerate().filter(is_whole).map(|(index, _)| index as u32));
+        let cells = Runs::new(centers.iter().enumerate().filter(is_whole).map(|(index, _)| index as u32))?;
+        stored?;
         let (mut squares, mut level, mut area) = (Vec::new(), 0, f64::from(cells.len()));
         let max_split = MAX_SPLIT.max(centers.len());
         while level < MAX_LEVEL && split.len() <= max_split {
@@ -156,9 +175,9 @@ impl FreeArea {
                 let far = radius + half_diagonal + slack;
                 let clearance = distances.clearance(square.center(level), far);
                 if clearance >= far {
-                    whole.push(square);
+                    memory::push(PLACES, &mut whole, square)?;
                 } else if clearance >= radius - half_diagonal - slack {
-                    partly.push(square);
+                    memory::push(PLACES, &mut partly, square)?;
                 }
             }
             area += whole.len() as f64 * 0.25 * side * side;
@@ -166,12 +185,12 @@ impl FreeArea {
             split = partly;
         }
         if area == 0.0 && (level == MAX_LEVEL || split.is_empty()) {
-            return None;
+            return Ok(None);
         }
         let units = |(index, squares): (usize, &Vec<Square>)| (squares.len() as u64) << (2 * (level - 1 - index));
         let whole = (u64::from(cells.len()) << (2 * level)) + squares.iter().enumerate().map(units).sum::<u64>();
         let count = whole + split.len() as u64;
-        Some(Self { radius, slack, width, cells, squares, tested: split, count })
+        Ok(Some(Self { radius, slack, width, cells, squares, tested: split, count }))
     }
 
     /// Draws a point uniformly from the free area; `None` if the area is so small that no draw finds it.
@@ -233,7 +252,10 @@ impl FreeArea {
 /// Returns a radius that is free somewhere, nearly the largest one; `None` if no cell is known to be free.
 ///
 /// Method: branch and bound. Within a square the clearance differs from that of its centre by at most half of the diagonal.
-pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bool) -> Option<f64> {
+///
+/// # Errors
+/// [`Error::Memory`]: there is not enough memory.
+pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bool) -> Result<Option<f64>, Error> {
     /// The search ends when a larger radius could be larger by at most this.
     const PRECISION: f64 = 0.01;
     /// Largest number of squares to look at.
@@ -242,11 +264,15 @@ pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bo
     let cell = |index| Square::cell(index, width);
     let clearance = |square: Square, level: usize| distances.clearance(square.center(level), f64::INFINITY);
     let known = || (0..centers.len()).filter(|&index| is_known_free(index));
-    let farthest = known().max_by(|&a, &b| centers[a].total_cmp(&centers[b]))?;
+    let Some(farthest) = known().max_by(|&a, &b| centers[a].total_cmp(&centers[b])) else { return Ok(None) };
     let mut best = clearance(cell(farthest), 0);
     // Distances that are not negative are in the order of their bits.
     let hopeful = known().filter(|&index| f64::from(centers[index]) > best);
-    let mut queue: BinaryHeap<_> = hopeful.map(|index| (f64::from(centers[index]).to_bits(), 0, cell(index))).collect();
+    let mut queue = Vec::new();
+    for index in hopeful {
+        memory::push(PLACES, &mut queue, (f64::from(centers[index]).to_bits(), 0, cell(index)))?;
+    }
+    let mut queue = BinaryHeap::from(queue);
     for _ in 0..MAX_SQUARES {
         let Some((bound, level, square)) = queue.pop() else { break };
         if f64::from_bits(bound) <= best + PRECISION || level == MAX_LEVEL {
@@ -259,7 +285,7 @@ pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bo
         }
     }
     // A disc of exactly the largest radius fits at a single point. A little less leaves room to draw from.
-    Some((best - 2.0 * side(MAX_LEVEL)).max(0.0))
+    Ok(Some((best - 2.0 * side(MAX_LEVEL)).max(0.0)))
 }
 
 impl Square {

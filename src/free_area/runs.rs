@@ -1,5 +1,9 @@
 //! A set of cells, stored as runs of successive ones.
 
+use super::PLACES;
+use crate::error::Error;
+use crate::memory;
+
 /// Cells in increasing order, as runs, with a table to find the run of the n-th cell.
 #[derive(Debug, Default)]
 pub struct Runs {
@@ -20,11 +24,14 @@ struct Run {
 
 impl Runs {
     /// Returns the set of these cells, given by their indices in increasing order.
-    pub fn new(cells: impl Iterator<Item = u32>) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn new(cells: impl Iterator<Item = u32>) -> Result<Self, Error> {
         let (mut runs, mut count) = (Vec::<Run>::new(), 0);
         for cell in cells {
             if runs.last().is_none_or(|run| cell - run.cell != count - run.before) {
-                runs.push(Run { before: count, cell });
+                memory::push(PLACES, &mut runs, Run { before: count, cell })?;
             }
             count += 1;
         }
@@ -37,8 +44,8 @@ impl Runs {
             }
             run as u32
         };
-        let table = (0..count.div_ceil(1 << shift)).map(first_run).collect();
-        Self { all: runs, count, table, shift }
+        let table = memory::collected(PLACES, (0..count.div_ceil(1 << shift)).map(first_run))?;
+        Ok(Self { all: runs, count, table, shift })
     }
 
     /// Returns the number of cells.
@@ -69,7 +76,7 @@ mod tests {
             }];
         for is_in in sets {
             let cells: Vec<u32> = (0..1000).filter(|cell| is_in(cell)).collect();
-            let runs = Runs::new(cells.iter().copied());
+            let runs = Runs::new(cells.iter().copied()).expect("enough memory");
             assert_eq!(runs.len() as usize, cells.len());
             assert!((0..runs.len()).map(|number| runs.get(number)).eq(cells));
         }

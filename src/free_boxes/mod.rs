@@ -10,6 +10,8 @@ pub use sector::{Mirror, Sector};
 use crate::batch;
 use pages::Pages;
 
+use crate::error::Error;
+
 /// Length of the free box of each cell of a grid, for each [`Sector`] of directions.
 ///
 /// A free box holds no blocking cell. It has the cell in its near corner, extends `length` cells along the major axis of the
@@ -28,7 +30,7 @@ use pages::Pages;
 ///
 /// Each sector has its own plane of lengths, mirrored and swapped like the sector. So every ray moves towards higher columns
 /// and rows of its plane, and cells that a ray visits in turn are close to each other in memory.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct FreeBoxes {
     /// One byte for each cell and sector: plane by plane, row by row.
     lengths: Pages,
@@ -49,21 +51,42 @@ pub fn breadth(length: i32) -> i32 {
     (length + 1) >> 1
 }
 
-impl FreeBoxes {
-    /// Returns the free boxes of a grid with these cells, row by row; `blocks` says which of them block.
+/// What the memory is for, in errors.
+const TABLE: &str = "the free boxes of the grid";
+
+/// Memory for the free boxes of a grid, and for building them.
+pub struct Room {
+    lengths: Pages,
+    by_column: Pages,
+    width: usize,
+}
+
+impl Room {
+    /// Returns memory for a grid of `cells` cells in rows of `width`. The memory is not touched, so this takes no time.
     ///
-    /// Built on `threads` threads (default: all cores). A first, single-threaded pass needs one extra byte per cell.
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
     ///
     /// # Panics
     /// If there are no cells, or if their number is not a multiple of `width`.
+    pub fn new(cells: usize, width: usize) -> Result<Self, Error> {
+        assert!(cells > 0 && cells.is_multiple_of(width), "{cells} cells in rows of {width}");
+        let lengths = Pages::zeroed(TABLE, Sector::COUNT * (width + 2) * (cells / width + 2))?;
+        Ok(Self { lengths, by_column: Pages::zeroed(TABLE, cells)?, width })
+    }
+}
+
+impl FreeBoxes {
+    /// Returns the free boxes of a grid with these cells, row by row; `blocks` says which of them block.
+    ///
+    /// Built on `threads` threads (default: all cores), after a first, single-threaded pass.
     #[must_use]
-    pub fn new<T: Sync>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> Self {
-        assert!(!cells.is_empty() && cells.len().is_multiple_of(width), "{} cells in rows of {width}", cells.len());
+    pub fn new<T: Sync>(room: Room, cells: &[T], threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> Self {
+        let Room { mut lengths, by_column, width } = room;
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
-        let mut lengths = Pages::zeroed(Sector::COUNT * plane);
-        let shape = Self { lengths: Pages::zeroed(0), width, height };
-        let free = FreeCells::new(cells, width, (0..width, 0..height), blocks);
+        let shape = Self { lengths: Pages::empty(), width, height };
+        let free = FreeCells::new(cells, width, (0..width, 0..height), blocks, by_column);
         let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
         if batch::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
             // The system cannot start threads, so the calling thread does the work.
@@ -72,16 +95,29 @@ impl FreeBoxes {
         Self { lengths, ..shape }
     }
 
+    /// Returns a copy.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn try_clone(&self) -> Result<Self, Error> {
+        Ok(Self { lengths: self.lengths.try_clone(TABLE)?, ..*self })
+    }
+
     /// Rebuilds the lengths that depend on the cells of a region. Takes all cells of the grid, like [`new`](Self::new).
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory. The lengths are unchanged.
     ///
     /// # Panics
     /// If the region is not on the grid.
-    pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) {
-        let shape = Self { lengths: Pages::zeroed(0), ..*self };
-        let free = FreeCells::new(cells, self.width, region, blocks);
+    pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) -> Result<(), Error> {
+        let shape = Self { lengths: Pages::empty(), ..*self };
+        let by_column = Pages::zeroed(TABLE, region.0.len() * region.1.len())?;
+        let free = FreeCells::new(cells, self.width, region, blocks, by_column);
         for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
             shape.fill(sector, lengths, &free);
         }
+        Ok(())
     }
 
     /// Fills the part of a sector's plane that depends on the cells of a region.
@@ -168,15 +204,14 @@ struct FreeCells<'a, T, F> {
     region: Region,
     blocks: F,
     /// 1 for each free cell of the region and 0 for the others, column by column.
-    by_column: Vec<u8>,
+    by_column: Pages,
 }
 
 impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
-    fn new(cells: &'a [T], width: usize, region: Region, blocks: F) -> Self {
+    fn new(cells: &'a [T], width: usize, region: Region, blocks: F, mut by_column: Pages) -> Self {
         // A square of this side fits in the cache, whether it is read by row or by column.
         const TILE: usize = 64;
         let height = region.1.len();
-        let mut by_column = vec![0; region.0.len() * height];
         for first_row in (0..height).step_by(TILE) {
             for first_col in region.0.clone().step_by(TILE) {
                 for col in first_col..(first_col + TILE).min(region.0.end) {
@@ -258,6 +293,10 @@ impl RowFiller {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn built<T: Sync>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> FreeBoxes {
+        FreeBoxes::new(Room::new(cells.len(), width).expect("enough memory"), cells, threads, blocks)
+    }
     use crate::random;
     use rand::Rng;
 
@@ -286,7 +325,7 @@ mod tests {
         let mut stream = random::stream(1, 0);
         for (width, height, one_in) in [(1, 1, 2), (1, 9, 4), (13, 1, 4), (17, 12, 3), (23, 31, 20), (40, 25, 400)] {
             let blocking: Vec<bool> = (0..width * height).map(|_| stream.next_u64().is_multiple_of(one_in)).collect();
-            let free_boxes = FreeBoxes::new(&blocking, width, Some(1), |blocks| *blocks);
+            let free_boxes = built(&blocking, width, Some(1), |blocks| *blocks);
             for (sector, cell, length) in boxes(&free_boxes) {
                 let blocked = |length| is_blocked(&blocking, width, cell, sector, length);
                 assert!(!blocked(length), "{width}x{height} {cell:?} {sector:?}: {length} is too long");
@@ -323,7 +362,7 @@ mod tests {
 
     #[test]
     fn lengths_end_at_the_longest_box() {
-        let free_boxes = FreeBoxes::new(&[(); 90_000], 300, Some(1), |()| false);
+        let free_boxes = built(&[(); 90_000], 300, Some(1), |()| false);
         for sector in Sector::all() {
             let corner = |back: bool| if back { 299 } else { 0 };
             assert_eq!(
@@ -336,7 +375,7 @@ mod tests {
 
     #[test]
     fn the_border_stops_every_sector() {
-        let free_boxes = FreeBoxes::new(&[(); 6], 3, Some(1), |()| false);
+        let free_boxes = built(&[(); 6], 3, Some(1), |()| false);
         for (col, row) in [(-1, 0), (3, 1), (0, -1), (2, 2), (-1, -1), (3, 2)] {
             for sector in Sector::all() {
                 assert_eq!(free_boxes.length(col, row, sector), 0);
@@ -350,15 +389,15 @@ mod tests {
         let mut below = |count: usize| stream.next_u64() as usize % count;
         for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
             let mut blocking: Vec<bool> = (0..width * height).map(|_| below(one_in) == 0).collect();
-            let mut free_boxes = FreeBoxes::new(&blocking, width, Some(1), |blocks| *blocks);
+            let mut free_boxes = built(&blocking, width, Some(1), |blocks| *blocks);
             for _ in 0..20 {
                 let (col, row) = (below(width), below(height));
                 let region = (col..col + 1 + below(width - col), row..row + 1 + below(height - row));
                 for row in region.1.clone() {
                     blocking[row * width..][region.0.clone()].fill_with(|| below(one_in) == 0);
                 }
-                free_boxes.update(&blocking, region.clone(), |blocks| *blocks);
-                let rebuilt = FreeBoxes::new(&blocking, width, Some(2), |blocks| *blocks);
+                free_boxes.update(&blocking, region.clone(), |blocks| *blocks).expect("enough memory");
+                let rebuilt = built(&blocking, width, Some(2), |blocks| *blocks);
                 assert!(free_boxes.lengths() == rebuilt.lengths(), "{width}x{height} {region:?}");
             }
         }

@@ -11,6 +11,7 @@ pub use noise::MotionNoise;
 
 use crate::batch::check_rows;
 use crate::error::{Error, check_finite};
+use crate::memory;
 use crate::pose::{Pose, rotate, wrap_angle};
 
 /// Velocity of a robot in its own frame.
@@ -114,7 +115,7 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     check_rows("twists", twists, Some(1))?;
     check_finite("dt", duration)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
-    let reached: Vec<_> = poses.iter().zip(twists).map(step).collect();
+    let reached = memory::collected("the resulting poses", poses.iter().zip(twists).map(step))?;
     check_rows("the resulting poses", &reached, Some(1))?;
     Ok(reached)
 }

@@ -6,12 +6,12 @@ use numpy::{
     Element, IntoPyArray, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods, dtype,
 };
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::Error;
+use crate::{Error, memory};
 
 /// A batch `(N, 3)` of `float64`: the caller's array, or a copy if the array is not in C order.
 pub enum Rows<'py> {
@@ -45,7 +45,8 @@ pub fn rows<'py>(name: &str, value: &Bound<'py, PyAny>, out: Option<&Bound<'py, 
     if count > MAX_COPIED && array.is_c_contiguous() && !may_overlap(array.as_any(), out)? {
         return Ok(Rows::Borrowed(array));
     }
-    Ok(Rows::Copied(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect()))
+    let rows = view.rows().into_iter().map(|row| [row[0], row[1], row[2]]);
+    Ok(Rows::Copied(memory::collected("the rows of an array", rows)?))
 }
 
 fn may_overlap<'py>(array: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<bool> {
@@ -78,7 +79,11 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
         |_| PyTypeError::new_err(format!("{name} must be an (N, 2) array or number pairs, got {}", type_name(value)));
     // Not extracted as a vector, which would trust a length that the object only claims to have.
     let pairs = value.len().and_then(|_| value.try_iter()).map_err(needed)?;
-    pairs.map(|pair| pair?.extract().map_err(PyErr::from)).collect::<PyResult<_>>().map_err(needed)
+    let mut points = Vec::new();
+    for pair in pairs {
+        memory::push("the points", &mut points, pair.and_then(|pair| pair.extract()).map_err(needed)?)?;
+    }
+    Ok(points)
 }
 
 /// Largest number of dimensions that arrays can have here. NumPy allows 64.
@@ -124,6 +129,9 @@ fn base_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
         numpy.call_method1("asarray", (value,))
     };
     let array = array.map_err(|error| {
+        if error.is_instance_of::<PyMemoryError>(value.py()) {
+            return error;
+        }
         // NumPy raises ValueError for rows of different lengths.
         if error.is_instance_of::<PyValueError>(value.py()) {
             PyValueError::new_err(format!("{name} must have rows of equal length, got {}", type_name(value)))

@@ -12,6 +12,7 @@ use super::arrays::{check_out, fill, shape, typed, vector};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
+use crate::memory;
 use crate::{Cell, GridOptions, Unknown};
 
 /// A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
@@ -92,7 +93,7 @@ impl OccupancyGrid {
             Some(value) => whole_number("occupied_threshold", value, "in 1..100")?,
         };
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
-        let cells: Vec<i8> = cells.as_array().iter().copied().collect();
+        let cells = memory::collected("the cells of the grid", cells.as_array().iter().copied())?;
         let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
         Ok(Self { core: Mutex::new(Arc::new(core)), cells: Mutex::new(None) })
     }
@@ -108,7 +109,7 @@ impl OccupancyGrid {
         }
         let core = self.core();
         // The lock is not held meanwhile: a thread that waits for it may be the one that this one waits for.
-        let flat = vector(py, py.detach(|| core.cells().to_vec()));
+        let flat = vector(py, py.detach(|| memory::collected("the cells of the grid", core.cells().iter().copied()))?);
         // Done before the reshape: a view of a writeable array could be made writeable again.
         flat.readwrite().make_nonwriteable();
         let array = flat.reshape([core.height(), core.width()])?;
@@ -150,10 +151,13 @@ impl OccupancyGrid {
         let [_, width] = *values.shape() else {
             return Err(PyValueError::new_err(format!("cells must have shape (H, W), got {}", shape(values.shape()))));
         };
-        let values: Vec<i8> = values.as_array().iter().copied().collect();
+        let values = memory::collected("the cells", values.as_array().iter().copied())?;
         py.detach(|| {
             let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
-            Arc::make_mut(&mut core).set_cells(corner, width, &values)
+            if Arc::get_mut(&mut core).is_none() {
+                *core = Arc::new(core.try_clone()?);
+            }
+            Arc::get_mut(&mut core).expect("the only reference").set_cells(corner, width, &values)
         })?;
         *self.cells.lock().unwrap_or_else(PoisonError::into_inner) = None;
         Ok(())
@@ -202,9 +206,9 @@ impl OccupancyGrid {
     }
 
     /// Builds the lookup table for scans now instead of at the first scan.
-    fn prepare(&self, py: Python<'_>) {
+    fn prepare(&self, py: Python<'_>) -> PyResult<()> {
         let core = self.core();
-        py.detach(|| core.prepare(None));
+        Ok(py.detach(|| core.prepare(None))?)
     }
 
     /// Returns the cell (row, column) that contains a point, or None if the point is outside the grid.

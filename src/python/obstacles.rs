@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use super::arrays::type_name;
 use super::pose::PoseArgument;
 use super::shape::Shape;
-use crate::Obstacles;
+use crate::{Obstacles, memory};
 
 /// An obstacle argument: an iterable of `(Shape, pose)` pairs, with poses in the map frame.
 pub struct ObstaclesArgument(pub Obstacles);
@@ -31,9 +31,12 @@ impl<'py> FromPyObject<'_, 'py> for ObstaclesArgument {
             let item = item?;
             let (shape, pose) = item.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>)>().map_err(|_| refuse(&item))?;
             let shape = shape.cast_into::<Shape>().map_err(|error| refuse(&error.into_inner()))?;
-            Ok((shape, pose.extract::<PoseArgument>()?.0))
+            Ok::<_, PyErr>((shape, pose.extract::<PoseArgument>()?.0))
         });
-        let items = items.collect::<PyResult<Vec<_>>>()?;
-        Ok(Self(Obstacles::new(items.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?))
+        let mut placed = Vec::new();
+        for item in items {
+            memory::push("the obstacles", &mut placed, item?)?;
+        }
+        Ok(Self(Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?))
     }
 }

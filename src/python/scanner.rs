@@ -12,6 +12,7 @@ use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
+use crate::memory;
 use crate::{NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner with evenly spaced beams.
@@ -120,8 +121,9 @@ impl LaserScanner {
 
     /// Angles of the beams in the scanner's frame, (beam_count,) float64 [rad].
     #[getter]
-    fn angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        vector(py, (0..self.beam_count()).map(|beam| self.0.angle(beam)).collect())
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let angles = (0..self.beam_count()).map(|beam| self.0.angle(beam));
+        Ok(vector(py, memory::collected("the angles", angles)?))
     }
 
     /// Returns the true ranges of one scan, without noise.
@@ -322,7 +324,7 @@ impl LaserScanner {
         readings: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let readings = typed::<f32>("readings", readings)?;
-        let readings: Vec<f32> = readings.as_array().iter().copied().collect();
+        let readings = memory::collected("the readings", readings.as_array().iter().copied())?;
         Ok(Array2::from(self.0.end_points(pose.0, &readings)?).into_pyarray(py))
     }
 

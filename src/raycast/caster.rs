@@ -66,22 +66,23 @@ impl<'grid> Caster<'grid> {
     }
 
     /// Builds the free boxes of the grid if the kernel uses them, on `threads` threads (default: all cores).
-    pub(crate) fn prepare(&self, threads: Option<usize>) {
-        if self.kernel.uses_free_boxes() {
-            self.grid.prepare(threads);
-        }
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub(crate) fn prepare(&self, threads: Option<usize>) -> Result<(), Error> {
+        if self.kernel.uses_free_boxes() { self.grid.prepare(threads) } else { Ok(()) }
     }
 
     /// Sends ranges in metres to the sink, group by group; infinite for no return within the maximum range.
     ///
     /// # Panics
-    /// If the sink itself starts a cast.
+    /// If the sink itself starts a cast, or if there is no memory for free boxes that are not prepared.
     pub(super) fn cast(&self, source: impl Source, sink: impl Sink) {
         thread_local! {
             static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
         }
         // This comes before the block is borrowed: while the free boxes are built, this thread may run another cast.
-        self.prepare(None);
+        self.prepare(None).expect("enough memory");
         let sink = InMetres { resolution: self.grid.resolution(), max_range: self.max_range, sink };
         BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
     }
@@ -149,7 +150,7 @@ impl<'grid> Caster<'grid> {
         if ranges.len() != rays.len() {
             return Err(Error::Length { name: "out", value: ranges.len(), needed: rays.len() });
         }
-        self.prepare(threads);
+        self.prepare(threads)?;
         for_each_chunk(threads, ranges, CHUNK, |chunk, ranges| {
             let (rays, upcoming) = rays[chunk * CHUNK..].split_at(ranges.len());
             GROUPS.with_borrow_mut(|groups| {
