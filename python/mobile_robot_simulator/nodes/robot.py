@@ -262,7 +262,12 @@ class MobileRobotSimulator(Handle):
 
         With `publish_map_transform` the odometry stays as it is and map -> odom changes. Otherwise the odometry jumps to
         the new pose.
+
+        Raises:
+            ValueError: The robot's origin would be inside a wall of the map, or its footprint would touch a wall, an
+                obstacle or another robot. Nothing changes.
         """
+        self._world.check_place("the pose", pose, self._footprint, self)
         now_ns = self._world.now_ns()
         if self._parameters.publish_map_transform:
             self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
@@ -462,11 +467,9 @@ class MobileRobotSimulator(Handle):
             logger.warning(f"pose refused: it must be in frame {self._parameters.map_frame_id}, got {frame}")
             return
         try:
-            pose = message.pose.pose.to_planar()
+            self.set_pose(message.pose.pose.to_planar())
         except ValueError as error:
             logger.warning(f"pose refused: {error}")
-            return
-        self.set_pose(pose)
 
     # --- publishing ---
 

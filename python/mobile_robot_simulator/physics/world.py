@@ -137,12 +137,31 @@ class World(Handle):
             return "a wall"
         return _name_of([other for other, _ in self._frozen if other is not body][index])
 
-    def touched(self, shape: Shape, pose: Pose) -> str | None:
-        """Name of an obstacle or robot that a shape at a pose would touch now; None if there is none."""
+    def check_place(self, what: str, pose: Pose, shape: Shape | None, body: Body | None = None) -> None:
+        """Checks that a robot can stand at a pose now. Without a map it can stand anywhere.
+
+        Args:
+            what: Name of the pose in the error message.
+            pose: The pose, in the map frame.
+            shape: Footprint of the robot; None if it has none.
+            body: The robot, if it is in the world already.
+
+        Raises:
+            ValueError: The robot's origin would be inside a wall, or its footprint would touch a wall, an obstacle or
+                another robot.
+        """
+        shown = f"({pose.x}, {pose.y}, {pose.yaw})"
+        if self.grid is None:
+            return
+        if not self.grid.is_free_disc(pose.x, pose.y, 0.0):
+            raise ValueError(f"{what} must not be inside a wall, got {shown}")
+        if shape is None:
+            return
+        if touches(self.grid, shape, pose):
+            raise ValueError(f"{what} must leave the robot room beside walls, got {shown}")
         for other, placed in self.everybody():
-            if self.grid is not None and touches(OPEN, shape, pose, obstacles=[placed]):
-                return _name_of(other)
-        return None
+            if other is not body and touches(OPEN, shape, pose, obstacles=[placed]):
+                raise ValueError(f"{what} must leave the robot room beside {_name_of(other)}, got {shown}")
 
     def everybody(self) -> list[tuple[Body | Obstacle, Placed]]:
         """All obstacles and all robots with a footprint, where they are now."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .._core import OccupancyGrid, Pose, Shape, touches
+from .._core import OccupancyGrid, Pose, Shape
 from ..bus.bus import Bus
 from ..bus.node import BusNode, NoCopyNode
 from ..handle import Handle, Handles
@@ -156,7 +157,7 @@ class Robots(Handle):
         if any(key.rpartition(":")[2] == "unknown" for key in values):
             self._check_unknown(robot_parameters, laser_parameters)
         pose = to_pose(start, "start")
-        self._check_start(pose, robot_parameters.shape)
+        self._check_place("start", pose, robot_parameters.shape)
         robot = MobileRobotSimulator(
             NoCopyNode(self._bus, robot_parameters.node_name, namespace=f"/{name}"),
             robot_parameters,
@@ -180,10 +181,9 @@ class Robots(Handle):
 
     def set_pose(self, pose: PoseLike, name: str | None) -> None:
         """Moves a robot to another pose, as described for `Simulation.set_pose`."""
-        place = to_pose(pose, "the pose")
-        if not self._grid.is_free_disc(place.x, place.y, 0.0):
-            raise ValueError(f"the pose must not be inside a wall, got {_shown(place)}")
-        self.named(name).robot.set_pose(place)
+        place, robot = to_pose(pose, "the pose"), self.named(name).robot
+        self._check_place("the pose", place, robot.footprint, robot)
+        robot.set_pose(place)
 
     def reset(self) -> None:
         """Moves all robots back to their start poses and stops them."""
@@ -220,16 +220,9 @@ class Robots(Handle):
                     f"got {each.unknown!r} for {each.node_name}"
                 )
 
-    def _check_start(self, pose: Pose, shape: Shape | None) -> None:
-        """Raises ValueError if the start pose touches a wall, an obstacle or another robot."""
-        if not self._grid.is_free_disc(pose.x, pose.y, 0.0):
-            raise ValueError(f"start must not be inside a wall, got {_shown(pose)}")
-        if shape is not None and touches(self._grid, shape, pose):
-            raise ValueError(f"start must leave the robot room beside walls, got {_shown(pose)}")
-        touched = None if shape is None else self._world.touched(shape, pose)
-        if touched is not None:
-            raise ValueError(f"start must leave the robot room beside {touched}, got {_shown(pose)}")
-
-
-def _shown(pose: Pose) -> str:
-    return f"({pose.x}, {pose.y}, {pose.yaw})"
+    def _check_place(self, what: str, pose: Pose, shape: Shape | None, robot: MobileRobotSimulator | None = None) -> None:
+        """Raises ValueError if a robot cannot stand at a pose. Warns if the pose is off the map."""
+        self._world.check_place(what, pose, shape, robot)
+        if self._grid.cell_at(pose.x, pose.y) is None:
+            message = f"{what} ({pose.x:g}, {pose.y:g}) is off the map, where there is nothing to touch and nothing to see"
+            warnings.warn(message, stacklevel=4)

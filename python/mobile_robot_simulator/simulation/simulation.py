@@ -62,6 +62,9 @@ class Simulation(Handle):
         ValueError: A parameter is unknown or out of range, or a start pose is inside a wall or another robot.
         TypeError: The map is not an `OccupancyGrid`, or `robots` is not a mapping.
 
+    Warns:
+        UserWarning: A start pose is off the map, where there is nothing to touch and nothing to see.
+
     Example:
         >>> import numpy as np
         >>> import mobile_robot_simulator as mrs
@@ -107,8 +110,14 @@ class Simulation(Handle):
         self.picture: Path | None = None
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
-        for name, pose in starts.items():
-            self.add_robot(name, start=pose)
+        try:
+            for name, pose in starts.items():
+                self.add_robot(name, start=pose)
+        except ValueError as error:
+            if start is not None or robots is not None or not str(error).startswith("start "):
+                raise
+            hint = "no start was given; give one, such as start=grid.draw_free_pose(radius=0.3, seed=1)"
+            raise ValueError(f"{error}; {hint}") from None
 
     def __repr__(self) -> str:
         robots = list(self._robots)
@@ -228,7 +237,11 @@ class Simulation(Handle):
             robot: Name of the robot; None for the first.
 
         Raises:
-            ValueError: The pose is inside a wall, or there is no such robot.
+            ValueError: The pose is inside a wall, or the footprint touches a wall, an obstacle or another robot there, or
+                there is no such robot. The robot stays where it is.
+
+        Warns:
+            UserWarning: The pose is off the map, where there is nothing to touch and nothing to see.
         """
         self._robots.set_pose(pose, robot)
 

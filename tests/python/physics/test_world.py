@@ -61,8 +61,11 @@ def test_a_wall_is_not_taken_for_an_obstacle():
     sim._world.use_map(mrs.OccupancyGrid(wall, resolution=1.0))
     sim.add_obstacle(mrs.Shape.disc(0.3), (12, 12, 0), name="pillar")
     shape = mrs.Shape.disc(0.25)
-    assert sim._world.touched(shape, mrs.Pose(7.5, 2.0, 0.0)) is None
-    assert sim._world.touched(shape, mrs.Pose(12.2, 12.0, 0.0)) == "obstacle pillar"
+    sim._world.check_place("start", mrs.Pose(2.0, 2.0, 0.0), shape)
+    with pytest.raises(ValueError, match="start must leave the robot room beside walls"):
+        sim._world.check_place("start", mrs.Pose(8.1, 2.0, 0.0), shape)
+    with pytest.raises(ValueError, match="start must leave the robot room beside obstacle pillar"):
+        sim._world.check_place("start", mrs.Pose(12.2, 12.0, 0.0), shape)
 
 
 def test_adding_an_obstacle_reads_no_other_trajectory():

@@ -141,3 +141,44 @@ def test_a_robot_added_again_after_a_restore_gets_its_mount_from_tf():
         mounts.append(tuple(robot.laser.scanner.mount))
         sim.restore(state)
     assert mounts == [(0.5, 0.0, 0.0)] * 2
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        ((0.05, 0.05, 0.0), "the pose must not be inside a wall"),
+        ((0.3, 2.0, 0.0), "the pose must leave the robot room beside walls"),
+        ((9.0, 10.0, 0.0), "the pose must leave the robot room beside robot robot2"),
+        ((15.2, 15.0, 0.0), "the pose must leave the robot room beside obstacle pillar"),
+    ],
+)
+def test_a_robot_cannot_be_moved_to_where_it_could_not_start(pose, message, caplog):
+    sim = pair(robot_radius=0.25)
+    sim.add_obstacle(mrs.Shape.disc(0.5), (15.0, 15.0, 0.0), name="pillar")
+    before = tuple(sim.robots["robot1"].truth.pose)
+    with pytest.raises(ValueError, match=message):
+        sim.set_pose(pose, robot="robot1")
+    # The same through the node: it refuses and logs a warning.
+    where = mrs.messages.PoseWithCovarianceStamped()
+    where.header.frame_id = "map"
+    where.pose.pose = mrs.messages.Pose.from_planar(mrs.Pose(*pose))
+    sim.publish("/robot1/initialpose", where)
+    sim.run_for(0.1)
+    assert any(f"pose refused: {message}" in record.message for record in caplog.records)
+    assert tuple(sim.robots["robot1"].truth.pose) == before
+    sim.set_pose((before[0] + 0.1, before[1], 0.0), robot="robot1")  # it may overlap where it is now
+
+
+def test_a_place_off_the_map_gives_a_warning():
+    with pytest.warns(UserWarning, match=r"start \(50, 2\) is off the map"):
+        sim = mrs.Simulation(hall(), start=(50.0, 2.0, 0.0))
+    with pytest.warns(UserWarning, match=r"the pose \(-3, 2\) is off the map") as caught:
+        sim.set_pose((-3.0, 2.0, 0.0))
+    assert caught[0].filename == __file__
+
+
+def test_the_error_of_the_default_start_says_that_none_was_given():
+    with pytest.raises(ValueError, match=r"0.0\); no start was given; give one, such as start=grid.draw_free_pose"):
+        mrs.Simulation(hall())
+    with pytest.raises(ValueError, match=r"got \(0.0, 0.0, 0.0\)$"):
+        mrs.Simulation(hall(), start=(0.0, 0.0, 0.0))
