@@ -34,22 +34,156 @@ _Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]
 
 @final
 class Pose:
+    """Position [m] and heading [rad] of one frame in another frame.
+
+    A pose unpacks as `x, y, yaw`, and NumPy reads it as a row of three numbers. Every function that takes a pose also takes
+    a sequence of three numbers `(x, y, yaw)`. The product of two poses composes them. Name a transform target first, so
+    that neighbouring names match: `map_from_laser = map_from_base * base_from_laser`.
+
+    Args:
+        x: Position along x [m].
+        y: Position along y [m].
+        yaw: Heading [rad], counter-clockwise from the x axis. It is stored as given, not wrapped.
+
+    Raises:
+        ValueError: A coordinate is not finite.
+
+    Examples:
+        >>> from mobile_robot_simulator import Pose
+        >>> Pose(1.0, 2.0, 0.0) * Pose(3.0, 0.5, 0.25)
+        Pose(4.0, 2.5, 0.25)
+        >>> x, y, yaw = Pose(1.0, 2.0, 0.5)
+    """
+
     def __new__(cls, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> Self: ...
     @staticmethod
-    def from_quaternion(x: float, y: float, *, qx: float, qy: float, qz: float, qw: float) -> Pose: ...
+    def from_quaternion(x: float, y: float, *, qx: float, qy: float, qz: float, qw: float) -> Pose:
+        """Returns the pose at (x, y) with the heading of a quaternion.
+
+        The quaternion need not have length 1. Its roll and pitch are ignored.
+
+        Args:
+            x: Position along x [m].
+            y: Position along y [m].
+            qx: Quaternion component x.
+            qy: Quaternion component y.
+            qz: Quaternion component z.
+            qw: Quaternion component w, the scalar part.
+
+        Returns:
+            The pose, with its yaw in [-π, π].
+
+        Raises:
+            ValueError: The quaternion has length zero, or a number is not finite.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose.from_quaternion(1.0, 2.0, qx=0.0, qy=0.0, qz=1.0, qw=0.0)
+            Pose(1.0, 2.0, 3.141592653589793)
+        """
     @property
-    def x(self) -> float: ...
+    def x(self) -> float:
+        """Position along x [m]."""
     @property
-    def y(self) -> float: ...
+    def y(self) -> float:
+        """Position along y [m]."""
     @property
-    def yaw(self) -> float: ...
+    def yaw(self) -> float:
+        """Heading [rad], counter-clockwise from x."""
     @property
-    def quaternion(self) -> tuple[float, float]: ...
-    def inverse(self) -> Pose: ...
-    def wrapped(self) -> Pose: ...
-    def integrate(self, twist: _TwistLike, dt: float) -> Pose: ...
-    def twist_to(self, other: _PoseLike, dt: float) -> tuple[float, float, float]: ...
-    def interpolate(self, other: _PoseLike, fraction: float) -> Pose: ...
+    def quaternion(self) -> tuple[float, float]:
+        """The heading as the components `(z, w)` of a unit quaternion; its x and y are zero.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose(1.0, 2.0, 0.0).quaternion
+            (0.0, 1.0)
+        """
+    def inverse(self) -> Pose:
+        """Returns the inverse transform: the pose of the parent frame in this frame.
+
+        Raises:
+            ValueError: A coordinate of the result is not finite.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> pose = Pose(2.0, 1.0, 0.0)
+            >>> pose * pose.inverse()
+            Pose(0.0, 0.0, 0.0)
+        """
+    def wrapped(self) -> Pose:
+        """Returns the same pose with its yaw in (-π, π].
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose(0.0, 0.0, 7.0).wrapped().yaw  # 7 - 2π
+            0.7168146928204138
+        """
+    def integrate(self, twist: _TwistLike, dt: float) -> Pose:
+        """Returns the pose reached after `dt` seconds at a constant twist.
+
+        The arc is exact, not an Euler step. It is the exponential map of SE(2): with φ = wz·dt, the position changes by
+        dt · sin(φ/2)/(φ/2) · R(yaw + φ/2) · (vx, vy) and the yaw by φ. For many poses at once, see `integrate_twist`.
+
+        Args:
+            twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            dt: Duration [s]. A negative one goes backwards in time.
+
+        Returns:
+            The pose reached. Its yaw is not wrapped.
+
+        Raises:
+            ValueError: The pose reached is not finite, because a number in the twist or `dt` is not finite or too large.
+
+        Examples:
+            A quarter of a circle with a radius of 1 m:
+
+            >>> import math
+            >>> from mobile_robot_simulator import Pose
+            >>> x, y, yaw = Pose().integrate((1.0, 0.0, 1.0), dt=math.pi / 2)
+            >>> round(x, 9), round(y, 9)
+            (1.0, 1.0)
+        """
+    def twist_to(self, other: _PoseLike, dt: float) -> tuple[float, float, float]:
+        """Returns the constant twist that leads from this pose to another pose in `dt` seconds.
+
+        It is the inverse of `integrate`, and turns the shorter way: by at most half a turn.
+
+        Args:
+            other: Pose to reach, in the same frame as this pose.
+            dt: Duration [s].
+
+        Returns:
+            The twist (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: `dt` is not positive and finite, or `other` is not finite.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose().twist_to((2.0, 0.0, 0.0), dt=4.0)
+            (0.5, 0.0, 0.0)
+        """
+    def interpolate(self, other: _PoseLike, fraction: float) -> Pose:
+        """Returns the pose at a fraction of the arc from this pose to another pose.
+
+        The arc has a constant twist and turns the shorter way: by at most half a turn.
+
+        Args:
+            other: Pose at fraction 1, in the same frame as this pose.
+            fraction: Fraction of the arc. Values below 0 and above 1 continue the arc beyond its ends.
+
+        Returns:
+            The pose, with its yaw in (-π, π].
+
+        Raises:
+            ValueError: `other` or `fraction` is not finite.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose().interpolate((2.0, 0.0, 0.0), 0.25)
+            Pose(0.5, 0.0, 0.0)
+        """
     def __mul__(self, inner: _PoseLike, /) -> Pose: ...
     def __rmul__(self, outer: Never, /) -> Never: ...
     def __len__(self) -> int: ...
@@ -62,6 +196,33 @@ class Pose:
 
 @final
 class OccupancyGrid:
+    """A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
+
+    Row 0 is at the bottom. A cell contains its lower and left edges. Outside the grid is free. The first scan builds a
+    lookup table of 8 bytes per cell, which the grid keeps; `prepare` builds it earlier.
+
+    Args:
+        cells: (H, W) int8, -1 for unknown cells, otherwise the occupancy 0 to 100. The array is copied. A side has at most
+            65535 cells, the grid at most 2000000000.
+        resolution: Side of a cell [m].
+        origin: Pose (x, y, yaw) of the lower-left corner of cell (0, 0) in the map frame [m, m, rad], yaw included.
+        occupied_threshold: Cells with this value or more block beams and robots, 1 to 100. None means the default.
+        unknown: How unknown cells act, "free" or "occupied". Occupied cells block beams and robots.
+
+    Raises:
+        ValueError: The array has another shape or no cells, or a value is outside its range or not finite.
+        TypeError: The cells are not int8, or another argument has the wrong type.
+
+    Examples:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=0.5)
+        >>> grid
+        OccupancyGrid(3x1 cells, 0.5 m, origin=(0.0, 0.0, 0.0), occupied_threshold=60, unknown='free')
+        >>> grid.cell_at(1.2, 0.1)
+        (0, 2)
+    """
+
     def __new__(
         cls,
         cells: NDArray[np.int8],
@@ -72,25 +233,132 @@ class OccupancyGrid:
         unknown: Literal["free", "occupied"] = "free",
     ) -> Self: ...
     @property
-    def cells(self) -> NDArray[np.int8]: ...
+    def cells(self) -> NDArray[np.int8]:
+        """Values of the cells: (H, W) int8, row 0 at the bottom, read-only.
+
+        The array does not change when `set_cells` changes the grid.
+        """
     @property
-    def shape(self) -> tuple[int, int]: ...
+    def shape(self) -> tuple[int, int]:
+        """Number of rows and columns (H, W)."""
     @property
-    def resolution(self) -> float: ...
+    def resolution(self) -> float:
+        """Side of a cell [m]."""
     @property
-    def origin(self) -> Pose: ...
+    def origin(self) -> Pose:
+        """Pose of the lower-left corner of cell (0, 0) in the map frame, yaw included."""
     @property
-    def occupied_threshold(self) -> int: ...
+    def occupied_threshold(self) -> int:
+        """Cells with this value or more block beams and robots."""
     @property
-    def unknown(self) -> Literal["free", "occupied"]: ...
-    def set_cells(self, row: int, col: int, cells: NDArray[np.int8]) -> None: ...
+    def unknown(self) -> Literal["free", "occupied"]:
+        """How unknown cells act, "free" or "occupied". Occupied cells block beams and robots."""
+    def set_cells(self, row: int, col: int, cells: NDArray[np.int8]) -> None:
+        """Sets the cells of a rectangle.
+
+        Only the part of the lookup table that the rectangle affects is rebuilt. Scans that run in other threads during the
+        call still see the old values, and so do arrays that `cells` returned before.
+
+        Args:
+            row: Lowest row of the rectangle.
+            col: Lowest column of the rectangle.
+            cells: (H, W) int8, -1 for unknown cells, otherwise the occupancy 0 to 100. The array is copied.
+
+        Raises:
+            ValueError: The array has another shape or no cells, a value is out of range, or the rectangle is not on the
+                grid.
+            TypeError: The cells are not int8, or the row or column is not an integer.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+            >>> grid.set_cells(0, 1, np.array([[100, 50]], np.int8))
+            >>> grid.cells
+            array([[  0, 100,  50],
+                   [  0,   0,   0]], dtype=int8)
+        """
     def __copy__(self) -> OccupancyGrid: ...
     def __deepcopy__(self, _memo: Any) -> OccupancyGrid: ...
-    def prepare(self) -> None: ...
-    def cell_at(self, x: float, y: float) -> tuple[int, int] | None: ...
-    def center(self, row: int, col: int) -> tuple[float, float]: ...
-    def is_free_disc(self, x: float, y: float, radius: float) -> bool: ...
-    def draw_free_pose(self, *, radius: float, seed: int | RandomStream) -> Pose: ...
+    def prepare(self) -> None:
+        """Builds the lookup table for scans now instead of at the first scan."""
+    def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
+        """Returns the cell (row, column) that contains a point, or None if the point is outside the grid.
+
+        Args:
+            x: Position along x in the map frame [m].
+            y: Position along y in the map frame [m].
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+            >>> grid.cell_at(2.5, 0.5), grid.cell_at(2.5, 2.5)
+            ((0, 2), None)
+        """
+    def center(self, row: int, col: int) -> tuple[float, float]:
+        """Returns the centre (x, y) of a cell in the map frame [m].
+
+        Args:
+            row: Row of the cell, 0 at the bottom.
+            col: Column of the cell, 0 at the left.
+
+        Raises:
+            ValueError: The cell is not on the grid.
+            TypeError: The row or column is not an integer.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
+            >>> grid.center(0, 2)
+            (2.5, 0.5)
+        """
+    def is_free_disc(self, x: float, y: float, radius: float) -> bool:
+        """Returns True if no blocking cell reaches into a disc.
+
+        The test is exact. A cell that only touches the edge of the disc does not count. Outside the grid is free.
+
+        Args:
+            x: Centre of the disc along x in the map frame [m].
+            y: Centre of the disc along y in the map frame [m].
+            radius: Radius of the disc [m]. With 0, the point itself is tested.
+
+        Raises:
+            ValueError: A number is not finite, or the radius is negative.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> grid.is_free_disc(0.5, 0.5, 1.5), grid.is_free_disc(0.5, 0.5, 1.6)
+            (True, False)
+        """
+    def draw_free_pose(self, *, radius: float, seed: int | RandomStream) -> Pose:
+        """Returns a random pose at which a disc is free.
+
+        It is the first pose of `draw_free_poses`. The same seed gives the same pose on every machine.
+
+        Args:
+            radius: Radius of the disc [m], for example that of the robot.
+            seed: Seed of the draw, 0 to 2**64 - 1, or a `RandomStream`, which counts the poses of all calls.
+
+        Raises:
+            ValueError: There is no place for the disc, the radius is negative or not finite, or the seed is out of range.
+            TypeError: The seed is not an integer.
+
+        Examples:
+            Only the first cell is free:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 100, -1]], np.int8), resolution=1.0)
+            >>> x, y, yaw = grid.draw_free_pose(radius=0.2, seed=1)
+            >>> grid.cell_at(x, y), x <= 0.8
+            ((0, 0), True)
+        """
     def draw_free_poses(
         self,
         n: int,
@@ -100,13 +368,104 @@ class OccupancyGrid:
         first_index: int | None = None,
         threads: int | None = None,
         out: NDArray[np.float64] | None = None,
-    ) -> NDArray[np.float64]: ...
-    def plot(self, ax: Axes | None = None) -> Axes: ...
+    ) -> NDArray[np.float64]:
+        """Returns many random poses at which a disc is free.
+
+        The position is uniform over all points of known free cells at which `is_free_disc` is True, not only over the centres
+        of cells. The yaw is uniform over [-π, π). Pose i depends only on the grid, the radius and (seed, first_index + i), so
+        many poses may be drawn in parts: they are the same bytes for any split, number of threads and machine.
+
+        The first call needs a time that grows with the number of cells. The grid then keeps a table of free places until its
+        cells change or another radius is asked for, so that a further pose takes about 0.1 µs.
+
+        Args:
+            n: Number of poses.
+            radius: Radius of the disc [m], for example that of the robot. With 0, the point itself is free.
+            seed: Seed of the draw, 0 to 2**64 - 1, or a `RandomStream`, which counts the poses of all calls.
+            first_index: Index of the first pose in the random stream, 0 to 2**64 - 1. None means 0, or that of the
+                `RandomStream`.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: (N, 3) float64 in C order, an array for the result. None means a new array.
+
+        Returns:
+            (N, 3) float64, which is `out` if it was given: x, y [m] and yaw [rad] in the map frame.
+
+        Raises:
+            ValueError: There is no place for the disc (the error names the largest one that fits), the radius is negative or
+                not finite, an integer is out of range, or `out` is read-only, in use, not in C order or of another shape.
+            TypeError: An argument has the wrong type or dtype.
+            OSError: The threads could not be started.
+
+        Examples:
+            Draw 1000 poses, then 1000 others. The last cell blocks:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> poses = grid.draw_free_poses(1000, radius=0.5, seed=1)
+            >>> others = grid.draw_free_poses(1000, radius=0.5, seed=1, first_index=1000)
+            >>> poses.shape, bool((poses[:, 0] <= 1.5).all()), bool((poses != others).all())
+            ((1000, 3), True, True)
+        """
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the grid in Matplotlib axes and returns the axes.
+
+        Walls are dark, free cells white and unknown cells grey. The axes are in metres in the map frame. A grid with more
+        cells than the axes have pixels is down-sampled so that walls stay visible.
+
+        Args:
+            ax: Matplotlib axes to draw in, which then show the whole grid. None opens a new pyplot figure.
+
+        Returns:
+            The Matplotlib axes.
+
+        Raises:
+            ImportError: Matplotlib is not installed. The extra `plotting` installs it.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> from matplotlib.figure import Figure
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> ax = grid.plot(Figure().add_subplot())
+            >>> ax.get_xlabel(), ax.get_ylabel()
+            ('x [m]', 'y [m]')
+        """
     def _repr_png_(self) -> bytes | None: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class BeamModel:
+    """Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
+
+    A reading is drawn from a mixture of four parts:
+
+    - hit: normal around the true range, truncated to [0, max_range];
+    - short: exponential, for unexpected objects, truncated to [0, true range];
+    - max: exactly max_range, for failures;
+    - random: uniform over [0, max_range), for unexplained readings.
+
+    A beam that hits nothing reads exactly max_range in the hit part; its short and random readings are drawn with a true
+    range of max_range. The defaults are those of the ROS package mobile_robot_simulator.
+
+    Args:
+        sigma_hit: Standard deviation of the hit part [m].
+        lambda_short: Rate of the short part [1/m].
+        z_hit: Weight of the hit part. The four weights are scaled to sum to 1.
+        z_short: Weight of the short part.
+        z_max: Weight of the max part.
+        z_rand: Weight of the random part.
+
+    Raises:
+        ValueError: `sigma_hit` or `lambda_short` is not positive, a weight is negative, no weight is positive, or a number
+            is not finite.
+
+    Examples:
+        >>> from mobile_robot_simulator import BeamModel
+        >>> BeamModel(z_hit=3.0, z_max=1.0).z_hit
+        0.75
+    """
+
     def __new__(
         cls,
         *,
@@ -118,22 +477,76 @@ class BeamModel:
         z_rand: float = 0.0,
     ) -> Self: ...
     @property
-    def sigma_hit(self) -> float: ...
+    def sigma_hit(self) -> float:
+        """Standard deviation of the hit part [m]."""
     @property
-    def lambda_short(self) -> float: ...
+    def lambda_short(self) -> float:
+        """Rate of the short part [1/m]."""
     @property
-    def z_hit(self) -> float: ...
+    def z_hit(self) -> float:
+        """Weight of the hit part, after scaling."""
     @property
-    def z_short(self) -> float: ...
+    def z_short(self) -> float:
+        """Weight of the short part, after scaling."""
     @property
-    def z_max(self) -> float: ...
+    def z_max(self) -> float:
+        """Weight of the max part, after scaling."""
     @property
-    def z_rand(self) -> float: ...
-    def likelihood(self, readings: ArrayLike, true_ranges: ArrayLike, max_range: float) -> NDArray[np.float64]: ...
+    def z_rand(self) -> float:
+        """Weight of the random part, after scaling."""
+    def likelihood(self, readings: ArrayLike, true_ranges: ArrayLike, max_range: float) -> NDArray[np.float64]:
+        """Returns the likelihood of each reading, given the true range of its beam.
+
+        Args:
+            readings: float32 of any shape, measured ranges [m].
+            true_ranges: float32, true ranges [m]. A true range of `max_range` or more means that the beam hits nothing. The
+                shapes of both arrays are broadcast, as by NumPy.
+            max_range: Maximum range of the scanner [m].
+
+        Returns:
+            float64 of the broadcast shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
+                `max_range` a probability, and any other reading 0.
+
+        Raises:
+            ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, or a true range is negative or NaN.
+            TypeError: An array cannot be converted to float32 without loss.
+
+        Examples:
+            The probability of reading the maximum, for a beam that hits a wall and for one that hits nothing:
+
+            >>> import numpy as np
+            >>> from mobile_robot_simulator import BeamModel
+            >>> model = BeamModel(z_hit=0.9, z_max=0.1)
+            >>> model.likelihood(np.array([30, 30], np.float32), np.array([5, 30], np.float32), max_range=30.0)
+            array([0.1, 1. ])
+        """
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class LaserScanner:
+    """A planar laser scanner with evenly spaced beams.
+
+    Beam i points at `angle_min + i * angle_increment` in the scanner's frame. The field of view is centred on the x axis,
+    with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full circle (within 1e-6) has no second end:
+    `angle_increment = fov / beam_count`. A single beam points along the x axis. The defaults are those of a SICK S300.
+
+    Args:
+        fov: Field of view [rad], above 0 and at most 2π.
+        beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
+        min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
+        max_range: Range of a beam that hits nothing [m], greater than `min_range`.
+        mount: Pose (x, y, yaw) of the scanner in the robot's frame [m, m, rad].
+
+    Raises:
+        ValueError: A value is outside its range or not finite.
+        TypeError: An argument has the wrong type.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> mrs.LaserScanner(fov=2.0, beam_count=5).angles
+        array([-1. , -0.5,  0. ,  0.5,  1. ])
+    """
+
     def __new__(
         cls,
         *,
@@ -144,24 +557,58 @@ class LaserScanner:
         mount: _PoseLike = (0.0, 0.0, 0.0),
     ) -> Self: ...
     @property
-    def fov(self) -> float: ...
+    def fov(self) -> float:
+        """Field of view [rad]."""
     @property
-    def beam_count(self) -> int: ...
+    def beam_count(self) -> int:
+        """Number of beams and of ranges in a scan."""
     @property
-    def min_range(self) -> float: ...
+    def min_range(self) -> float:
+        """Smallest valid range [m]."""
     @property
-    def max_range(self) -> float: ...
+    def max_range(self) -> float:
+        """Range of a beam that hits nothing [m]."""
     @property
-    def mount(self) -> Pose: ...
+    def mount(self) -> Pose:
+        """Pose of the scanner in the robot's frame."""
     @property
-    def angle_min(self) -> float: ...
+    def angle_min(self) -> float:
+        """Angle of the first beam in the scanner's frame [rad]."""
     @property
-    def angle_max(self) -> float: ...
+    def angle_max(self) -> float:
+        """Angle of the last beam in the scanner's frame [rad]."""
     @property
-    def angle_increment(self) -> float: ...
+    def angle_increment(self) -> float:
+        """Angle from one beam to the next [rad]."""
     @property
-    def angles(self) -> NDArray[np.float64]: ...
-    def scan(self, grid: OccupancyGrid, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> NDArray[np.float32]: ...
+    def angles(self) -> NDArray[np.float64]:
+        """Angles of the beams in the scanner's frame, (beam_count,) float64 [rad]."""
+    def scan(self, grid: OccupancyGrid, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> NDArray[np.float32]:
+        """Returns the true ranges of one scan, without noise.
+
+        Ranges are exact: the grid traversal follows Amanatides & Woo (1987), section 2.
+
+        Args:
+            grid: Map to scan.
+            pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad]. It may lie outside the grid.
+            obstacles: Pairs (Shape, pose) that beams also hit, with poses in the map frame.
+
+        Returns:
+            (beam_count,) float32 [m], the distance at which each beam enters the first blocking cell or obstacle. A beam
+                that starts inside one has range 0. A beam that hits nothing within `max_range` has exactly `max_range`.
+
+        Raises:
+            ValueError: A pose is not finite.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> mrs.LaserScanner(beam_count=1).scan(grid, (0.5, 0.5, 0.0))
+            array([1.5], dtype=float32)
+        """
     def scan_batch(
         self,
         grid: OccupancyGrid,
@@ -173,35 +620,198 @@ class LaserScanner:
         first_index: int | None = None,
         threads: int | None = None,
         out: NDArray[np.float32] | None = None,
-    ) -> NDArray[np.float32]: ...
+    ) -> NDArray[np.float32]:
+        """Returns one scan from each pose of a batch, with or without noise.
+
+        True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
+        batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine.
+
+        Args:
+            grid: Map to scan.
+            poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie outside the
+                grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
+            obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame.
+            noise: Beam model to draw the readings from. None means no noise.
+            seed: Seed of the noise, 0 to 2**64 - 1, or a `RandomStream`, which counts the scans of all calls. Noise needs one.
+            first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0, or that of the
+                `RandomStream`.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: (N, beam_count) float32 in C order, an array for the result. None means a new array.
+
+        Returns:
+            (N, beam_count) float32 [m], which is `out` if it was given. Row i is the scan from `poses[i]`, column j the beam
+                at `angle_min + j * angle_increment`. Exactly `max_range` means no return.
+
+        Raises:
+            ValueError: A shape is wrong, a pose is not finite, an integer is out of range, noise has no seed, or `out` is
+                read-only, in use or not in C order.
+            TypeError: An argument has the wrong type or dtype.
+            OSError: The threads could not be started.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> poses = np.array([[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]])
+            >>> mrs.LaserScanner(beam_count=1).scan_batch(grid, poses)
+            array([[1.5],
+                   [0.5]], dtype=float32)
+        """
     def mark_invalid(
         self, readings: ArrayLike, *, no_return: Literal["inf", "max", "below_max"] = "inf"
-    ) -> NDArray[np.float32]: ...
-    def end_points(self, pose: _PoseLike, readings: ArrayLike) -> NDArray[np.float64]: ...
+    ) -> NDArray[np.float32]:
+        """Returns a copy of readings in which invalid ones are marked as in a `LaserScan` message (REP-117).
+
+        Readings below `min_range` become -inf. Readings of `max_range` and above are beams without a return; `no_return` says
+        what they become. NaN stays NaN.
+
+        Args:
+            readings: float32 of any shape [m].
+            no_return: Mark of a beam without a return: "inf" for +inf, "max" for `max_range`, or "below_max" for 0.1 m less
+                than `max_range` (but at least `min_range`).
+
+        Returns:
+            float32 of the same shape [m], a new array.
+
+        Raises:
+            ValueError: `no_return` is none of these.
+            TypeError: The array is not float32.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> laser = mrs.LaserScanner(min_range=0.05, max_range=30.0)
+            >>> laser.mark_invalid(np.array([0.01, 2.0, 30.0], np.float32)).tolist()
+            [-inf, 2.0, inf]
+        """
+    def end_points(self, pose: _PoseLike, readings: ArrayLike) -> NDArray[np.float64]:
+        """Returns the points in the map frame where the valid beams of one scan ended.
+
+        A reading is valid if it is at least `min_range` and below `max_range`.
+
+        Args:
+            pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+            readings: (beam_count,) float32 [m], with or without the marks of `mark_invalid`. The mark "below_max" counts as a
+                return.
+
+        Returns:
+            (M, 2) float64, one row (x, y) per valid reading [m], in the order of the beams.
+
+        Raises:
+            ValueError: There is not exactly one reading per beam, or the pose is not finite.
+            TypeError: The array is not float32.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.LaserScanner(beam_count=1).end_points((1.0, 2.0, 0.0), np.array([3.0], np.float32))
+            array([[4., 2.]])
+        """
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Shape:
+    """Outline of a robot or an obstacle in its own frame: a disc around the origin, or a simple polygon.
+
+    Create one with `Shape.disc`, `Shape.rectangle` or `Shape.polygon`. Lengths are in metres. A pose places the origin of
+    the shape in the map; the origin may lie outside a polygon.
+
+    Examples:
+        >>> from mobile_robot_simulator import Shape
+        >>> Shape.rectangle(0.6, 0.4).area
+        0.24
+    """
+
     @staticmethod
-    def disc(radius: float) -> Shape: ...
+    def disc(radius: float) -> Shape:
+        """Returns a disc around the origin.
+
+        Args:
+            radius: Radius [m], at most 1e6.
+
+        Raises:
+            ValueError: The radius is not positive, or is larger than 1e6.
+
+        Examples:
+            >>> from mobile_robot_simulator import Shape
+            >>> Shape.disc(0.3)
+            Shape.disc(0.3)
+        """
     @staticmethod
-    def rectangle(length: float, width: float) -> Shape: ...
+    def rectangle(length: float, width: float) -> Shape:
+        """Returns a rectangle with its centre at the origin.
+
+        Args:
+            length: Side along x, the forward direction [m], at most 1e6.
+            width: Side along y [m], at most 1e6.
+
+        Raises:
+            ValueError: A side is not positive, or is larger than 1e6.
+
+        Examples:
+            >>> from mobile_robot_simulator import Shape
+            >>> Shape.rectangle(2.0, 1.0).points.tolist()
+            [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
+        """
     @staticmethod
-    def polygon(points: Sequence[Sequence[float]] | NDArray[np.float64]) -> Shape: ...
+    def polygon(points: Sequence[Sequence[float]] | NDArray[np.float64]) -> Shape:
+        """Returns a polygon with the given corners, convex or not.
+
+        An edge joins the last corner to the first.
+
+        Args:
+            points: Corners (x, y) [m], 3 to 1000 of them, clockwise or counter-clockwise: an (N, 2) array or a sequence of
+                pairs. Coordinates lie between -1e6 and 1e6.
+
+        Raises:
+            ValueError: The array has another shape, there are fewer than 3 or more than 1000 corners, a coordinate is not
+                finite or beyond 1e6, two consecutive corners are equal, or two edges meet anywhere but at a shared corner.
+            TypeError: `points` does not consist of pairs of numbers.
+
+        Examples:
+            >>> from mobile_robot_simulator import Shape
+            >>> Shape.polygon([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]).area
+            1.0
+        """
     @property
-    def radius(self) -> float | None: ...
+    def radius(self) -> float | None:
+        """Radius of a disc [m]; None for a polygon."""
     @property
-    def points(self) -> NDArray[np.float64]: ...
+    def points(self) -> NDArray[np.float64]:
+        """Corners of a polygon, counter-clockwise: (N, 2) float64 [m]. For a disc, an empty (0, 2) array."""
     @property
-    def reach(self) -> float: ...
+    def reach(self) -> float:
+        """Distance from the origin to the farthest point [m]: the radius of the circle that the shape needs to turn in place."""
     @property
-    def area(self) -> float: ...
+    def area(self) -> float:
+        """Area [m²]."""
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Contact:
+    """Where and when a robot touched a wall or an obstacle. `advance` returns it.
+
+    Args:
+        point: Point of contact (x, y) in the map frame [m], on the surface of the wall or obstacle.
+        normal: Unit vector (x, y) in the map frame that points from the wall or obstacle to the robot; (0, 0) if the robot's
+            origin is inside.
+        fraction: Time of the contact as a fraction of the step, from 0 to 1.
+        obstacle: Index in `obstacles` of the obstacle that was touched; None for a wall of the grid.
+
+    Raises:
+        ValueError: A number is not finite, the normal is longer than 1, the fraction is not in 0..1, or the index is
+            negative.
+
+    Examples:
+        >>> from mobile_robot_simulator import Contact
+        >>> Contact(point=(2.0, 0.5), normal=(-1.0, 0.0), fraction=0.5)
+        Contact(point=(2.0, 0.5), normal=(-1.0, 0.0), fraction=0.5, obstacle=None)
+    """
+
     def __new__(
         cls,
         *,
@@ -211,29 +821,106 @@ class Contact:
         obstacle: int | None = None,
     ) -> Self: ...
     @property
-    def point(self) -> tuple[float, float]: ...
+    def point(self) -> tuple[float, float]:
+        """Point of contact (x, y) in the map frame [m], on the surface of the wall or obstacle."""
     @property
-    def normal(self) -> tuple[float, float]: ...
+    def normal(self) -> tuple[float, float]:
+        """Unit vector (x, y) in the map frame that points from the wall or obstacle to the robot.
+
+        It is (0, 0) if the robot's origin is inside the wall or obstacle.
+        """
     @property
-    def fraction(self) -> float: ...
+    def fraction(self) -> float:
+        """Time of the contact as a fraction of the step, from 0 to 1."""
     @property
-    def obstacle(self) -> int | None: ...
+    def obstacle(self) -> int | None:
+        """Index in `obstacles` of the obstacle that was touched; None for a wall of the grid."""
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class RandomStream:
+    """A seed that counts what has been drawn with it, so that no two calls draw the same noise.
+
+    It can be passed as `seed=` wherever a function takes a seed and an index. Each call then takes as many indices as it
+    draws scans, poses or steps, and the next call continues after them. The results are the same bytes as with `seed=` and
+    `first_index=` written out. Threads may share it: each call takes indices of its own, in the order of the calls.
+
+    Args:
+        seed: The seed, 0 to 2**64 - 1.
+        next_index: Index of the first draw, 0 to 2**64 - 1.
+
+    Raises:
+        ValueError: A number is out of range.
+        TypeError: A number is not an integer.
+
+    Examples:
+        Two batches of noisy scans, each with noise of its own:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> laser, noise, stream = mrs.LaserScanner(beam_count=1), mrs.BeamModel(), mrs.RandomStream(7)
+        >>> poses = [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0)]
+        >>> first = laser.scan_batch(grid, poses, noise=noise, seed=stream)
+        >>> second = laser.scan_batch(grid, poses, noise=noise, seed=stream)
+        >>> stream, bool((first != second).all())
+        (RandomStream(7, next_index=4), True)
+    """
+
     def __new__(cls, seed: int, *, next_index: int = 0) -> Self: ...
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """The seed."""
     @property
-    def next_index(self) -> int: ...
-    def take(self, count: int) -> int: ...
+    def next_index(self) -> int:
+        """Index of the next draw."""
+    def take(self, count: int) -> int:
+        """Takes indices for draws of your own.
+
+        Args:
+            count: Number of indices, at least 0.
+
+        Returns:
+            The first of the indices taken. `next_index` grows by `count`.
+
+        Raises:
+            ValueError: The count is negative, or fewer than `count` indices are left.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> stream = mrs.RandomStream(7)
+            >>> stream.take(10), stream.take(5), stream.next_index
+            (0, 10, 15)
+        """
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Limits:
+    """Limits on velocity and acceleration along each axis (vx, vy, wz) of a robot.
+
+    A limit holds in both directions, and `inf` means no limit. The axes are independent. As in the `diff_drive_controller`
+    of ros2_controllers, the acceleration limits are applied first, then the velocity limits.
+
+    Args:
+        velocity: Largest speeds [m/s, m/s, rad/s]. No limits by default. 0 holds an axis still.
+        acceleration: Largest increases of speed [m/s², m/s², rad/s²]. No limits by default.
+        deceleration: Largest decreases of speed [m/s², m/s², rad/s²]. No limits by default. With 0, a moving axis never
+            stops.
+
+    Raises:
+        ValueError: A limit is negative or NaN.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 2.0))
+        >>> limits.acceleration
+        (0.5, 0.5, 2.0)
+        >>> limits.velocity
+        (inf, inf, inf)
+    """
+
     def __new__(
         cls,
         *,
@@ -242,22 +929,113 @@ class Limits:
         deceleration: _TwistLike = (inf, inf, inf),
     ) -> Self: ...
     @property
-    def velocity(self) -> tuple[float, float, float]: ...
+    def velocity(self) -> tuple[float, float, float]:
+        """Largest speeds along (vx, vy, wz) [m/s, m/s, rad/s]."""
     @property
-    def acceleration(self) -> tuple[float, float, float]: ...
+    def acceleration(self) -> tuple[float, float, float]:
+        """Largest increases of speed along (vx, vy, wz) [m/s², m/s², rad/s²]."""
     @property
-    def deceleration(self) -> tuple[float, float, float]: ...
-    def apply(self, wanted: _TwistLike, current: _TwistLike, dt: float) -> tuple[float, float, float]: ...
-    def integrate(
-        self, pose: _PoseLike, wanted: _TwistLike, current: _TwistLike, dt: float, *, grip: float = 1.0
-    ) -> Pose: ...
-    def distance(self, wanted: _TwistLike, current: _TwistLike, dt: float) -> float: ...
+    def deceleration(self) -> tuple[float, float, float]:
+        """Largest decreases of speed along (vx, vy, wz) [m/s², m/s², rad/s²]."""
+    def apply(self, wanted: _TwistLike, current: _TwistLike, dt: float) -> tuple[float, float, float]:
+        """Returns the velocity that a robot reaches in `dt` seconds.
+
+        An axis that reverses its direction first slows down to zero, then speeds up in the remaining time.
+
+        Args:
+            wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            current: Velocity at the start, in the same form.
+            dt: Duration [s]. With 0, only the velocity limits apply, to the current velocity.
+
+        Returns:
+            The velocity (vx, vy, wz) after `dt` seconds [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: A velocity or `dt` is not finite, or `dt` is negative.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 2.0))
+            >>> limits.apply((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=0.5)
+            (0.25, 0.0, 0.0)
+        """
+    def integrate(self, pose: _PoseLike, wanted: _TwistLike, current: _TwistLike, dt: float, *, grip: float = 1.0) -> Pose:
+        """Returns the pose that a robot reaches in `dt` seconds while its velocity follows `apply`.
+
+        Args:
+            pose: Pose at the start.
+            wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            current: Velocity of the wheels at the start, in the same form.
+            dt: Duration [s].
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        Returns:
+            The pose after `dt` seconds. Its yaw is not wrapped.
+
+        Raises:
+            ValueError: A number or the resulting pose is not finite, or `dt` is negative.
+
+        Examples:
+            From 1 m/s to a stop at 1 m/s² takes half a metre:
+
+            >>> import mobile_robot_simulator as mrs
+            >>> limits = mrs.Limits(deceleration=(1.0, 1.0, 1.0))
+            >>> limits.integrate(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dt=5.0)
+            Pose(0.5, 0.0, 0.0)
+        """
+    def distance(self, wanted: _TwistLike, current: _TwistLike, dt: float) -> float:
+        """Returns the length of the path that a robot drives in `dt` seconds while its velocity follows `apply`.
+
+        Args:
+            wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            current: Velocity at the start, in the same form.
+            dt: Duration [s].
+
+        Returns:
+            The length of the path [m]. Turning in place adds nothing.
+
+        Raises:
+            ValueError: A velocity or `dt` is not finite, or `dt` is negative.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> limits = mrs.Limits(velocity=(1.0, 1.0, 2.0), acceleration=(0.5, 0.5, 2.0))
+            >>> limits.distance((2.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=4.0)
+            3.0
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class MotionNoise:
+    """Odometry noise: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
+
+    At speed v and turn rate ω, a step has three independent normal errors: of the speed, with variance alpha1·v² +
+    alpha2·ω²; of the turn rate, with variance alpha3·v² + alpha4·ω²; and of an extra turn rate, with variance alpha5·v² +
+    alpha6·ω², that turns the robot at the end of the step. As in the book, each step draws new errors, which hold for the
+    whole step. The error of a drive therefore depends on the length of its steps, unless a reference step is given: the
+    variances then hold for a step of this duration, and those of a step of `dt` seconds are larger by `reference_step / dt`,
+    so that the errors of a drive do not depend on its division into steps. All parameters are 0 by default: no noise.
+
+    Args:
+        alpha1: Variance of the speed per v² [1].
+        alpha2: Variance of the speed per ω² [m²/rad²].
+        alpha3: Variance of the turn rate per v² [rad²/m²].
+        alpha4: Variance of the turn rate per ω² [1].
+        alpha5: Variance of the extra turn rate per v² [rad²/m²].
+        alpha6: Variance of the extra turn rate per ω² [1].
+        reference_step: Duration of the step for which the variances hold [s]; None: they hold for every step.
+
+    Raises:
+        ValueError: A parameter is negative or not finite, or the reference step is not positive.
+
+    Examples:
+        >>> from mobile_robot_simulator import MotionNoise
+        >>> MotionNoise(alpha1=0.01, alpha4=0.02).alpha
+        (0.01, 0.0, 0.0, 0.02, 0.0, 0.0)
+    """
+
     def __new__(
         cls,
         *,
@@ -270,22 +1048,148 @@ class MotionNoise:
         reference_step: float | None = None,
     ) -> Self: ...
     @property
-    def alpha(self) -> tuple[float, float, float, float, float, float]: ...
+    def alpha(self) -> tuple[float, float, float, float, float, float]:
+        """The parameters (alpha1, ..., alpha6)."""
     @property
-    def reference_step(self) -> float | None: ...
+    def reference_step(self) -> float | None:
+        """Duration of the step for which the variances hold [s]; None if they hold for every step."""
     def sample(
         self, pose: _PoseLike, twist: _TwistLike, dt: float, *, seed: int | RandomStream, index: int | None = None
-    ) -> Pose: ...
-    def propagate(self, covariance: ArrayLike, pose: _PoseLike, twist: _TwistLike, dt: float) -> NDArray[np.float64]: ...
-    def twist_covariance(self, twist: _TwistLike, dt: float) -> NDArray[np.float64]: ...
+    ) -> Pose:
+        """Returns a random pose that a robot may reach in `dt` seconds when it is commanded to move at a twist.
+
+        This is `sample_motion_model_velocity` of Probabilistic Robotics, table 5.3, with an arc that is exact at every turn
+        rate. The speed error points along the direction of travel, or forward if the robot turns in place.
+
+        Args:
+            pose: Pose (x, y, yaw) at the start of the step [m, m, rad].
+            twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            dt: Duration of the step [s].
+            seed: Seed of the random stream, 0 to 2**64 - 1, or a `RandomStream`, which counts the steps of all calls.
+            index: Index of the step, 0 to 2**64 - 1. The same seed and index give the same errors on every machine. Must be
+                given with a number as seed.
+
+        Returns:
+            The pose reached. Its yaw is not wrapped.
+
+        Raises:
+            ValueError: An argument or the pose reached is not finite, or the seed or index is out of range.
+            TypeError: The seed or index is not an integer.
+
+        Examples:
+            Without noise, the pose is exact:
+
+            >>> from mobile_robot_simulator import MotionNoise
+            >>> MotionNoise().sample((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 2.0, seed=1, index=0)
+            Pose(2.0, 0.0, 0.0)
+        """
+    def propagate(self, covariance: ArrayLike, pose: _PoseLike, twist: _TwistLike, dt: float) -> NDArray[np.float64]:
+        """Returns the covariance of (x, y, yaw) after a step, given the covariance before it.
+
+        The result is F·P·Fᵀ + V·M·Vᵀ, to first order in the errors (Probabilistic Robotics, table 7.2, lines 3 to 7). F and
+        V are the exact derivatives of the arc with respect to the pose and to the three errors; M holds the variances of the
+        errors (table 5.3). First order is accurate while the standard deviation of the yaw is below about 0.2 rad.
+
+        Args:
+            covariance: (3, 3), covariance of (x, y, yaw) before the step [m², m·rad, rad²].
+            pose: True or estimated pose (x, y, yaw) at the start of the step [m, m, rad].
+            twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            dt: Duration of the step [s].
+
+        Returns:
+            (3, 3) float64, the covariance after the step. It is exactly symmetric.
+
+        Raises:
+            ValueError: The covariance has another shape, or an argument or the result is not finite.
+            TypeError: The covariance cannot be converted to float64 without loss.
+
+        Examples:
+            At 2 m/s, the variance of the speed is 0.01 · 2²:
+
+            >>> import numpy as np
+            >>> from mobile_robot_simulator import MotionNoise
+            >>> MotionNoise(alpha1=0.01).propagate(np.zeros((3, 3)), (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), dt=1.0)
+            array([[0.04, 0.  , 0.  ],
+                   [0.  , 0.  , 0.  ],
+                   [0.  , 0.  , 0.  ]])
+        """
+    def twist_covariance(self, twist: _TwistLike, dt: float) -> NDArray[np.float64]:
+        """Returns the covariance of the mean velocity (vx, vy, wz) in a step.
+
+        The mean velocity is the constant twist between the poses at the start and at the end of the step; see
+        `Pose.twist_to`. The covariance is to first order in the errors and in the turn during the step.
+
+        Args:
+            twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            dt: Duration of the step [s].
+
+        Returns:
+            (3, 3) float64 [m²/s², m·rad/s², rad²/s²].
+
+        Raises:
+            ValueError: An argument or the result is not finite.
+
+        Examples:
+            >>> from mobile_robot_simulator import MotionNoise
+            >>> noise = MotionNoise(alpha1=0.01, alpha4=0.02, reference_step=0.1)
+            >>> noise.twist_covariance((2.0, 0.0, 1.0), dt=0.1).diagonal().tolist()
+            [0.04, 0.0, 0.02]
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-def touches(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> bool: ...
-def clearance(
-    grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, limit: float, obstacles: _Obstacles = ()
-) -> float: ...
+def touches(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, obstacles: _Obstacles = ()) -> bool:
+    """Returns True if a footprint shares a point with a blocking cell or an obstacle.
+
+    Edges belong to footprints, cells and obstacles, so a shared edge or corner is a contact.
+
+    Args:
+        grid: Map that the robot moves in. Outside the grid is free.
+        footprint: Outline of the robot in its own frame.
+        pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+        obstacles: Pairs (Shape, pose), with poses in the map frame.
+
+    Raises:
+        ValueError: A pose is not finite.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> robot = mrs.Shape.disc(0.5)
+        >>> mrs.touches(grid, robot, (1.4, 0.5, 0.0)), mrs.touches(grid, robot, (1.6, 0.5, 0.0))
+        (False, True)
+    """
+
+def clearance(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, limit: float, obstacles: _Obstacles = ()) -> float:
+    """Returns the exact distance [m] from a footprint to the nearest blocking cell or obstacle.
+
+    Args:
+        grid: Map that the robot moves in. Outside the grid is free.
+        footprint: Outline of the robot in its own frame.
+        pose: Pose (x, y, yaw) of the robot in the map frame [m, m, rad].
+        limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
+        obstacles: Pairs (Shape, pose), with poses in the map frame.
+
+    Returns:
+        The distance [m]: 0 if the footprint touches something, `limit` if there is nothing within `limit`.
+
+    Raises:
+        ValueError: A pose is not finite, or `limit` is not positive and finite.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> mrs.clearance(grid, mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), limit=9.0)
+        1.0
+    """
+
 def advance(
     grid: OccupancyGrid,
     footprint: Shape,
@@ -295,7 +1199,48 @@ def advance(
     *,
     mode: Literal["stop", "slide", "report"] = "stop",
     obstacles: _Obstacles = (),
-) -> tuple[Pose, Contact | None]: ...
+) -> tuple[Pose, Contact | None]:
+    """Returns the pose of a robot after `dt` seconds at a constant twist, and its first contact on the way.
+
+    The robot follows the exact arc of `Pose.integrate`. Contacts are found by conservative advancement (Mirtich 1996,
+    section 2.3) with second-order bounds. `mode` says what a contact does:
+
+    - "stop": The robot stops at most 1e-6 m before the wall or obstacle, never inside it.
+    - "slide": The robot continues for the rest of the step. Its linear velocity loses the part that would push a point of
+      contact into the wall or obstacle.
+    - "report": The robot passes through everything; the contact is only reported.
+
+    A robot that overlaps something at the start has a contact with fraction 0. It then moves with a smaller footprint: the
+    largest copy, scaled about its origin, that overlaps nothing. It can move out or along the wall or obstacle, but not
+    deeper. A robot whose origin is inside a wall or obstacle moves freely.
+
+    Args:
+        grid: Map that the robot moves in. Outside the grid is free.
+        footprint: Outline of the robot in its own frame.
+        pose: Pose (x, y, yaw) of the robot in the map frame at the start [m, m, rad].
+        twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+        dt: Duration of the step [s].
+        mode: What a contact does: "stop", "slide" or "report".
+        obstacles: Pairs (Shape, pose), with poses in the map frame. They stand still during the step.
+
+    Returns:
+        The pose reached, and the first contact or None. Without a contact, the pose equals `pose.integrate(twist, dt)`.
+
+    Raises:
+        ValueError: An argument or the pose reached is not finite, `dt` is negative or so long that the robot would move
+            more than 100000 times its own size, or the mode is unknown.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m. The robot stops half way, when its edge reaches the wall:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> pose, contact = mrs.advance(grid, mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), (1.0, 0.0, 0.0), dt=2.0)
+        >>> round(pose.x, 3), round(contact.fraction, 3), contact.obstacle
+        (1.5, 0.5, None)
+    """
+
 def cast_rays(
     grid: OccupancyGrid,
     rays: ArrayLike,
@@ -304,5 +1249,63 @@ def cast_rays(
     obstacles: _Obstacles = (),
     threads: int | None = None,
     out: NDArray[np.float32] | None = None,
-) -> NDArray[np.float32]: ...
-def integrate_twist(poses: ArrayLike, twists: ArrayLike, dt: float) -> NDArray[np.float64]: ...
+) -> NDArray[np.float32]:
+    """Returns the range of each ray: the distance at which it enters the first blocking cell or obstacle.
+
+    The rays are independent; for the beams of a scanner, use `LaserScanner.scan_batch`. Ranges are exact: the grid traversal
+    follows Amanatides & Woo (1987), section 2. More than 100,000 rays are read in place, without a copy, so no other thread
+    may write to them during the call.
+
+    Args:
+        grid: Map to cast the rays in.
+        rays: (N, 3), one row (x, y, direction) per ray in the map frame [m, m, rad]. Rays may start outside the grid.
+            Anything that NumPy can convert to float64 without loss.
+        max_range: Range of a ray that hits nothing [m].
+        obstacles: Pairs (Shape, pose) that also stop rays, with poses in the map frame.
+        threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+        out: (N,) float32 in C order, an array for the result. None means a new array.
+
+    Returns:
+        (N,) float32 [m], which is `out` if it was given. A ray that starts inside a blocking cell or an obstacle has range
+            0. A ray that hits nothing within `max_range` has exactly `max_range`.
+
+    Raises:
+        ValueError: A shape is wrong, a number is not finite, `max_range` is not positive, `threads` is out of range, or
+            `out` is read-only, in use or not in C order.
+        TypeError: An argument has the wrong type or dtype.
+        OSError: The threads could not be started.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> rays = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, np.pi]])
+        >>> mrs.cast_rays(grid, rays, max_range=9.0)
+        array([1.5, 9. ], dtype=float32)
+    """
+
+def integrate_twist(poses: ArrayLike, twists: ArrayLike, dt: float) -> NDArray[np.float64]:
+    """Returns the pose that each robot of a batch reaches after `dt` seconds at a constant twist.
+
+    The arcs are exact, not Euler steps: the exponential map of SE(2). `Pose.integrate` gives the formula.
+
+    Args:
+        poses: (N, 3), one row (x, y, yaw) per robot [m, m, rad]. Anything that NumPy can convert to float64 without loss.
+        twists: (N, 3), one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s], as for `poses`.
+        dt: Duration [s]. A negative one goes backwards in time.
+
+    Returns:
+        (N, 3) float64, one row (x, y, yaw) per robot. The yaw is not wrapped.
+
+    Raises:
+        ValueError: A shape is wrong, the lengths differ, or an argument or a pose reached is not finite.
+        TypeError: An array cannot be converted to float64 without loss.
+
+    Examples:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> mrs.integrate_twist(np.array([[1.0, 2.0, 0.0]]), np.array([[0.5, 0.0, 0.0]]), dt=4.0)
+        array([[3., 2., 0.]])
+    """

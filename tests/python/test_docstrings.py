@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import inspect
+import runpy
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -100,3 +101,12 @@ def test_examples_of_python_modules_run(name: str) -> None:
     for test in tests:
         doctest.DocTestRunner(verbose=False).run(test, out=report.append)
     assert not report, "".join(report)
+
+
+def test_the_stub_has_the_docstrings_of_the_core() -> None:
+    """After a change of a docstring in Rust, run `python docs/tools/stub_docstrings.py`."""
+    tool = Path(__file__).parents[2] / "docs" / "tools" / "stub_docstrings.py"
+    names = runpy.run_path(str(tool))
+    stub = names["STUB"].read_text(encoding="utf-8")
+    assert names["with_docstrings"](stub) == stub
+    assert "Returns the true ranges of one scan, without noise." in stub
