@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, TypeVar
 
 from .._core import Contact, Limits, Pose, advance
 from ..instant import NANOSECONDS
-from .motion import ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
+from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 from .world import Body, World
 
@@ -243,6 +243,7 @@ class ConstrainedMotion(Motion):
         speed = math.hypot(step.twist[0], step.twist[1])
         pose = step.start.integrate(step.twist, elapsed).wrapped()
         self.contacts.append(ContactEvent(time, what, contact.point, speed, pose))
+        del self.contacts[:-MAX_CONTACTS]
 
     def _begin_after_contact(self, step: _Step, contact: Contact) -> None:
         """Adds segments to the trajectory for a step in which contact stopped or deflected the robot."""

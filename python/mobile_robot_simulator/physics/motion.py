@@ -12,6 +12,15 @@ from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scal
 
 M = TypeVar("M", bound="Motion")
 
+MAX_SEGMENTS = 20_000
+"""Number of segments of a trajectory from which on its older half is thinned. They take about 10 MB."""
+
+MAX_CONTACTS = 10_000
+"""Number of contacts from which on the oldest ones are dropped."""
+
+SAME_PLACE = 1e-6
+"""Distance [m] and turn [rad] up to which a segment counts as the continuation of the one before."""
+
 
 @dataclass(frozen=True, slots=True)
 class Segment:
@@ -81,6 +90,35 @@ class MotionSnapshot:
     segments: tuple[Segment, ...]
     contacts: tuple[ContactEvent, ...]
     stepping: SteppingSnapshot | None
+
+
+def thinned(segments: list[Segment]) -> list[Segment]:
+    """Returns a trajectory whose older half has half as many segments.
+
+    A segment that replaces two of them has a constant velocity. The poses at its ends stay exact. Where the robot was moved
+    to another pose, nothing is replaced.
+    """
+    half = len(segments) // 2
+    old: list[Segment] = []
+    index = 0
+    while index < half:
+        first, middle, after = segments[index : index + 3]
+        if first.start_ns < middle.start_ns < after.start_ns and _continues(first, middle) and _continues(middle, after):
+            duration = (after.start_ns - first.start_ns) / NANOSECONDS
+            velocity = first.pose.twist_to(after.pose, duration)
+            profile = VelocityProfile(first.start_ns, velocity, velocity, after.start_ns)
+            old.append(Segment(first.start_ns, first.pose, profile, 1.0))
+            index += 2
+        else:
+            old.append(first)
+            index += 1
+    return old + segments[index:]
+
+
+def _continues(before: Segment, after: Segment) -> bool:
+    """Returns True if a segment begins where the one before it ends."""
+    end = before.pose_at(after.start_ns)
+    return all(abs(a - b) < SAME_PLACE for a, b in zip(end.inverse() * after.pose, Pose(), strict=True))
 
 
 class Motion:
@@ -263,6 +301,8 @@ class Motion:
             # Nothing has happened in the last segment.
             self.segments.pop()
         self.segments.append(segment)
+        if len(self.segments) > MAX_SEGMENTS:
+            self.segments = thinned(self.segments)
 
     def _following(self, command: Velocity, time_ns: int, until_ns: int) -> VelocityProfile:
         """Profile of a robot that follows a command from now on."""

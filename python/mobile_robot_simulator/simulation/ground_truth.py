@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from ..physics.world import World
 
 PATH_STEP = 0.1
-"""Longest time between two points of a path [s]."""
+"""Longest time between two points of a path [s], unless the path would have more than `MAX_STEPS` of them."""
+
+MAX_STEPS = 50_000
+"""Number of steps in time of a path, beside its changes of velocity."""
 
 FARTHEST = 10.0
 """Upper limit of clearances [m]; a larger distance is reported as this value."""
@@ -70,7 +73,7 @@ class GroundTruth(Handle):
 
     @property
     def contacts(self) -> list[ContactEvent]:
-        """All contacts that have begun so far, in order of time.
+        """All contacts that have begun so far, in order of time; the last `physics.motion.MAX_CONTACTS` if there were more.
 
         Raises:
             ValueError: The robot has no footprint.
@@ -114,15 +117,18 @@ class GroundTruth(Handle):
     def path(self) -> NDArray[np.float64]:
         """The path driven so far, (N, 4) float64: time [s], x [m], y [m], yaw [rad] in the map frame.
 
-        There is a point at each change of velocity and at least every `PATH_STEP` seconds in between. Every point is
-        exact. When the robot is moved to another pose, there are two points at that time: before and after.
+        There is a point at each change of velocity and at least every `PATH_STEP` seconds in between. Every point is exact.
+        In drives of more than `physics.motion.MAX_SEGMENTS` commands, older parts are thinned: the robot then moves at a
+        constant velocity between exact points. In drives of more than 5000 s, points are farther apart. When the robot is
+        moved to another pose, there are two points at that time: before and after.
         """
         now = self._world.now_ns()
         segments = self._robot.motion.trajectory(now)
+        longest = max(PATH_STEP, (now - segments[0].start_ns) / NANOSECONDS / MAX_STEPS)
         rows: list[tuple[float, ...]] = []
         for segment, end_ns in zip(segments, [*(after.start_ns for after in segments[1:]), now], strict=True):
             length_ns = end_ns - segment.start_ns
-            count = max(1, math.ceil(length_ns / NANOSECONDS / PATH_STEP))
+            count = max(1, math.ceil(length_ns / NANOSECONDS / longest))
             for step in range(count + (end_ns == now)):
                 time_ns = segment.start_ns + length_ns * step / count
                 rows.append((time_ns / NANOSECONDS, *segment.pose_at(time_ns)))

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from mobile_robot_simulator import Pose
+from mobile_robot_simulator.physics import motion as motion_module
 from mobile_robot_simulator.physics.motion import Motion
 from mobile_robot_simulator.physics.velocity_profile import STANDING
 
@@ -70,3 +71,35 @@ def test_a_continuing_motion_keeps_the_past() -> None:
     motion = Motion(SECOND, 0.0, Pose(10.0), before.pose(SECOND)).continuing(before)
     assert motion.distance(SECOND) == 1.0 and motion.trajectory(SECOND)[0].start_ns == 0
     assert motion.map_pose_at(SECOND // 2).x == 11.5
+
+
+def wandering(count: int) -> Motion:
+    """A robot that changes its velocity every 0.1 s, and is moved to another place once."""
+    motion = Motion(0, 0.0, Pose(), Pose())
+    for nth in range(count):
+        motion.command((0.5, 0.0, 0.4 * math.sin(nth)), nth * SECOND // 10)
+        if nth == 100:
+            motion.place(Pose(50.0), nth * SECOND // 10)
+    return motion
+
+
+def test_a_long_trajectory_is_thinned_and_its_points_stay_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = wandering(3000)
+    monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 200)
+    thin = wandering(3000)
+    assert len(whole.segments) == 3001 and len(thin.segments) <= 200
+    assert thin.pose(300 * SECOND) == whole.pose(300 * SECOND) and thin.distance(300 * SECOND) == whole.distance(
+        300 * SECOND
+    )
+    exact = {(segment.start_ns, tuple(segment.pose)) for segment in whole.segments}
+    assert {(segment.start_ns, tuple(segment.pose)) for segment in thin.segments} <= exact
+    assert thin.segments[0].start_ns == 0 and thin.segments[-1] == whole.segments[-1]
+    # The jump to another place at 10 s is kept: just before it the robot is near the origin.
+    assert thin.map_pose_at(10 * SECOND - 1).x < 6.0 and thin.map_pose_at(10 * SECOND).x == 50.0
+    assert thin.segments[-95:] == whole.segments[-95:]
+
+
+def test_the_memory_of_a_long_drive_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 1000)
+    sizes = [len(wandering(count).segments) for count in (900, 5_000, 50_000)]
+    assert sizes[0] == 901 and max(sizes[1:]) <= 1000
