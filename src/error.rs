@@ -15,6 +15,17 @@ pub enum Error {
         /// Its domain.
         needed: &'static str,
     },
+    /// A field of view that looks like a number of degrees.
+    #[error("fov must be in (0, 2π] radians, got {}; {}° is {:.4} rad", shown(*.0), shown(*.0), .0.to_radians())]
+    Degrees(f64),
+    /// A maximum range that is not above the minimum range.
+    #[error("max_range must be greater than min_range, got {} and {}", shown(*max_range), shown(*min_range))]
+    Ranges {
+        /// The minimum range given.
+        min_range: f64,
+        /// The maximum range given.
+        max_range: f64,
+    },
     /// A row of a batch that contains NaN or an infinity.
     #[error("{name} must be finite, got {value:?} in row {row}")]
     Row {
@@ -66,6 +77,19 @@ pub enum Error {
         height: usize,
         /// Number of columns of the grid.
         width: usize,
+    },
+    /// A block of cells that is not on the grid.
+    #[error(
+        "a block of shape ({}, {}) at row {} and column {} must fit on the grid of shape ({}, {})",
+        block.0, block.1, corner.0, corner.1, grid.0, grid.1
+    )]
+    Block {
+        /// Number of rows and columns of the block.
+        block: (usize, usize),
+        /// Row and column of its first cell.
+        corner: (usize, usize),
+        /// Number of rows and columns of the grid.
+        grid: (usize, usize),
     },
     /// Weights of a beam model that are all 0.
     #[error("at least one of z_hit, z_short, z_max, z_rand must be positive, got {0:?}")]

@@ -241,7 +241,7 @@ impl OccupancyGrid {
     ///
     /// - [`Error::Count`]: there are no values, or `width` is 0.
     /// - [`Error::Length`]: the number of values is not a multiple of `width`.
-    /// - [`Error::OffGrid`]: the rectangle is not on the grid.
+    /// - [`Error::Block`]: the rectangle is not on the grid.
     /// - [`Error::Cell`]: a value outside -1 to 100.
     pub fn set_cells(&mut self, corner: Cell, width: usize, values: &[i8]) -> Result<(), Error> {
         check_counts(values.len(), width)?;
@@ -251,7 +251,8 @@ impl OccupancyGrid {
         }
         let last = (corner.row.saturating_add(height - 1), corner.col.saturating_add(width - 1));
         if last.0 >= self.height || last.1 >= self.width {
-            return Err(Error::OffGrid { row: last.0, col: last.1, height: self.height, width: self.width });
+            let (block, grid) = ((height, width), (self.height, self.width));
+            return Err(Error::Block { block, corner: (corner.row, corner.col), grid });
         }
         check_cells(values, width)?;
         for (row, values) in values.chunks_exact(width).enumerate() {
@@ -641,8 +642,14 @@ mod tests {
         let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
             grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()
         };
-        assert_eq!(error(&mut grid, 3, 2, &[0, 0]), "row and column must be below 3 and 4, got 1 and 4");
-        assert_eq!(error(&mut grid, 0, 1, &[0; 3]), "row and column must be below 3 and 4, got 3 and 0");
+        assert_eq!(
+            error(&mut grid, 3, 2, &[0, 0]),
+            "a block of shape (1, 2) at row 1 and column 3 must fit on the grid of shape (3, 4)"
+        );
+        assert_eq!(
+            error(&mut grid, 0, 1, &[0; 3]),
+            "a block of shape (3, 1) at row 1 and column 0 must fit on the grid of shape (3, 4)"
+        );
         assert_eq!(error(&mut grid, 0, 2, &[0; 3]), "cells must have 4 elements, got 3");
         assert_eq!(error(&mut grid, 0, 2, &[]), "the number of cells must be at least 1, got 0");
         assert_eq!(error(&mut grid, 0, 0, &[0; 3]), "width must be at least 1, got 0");

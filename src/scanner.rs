@@ -107,17 +107,25 @@ impl LaserScanner {
     /// Returns the scanner with these parameters. [`LaserScanner`] tells where its beams point.
     ///
     /// # Errors
-    /// - [`Error::Number`]: `fov` is not in (0, 2π], the ranges are not `0 <= min_range < max_range`, `max_range` is too
-    ///   large for a float32, or `mount` is not finite.
+    /// - [`Error::Degrees`]: `fov` looks like a number of degrees.
+    /// - [`Error::Number`]: `fov` is not in (0, 2π], `min_range` is negative, `max_range` is too large for a float32, or a
+    ///   number is not finite.
+    /// - [`Error::Ranges`]: `max_range` is not above `min_range`.
     /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`].
     pub fn new(options: ScannerOptions) -> Result<Self, Error> {
         let ScannerOptions { fov, beam_count, min_range, max_range, mount } = options;
-        check_number("fov", fov, "in (0, 2π]", |value| value > 0.0 && value < TAU + FULL_TURN_TOLERANCE)?;
+        if fov > TAU + 1.0 && fov <= 360.0 {
+            return Err(Error::Degrees(fov));
+        }
+        check_number("fov", fov, "in (0, 2π] radians", |value| value > 0.0 && value < TAU + FULL_TURN_TOLERANCE)?;
         if !(1..=MAX_BEAMS).contains(&beam_count) {
             return Err(Error::Count { name: "beam_count", value: beam_count, needed: "in 1..1000000" });
         }
         check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
-        check_number("max_range", max_range, "greater than min_range", |value| value > min_range)?;
+        check_finite("max_range", max_range)?;
+        if max_range <= min_range {
+            return Err(Error::Ranges { min_range, max_range });
+        }
         check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
         check_finite("mount x", mount.position.x)?;
         check_finite("mount y", mount.position.y)?;

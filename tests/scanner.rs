@@ -251,11 +251,14 @@ fn scan(laser: &LaserScanner, grid: &OccupancyGrid, start: [f64; 3]) -> Vec<f32>
 fn the_error_names_the_bad_option_or_argument() {
     let good = ScannerOptions::default();
     let error = |options| LaserScanner::new(options).unwrap_err().to_string();
-    assert_eq!(error(ScannerOptions { fov: 0.0, ..good }), "fov must be in (0, 2π], got 0");
-    assert_eq!(error(ScannerOptions { fov: 6.3, ..good }), "fov must be in (0, 2π], got 6.3");
+    assert_eq!(error(ScannerOptions { fov: 0.0, ..good }), "fov must be in (0, 2π] radians, got 0");
+    assert_eq!(error(ScannerOptions { fov: 6.3, ..good }), "fov must be in (0, 2π] radians, got 6.3");
     assert_eq!(error(ScannerOptions { beam_count: 0, ..good }), "beam_count must be in 1..1000000, got 0");
     assert_eq!(error(ScannerOptions { min_range: -1.0, ..good }), "min_range must be at least 0, got -1");
-    assert_eq!(error(ScannerOptions { max_range: 0.05, ..good }), "max_range must be greater than min_range, got 0.05");
+    assert_eq!(
+        error(ScannerOptions { max_range: 0.05, ..good }),
+        "max_range must be greater than min_range, got 0.05 and 0.05"
+    );
     let mount = Pose::new(0.0, f64::INFINITY, 0.0);
     assert_eq!(error(ScannerOptions { mount, ..good }), "mount y must be finite, got inf");
 

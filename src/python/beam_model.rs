@@ -1,10 +1,11 @@
 //! The Python class `BeamModel`.
 
 use numpy::PyArrayMethods;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{broadcast, typed, vector};
+use super::arrays::{broadcast, type_name, typed, vector};
 use super::{Recipe, recipe};
 use crate::BeamModelOptions;
 
@@ -155,5 +156,21 @@ impl BeamModel {
             keywords.set_item(name, value)?;
         }
         recipe::<Self>(py, PyTuple::empty(py), keywords)
+    }
+}
+
+/// A noise argument: a `BeamModel`.
+pub struct NoiseArgument(pub crate::BeamModel);
+
+impl<'py> FromPyObject<'_, 'py> for NoiseArgument {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(model) = value.cast::<BeamModel>() {
+            return Ok(Self(model.get().0));
+        }
+        let number = value.extract::<f64>().ok().filter(|sigma| sigma.is_finite() && *sigma > 0.0);
+        let hint = number.map_or_else(String::new, |sigma| format!("; try BeamModel(sigma_hit={sigma:?})"));
+        Err(PyTypeError::new_err(format!("noise must be a BeamModel, got {}{hint}", type_name(&value))))
     }
 }

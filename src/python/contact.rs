@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::grid::OccupancyGrid;
+use super::grid::GridArgument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::shape::Shape;
@@ -116,7 +116,7 @@ impl Contact {
 )]
 pub fn touches(
     py: Python<'_>,
-    grid: &Bound<'_, OccupancyGrid>,
+    grid: GridArgument<'_>,
     footprint: &Bound<'_, Shape>,
     pose: PoseArgument,
     obstacles: ObstaclesArgument,
@@ -155,7 +155,7 @@ pub fn touches(
 )]
 pub fn clearance(
     py: Python<'_>,
-    grid: &Bound<'_, OccupancyGrid>,
+    grid: GridArgument<'_>,
     footprint: &Bound<'_, Shape>,
     pose: PoseArgument,
     limit: f64,
@@ -212,7 +212,7 @@ pub fn clearance(
 #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn advance(
     py: Python<'_>,
-    grid: &Bound<'_, OccupancyGrid>,
+    grid: GridArgument<'_>,
     footprint: &Bound<'_, Shape>,
     pose: PoseArgument,
     twist: [f64; 3],

@@ -1,14 +1,15 @@
 //! The Python class `OccupancyGrid`.
 
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec2;
-use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyImportError, PyValueError};
+use numpy::{PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyImportError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{check_out, fill, shape, typed, vector};
+use super::arrays::{check_out, fill, shape, type_name, typed, vector};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
@@ -416,5 +417,32 @@ impl OccupancyGrid {
         keywords.set_item("occupied_threshold", self.occupied_threshold())?;
         keywords.set_item("unknown", self.unknown())?;
         recipe::<Self>(py, PyTuple::new(py, [self.cells(py)?])?, keywords)
+    }
+}
+
+/// A grid argument: an `OccupancyGrid`.
+pub struct GridArgument<'py>(Bound<'py, OccupancyGrid>);
+
+impl<'py> Deref for GridArgument<'py> {
+    type Target = Bound<'py, OccupancyGrid>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for GridArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(grid) = value.cast::<OccupancyGrid>() {
+            return Ok(Self(grid.to_owned()));
+        }
+        let hint = if value.cast::<PyUntypedArray>().is_ok() {
+            "; make one with OccupancyGrid(cells, resolution=...), where cells is an int8 array"
+        } else {
+            ""
+        };
+        Err(PyTypeError::new_err(format!("grid must be an OccupancyGrid, got {}{hint}", type_name(&value))))
     }
 }

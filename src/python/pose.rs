@@ -1,6 +1,6 @@
 //! The Python class `Pose`, and the conversion of pose arguments.
 
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -242,11 +242,15 @@ impl<'py> FromPyObject<'_, 'py> for PoseArgument {
         }
         match value.extract::<[f64; 3]>() {
             Ok(numbers) => Ok(Self(crate::Pose::from(numbers).checked()?)),
-            Err(_) => Err(PyTypeError::new_err(format!(
-                "a pose must be three numbers (x, y, yaw), got {}: {}",
-                type_name(&value),
-                short_repr(&value)
-            ))),
+            Err(_) => {
+                let text =
+                    format!("a pose must be three numbers (x, y, yaw), got {}: {}", type_name(&value), short_repr(&value));
+                // Numbers of a wrong count are a wrong value; anything else is a wrong type.
+                let is_number = |item: PyResult<Bound<'_, PyAny>>| item.is_ok_and(|item| item.extract::<f64>().is_ok());
+                let is_numbers = value.len().is_ok_and(|count| count != 3)
+                    && value.try_iter().is_ok_and(|items| items.take(4).all(is_number));
+                Err(if is_numbers { PyValueError::new_err(text) } else { PyTypeError::new_err(text) })
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::arrays::{fill, rows};
-use super::grid::OccupancyGrid;
+use super::grid::GridArgument;
 use super::obstacles::ObstaclesArgument;
 use super::thread_count;
 use crate::raycast;
@@ -49,7 +49,7 @@ use crate::raycast;
 )]
 pub fn cast_rays<'py>(
     py: Python<'py>,
-    grid: &Bound<'py, OccupancyGrid>,
+    grid: GridArgument<'py>,
     rays: &Bound<'py, PyAny>,
     max_range: f64,
     obstacles: ObstaclesArgument,

@@ -1,13 +1,13 @@
 //! The Python class `LaserScanner`.
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{check_out, fill, rows, typed, vector};
-use super::beam_model::BeamModel;
-use super::grid::OccupancyGrid;
+use super::arrays::{check_out, fill, rows, short_repr, typed, vector};
+use super::beam_model::NoiseArgument;
+use super::grid::GridArgument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
@@ -50,7 +50,7 @@ impl LaserScanner {
     #[pyo3(
         text_signature = "(*, fov=4.71, beam_count=541, min_range=0.05, max_range=30.0, mount=(0.0, 0.0, 0.0))",
         signature = (
-            *,
+            *args,
             fov = default().fov,
             beam_count = None,
             min_range = default().min_range,
@@ -59,12 +59,17 @@ impl LaserScanner {
         )
     )]
     fn new(
+        args: &Bound<'_, PyTuple>,
         fov: f64,
         beam_count: Option<&Bound<'_, PyAny>>,
         min_range: f64,
         max_range: f64,
         mount: PoseArgument,
     ) -> PyResult<Self> {
+        if !args.is_empty() {
+            let text = "LaserScanner takes its arguments by name, such as fov=4.71 (radians) and beam_count=541, got ";
+            return Err(PyTypeError::new_err(format!("{text}{}", short_repr(args))));
+        }
         let beam_count = beam_count.map(|value| whole_number("beam_count", value, "in 1..1000000")).transpose()?;
         let beam_count = beam_count.unwrap_or(default().beam_count);
         let options = ScannerOptions { fov, beam_count, min_range, max_range, mount: mount.0 };
@@ -157,7 +162,7 @@ impl LaserScanner {
     fn scan<'py>(
         &self,
         py: Python<'py>,
-        grid: &Bound<'py, OccupancyGrid>,
+        grid: GridArgument<'py>,
         pose: PoseArgument,
         obstacles: ObstaclesArgument,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -221,10 +226,10 @@ impl LaserScanner {
     fn scan_batch<'py>(
         &self,
         py: Python<'py>,
-        grid: &Bound<'py, OccupancyGrid>,
+        grid: GridArgument<'py>,
         poses: &Bound<'py, PyAny>,
         obstacles: ObstaclesArgument,
-        noise: Option<BeamModel>,
+        noise: Option<NoiseArgument>,
         seed: Option<&Bound<'py, PyAny>>,
         first_index: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,

@@ -43,7 +43,7 @@ def test_an_empty_list_of_obstacles_changes_nothing(room: mrs.OccupancyGrid) -> 
         (3, TypeError, r"obstacles must be a sequence of \(Shape, pose\), got int"),
         ([DISC], TypeError, r"obstacles must be a sequence of \(Shape, pose\), got Shape"),
         ([(1, (0, 0, 0))], TypeError, r"obstacles must be a sequence of \(Shape, pose\), got int"),
-        ([(DISC, (0, 0))], TypeError, r"a pose must be three numbers \(x, y, yaw\)"),
+        ([(DISC, (0, 0))], ValueError, r"a pose must be three numbers \(x, y, yaw\)"),
         ([(DISC, (0, math.nan, 0))], ValueError, "y must be finite, got NaN"),
     ],
 )

@@ -516,12 +516,12 @@ def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> Non
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"fov": 0.0}, ValueError, "fov must be in (0, 2π], got 0"),
-        ({"fov": -1.0}, ValueError, "fov must be in (0, 2π], got -1"),
-        ({"fov": 6.3}, ValueError, "fov must be in (0, 2π], got 6.3"),
-        ({"fov": 2 * PI + 2e-6}, ValueError, "fov must be in (0, 2π]"),
-        ({"fov": math.nan}, ValueError, "fov must be in (0, 2π], got NaN"),
-        ({"fov": math.inf}, ValueError, "fov must be in (0, 2π], got inf"),
+        ({"fov": 0.0}, ValueError, "fov must be in (0, 2π] radians, got 0"),
+        ({"fov": -1.0}, ValueError, "fov must be in (0, 2π] radians, got -1"),
+        ({"fov": 6.3}, ValueError, "fov must be in (0, 2π] radians, got 6.3"),
+        ({"fov": 2 * PI + 2e-6}, ValueError, "fov must be in (0, 2π] radians"),
+        ({"fov": math.nan}, ValueError, "fov must be in (0, 2π] radians, got NaN"),
+        ({"fov": math.inf}, ValueError, "fov must be in (0, 2π] radians, got inf"),
         ({"fov": "4.71"}, TypeError, "fov"),
         ({"fov": None}, TypeError, "fov"),
         ({"beam_count": 0}, ValueError, "beam_count must be in 1..1000000, got 0"),
@@ -533,7 +533,9 @@ def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> Non
         ({"min_range": -0.1}, ValueError, "min_range must be at least 0, got -0.1"),
         ({"min_range": math.nan}, ValueError, "min_range"),
         ({"min_range": 30.0}, ValueError, "max_range must be greater than min_range"),
-        ({"min_range": 31.0}, ValueError, "max_range must be greater than min_range"),
+        ({"min_range": 31.0}, ValueError, "max_range must be greater than min_range, got 30 and 31"),
+        ({"fov": 270}, ValueError, "fov must be in (0, 2π] radians, got 270; 270° is 4.7124 rad"),
+        ({"fov": 270 * 2}, ValueError, "fov must be in (0, 2π] radians, got 540"),
         ({"max_range": 0.0}, ValueError, "max_range"),
         ({"max_range": -1.0}, ValueError, "max_range"),
         ({"max_range": math.nan}, ValueError, "max_range"),
@@ -702,3 +704,38 @@ def test_messages_cut_what_they_quote(make: Any, message: str) -> None:
     with pytest.raises((ValueError, TypeError)) as caught:
         make()
     assert message in str(caught.value) and len(str(caught.value)) < 200
+
+
+def test_wrong_arguments_are_named_with_what_to_do() -> None:
+    laser, cells = mrs.LaserScanner(beam_count=3), np.zeros((3, 3), np.int8)
+    grid = mrs.OccupancyGrid(cells, resolution=1.0)
+    with pytest.raises(TypeError, match=r"arguments by name, such as fov=4.71 \(radians\) .*, got \(270,\)"):
+        mrs.LaserScanner(270)  # type: ignore[misc]
+    with pytest.raises(TypeError, match=r"noise must be a BeamModel, got float; try BeamModel\(sigma_hit=0.01\)"):
+        laser.scan_batch(grid, np.zeros((1, 3)), noise=0.01, seed=1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="noise must be a BeamModel, got str$"):
+        laser.scan_batch(grid, np.zeros((1, 3)), noise="much", seed=1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="grid must be an OccupancyGrid, got list$"):
+        laser.scan([], (0.0, 0.0, 0.0))  # type: ignore[arg-type]
+    disc = mrs.Shape.disc(0.1)
+    calls: list[Callable[[Any], object]] = [
+        lambda grid: laser.scan(grid, (0.0, 0.0, 0.0)),
+        lambda grid: laser.scan_batch(grid, np.zeros((1, 3))),
+        lambda grid: mrs.cast_rays(grid, np.zeros((1, 3)), 1.0),
+        lambda grid: mrs.touches(grid, disc, (0.0, 0.0, 0.0)),
+        lambda grid: mrs.clearance(grid, disc, (0.0, 0.0, 0.0), limit=1.0),
+    ]
+    for call in calls:
+        call(grid)
+        with pytest.raises(TypeError, match=r"grid must be an OccupancyGrid, got ndarray; make one with OccupancyGrid\("):
+            call(cells)
+
+
+def test_a_pose_of_the_wrong_count_is_a_wrong_value_and_anything_else_a_wrong_type() -> None:
+    laser, grid = mrs.LaserScanner(beam_count=3), mrs.OccupancyGrid(np.zeros((3, 3), np.int8), resolution=1.0)
+    for pose in ((0.0, 0.0), [0.0] * 4, np.zeros(2)):
+        with pytest.raises(ValueError, match="a pose must be three numbers"):
+            laser.scan(grid, pose)  # type: ignore[arg-type]
+    for wrong in (5, "abc", "ab", None, (0.0, "x"), (0.0, 0.0, None), object()):
+        with pytest.raises(TypeError, match="a pose must be three numbers"):
+            laser.scan(grid, wrong)  # type: ignore[arg-type]

@@ -47,12 +47,16 @@ def to_pose(pose: PoseLike, what: str) -> Pose:
         what: Name of the pose in the error message.
 
     Raises:
-        ValueError: It is not three finite numbers.
+        TypeError: It is not a sequence of numbers.
+        ValueError: It is not three numbers, or one is not finite.
     """
     if isinstance(pose, Pose):
         return pose
     try:
-        x, y, yaw = map(float, pose)
+        numbers = None if isinstance(pose, str) else [float(number) for number in pose]
     except (TypeError, ValueError):
-        raise ValueError(f"{what} must be three numbers (x, y, yaw), got {quoted(pose)}") from None
-    return Pose(x, y, yaw)
+        numbers = None
+    if numbers is None or len(numbers) != 3:
+        kind = TypeError if numbers is None else ValueError
+        raise kind(f"{what} must be three numbers (x, y, yaw), got {quoted(pose)}")
+    return Pose(*numbers)

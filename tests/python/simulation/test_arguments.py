@@ -27,6 +27,9 @@ def test_poses_are_three_numbers():
     pose = mrs.Pose(1.0, 2.0, 3.0)
     assert to_pose(pose, "start") is pose
     assert to_pose((1, 2, 3), "start") == pose
-    for wrong in ((1.0, 2.0), "here", None, (1.0, 2.0, "x")):
+    for short in ((1.0, 2.0), (1.0, 2.0, 3.0, 4.0), ()):
         with pytest.raises(ValueError, match="start must be three numbers"):
+            to_pose(short, "start")
+    for wrong in ("here", "123", None, 5.0, (1.0, 2.0, "x")):
+        with pytest.raises(TypeError, match="start must be three numbers"):
             to_pose(wrong, "start")
