@@ -65,8 +65,18 @@ def test_scans_see_changed_cells_at_once() -> None:
 @pytest.mark.parametrize(
     ("row", "col", "cells", "message"),
     [
-        (49, 0, np.zeros((2, 1), np.int8), r"a block of shape \(2, 1\) at row 49 and column 0 must fit on the grid of shape \(50, 50\)"),
-        (0, 50, np.zeros((1, 1), np.int8), r"a block of shape \(1, 1\) at row 0 and column 50 must fit on the grid of shape \(50, 50\)"),
+        (
+            49,
+            0,
+            np.zeros((2, 1), np.int8),
+            r"a block of shape \(2, 1\) at row 49 and column 0 must fit .* \(50, 50\)",
+        ),
+        (
+            0,
+            50,
+            np.zeros((1, 1), np.int8),
+            r"a block of shape \(1, 1\) at row 0 and column 50 must fit .* \(50, 50\)",
+        ),
         (0, 0, np.full((2, 2), 101, np.int8), "cells must be in -1..100, got 101 at row 0, column 0"),
         (0, 0, np.zeros(3, np.int8), r"cells must have shape \(H, W\), got \(3,\)"),
         (0, 0, np.zeros((0, 3), np.int8), "the number of cells must be at least 1, got 0"),

@@ -541,7 +541,7 @@ def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> Non
         ({"max_range": math.nan}, ValueError, "max_range"),
         ({"max_range": math.inf}, ValueError, "max_range"),
         ({"max_range": 1e39}, ValueError, "max_range"),
-        ({"mount": (0.0, 0.0)}, TypeError, "three numbers"),
+        ({"mount": (0.0, 0.0)}, ValueError, "three numbers"),
         ({"mount": (0.0, math.nan, 0.0)}, ValueError, "mount"),
         ({"mount": "front"}, TypeError, "three numbers (x, y, yaw), got str: 'front'"),
         ({"mount": None}, TypeError, "mount"),
@@ -596,7 +596,7 @@ def test_invalid_batches_are_rejected(
     [
         ((0.0, 0.0, math.nan), ValueError, "yaw must be finite, got NaN"),
         ((math.inf, 0.0, 0.0), ValueError, "x must be finite, got inf"),
-        ((0.0, 0.0), TypeError, "three numbers (x, y, yaw), got tuple: (0.0, 0.0)"),
+        ((0.0, 0.0), ValueError, "three numbers (x, y, yaw), got tuple: (0.0, 0.0)"),
         (np.zeros((1, 3)), TypeError, "three numbers"),
         ("xyz", TypeError, "three numbers"),
         (None, TypeError, "three numbers"),
@@ -713,9 +713,9 @@ def test_wrong_arguments_are_named_with_what_to_do() -> None:
         mrs.LaserScanner(270)  # type: ignore[misc]
     with pytest.raises(TypeError, match=r"noise must be a BeamModel, got float; try BeamModel\(sigma_hit=0.01\)"):
         laser.scan_batch(grid, np.zeros((1, 3)), noise=0.01, seed=1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="noise must be a BeamModel, got str$"):
+    with pytest.raises(TypeError, match="noise must be a BeamModel, got str"):
         laser.scan_batch(grid, np.zeros((1, 3)), noise="much", seed=1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="grid must be an OccupancyGrid, got list$"):
+    with pytest.raises(TypeError, match="grid must be an OccupancyGrid, got list"):
         laser.scan([], (0.0, 0.0, 0.0))  # type: ignore[arg-type]
     disc = mrs.Shape.disc(0.1)
     calls: list[Callable[[Any], object]] = [
