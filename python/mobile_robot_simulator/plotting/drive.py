@@ -8,7 +8,17 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .._core import OccupancyGrid, Pose, Shape
-from .layers import draw_cells, draw_goal, draw_named_path, draw_outline, draw_path, draw_robot, draw_scan, outline_of
+from .layers import (
+    draw_cells,
+    draw_contacts,
+    draw_goal,
+    draw_named_path,
+    draw_outline,
+    draw_path,
+    draw_robot,
+    draw_scan,
+    outline_of,
+)
 from .picture import Picture
 from .view import Points, PoseLike, finite_rows, known_corners, view_of
 
@@ -25,6 +35,7 @@ class DrivePicture(Picture):
         scan_points: End points of the last scan's beams in the map frame [m], (M, 2) float64.
         laser_pose: Pose of the laser at the last scan. Without it, no beams are drawn.
         goal: Goal in the map frame: x, y [m].
+        contacts: Points in the map frame where a robot touched something [m], (K, 2) float64.
         title: Title above the axes.
 
     Raises:
@@ -41,6 +52,7 @@ class DrivePicture(Picture):
         scan_points: Points | None = None,
         laser_pose: PoseLike | None = None,
         goal: Sequence[float] | None = None,
+        contacts: Points | None = None,
         title: str | None = None,
     ) -> None:
         self._grid, self.title = grid, title
@@ -52,15 +64,16 @@ class DrivePicture(Picture):
         self._scan_points = finite_rows("scan_points", scan_points, (2,))
         self._laser = finite_rows("laser_pose", laser_pose, (3,))
         self._goal = finite_rows("goal", goal, (2, 3))[:, :2]
+        self._contacts = finite_rows("contacts", contacts, (2,))
 
     def view(self) -> Points:
         """Returns the corners of an area with everything drawn and the known cells near it, (2, 2)."""
         others = (path[:, :2] for path in self._others.values())
-        drawn = np.vstack([self._path[:, :2], self._scan_points, self._goal, *others, *self._outlines])
+        drawn = np.vstack([self._path[:, :2], self._scan_points, self._goal, self._contacts, *others, *self._outlines])
         return view_of(np.vstack([known_corners(self._grid, drawn), drawn]), margin=0.02)
 
     def draw(self, axes: Axes) -> None:
-        """Draws the map, the shapes, the paths, the robots at their ends, the goal and the scan."""
+        """Draws the map, the shapes, the paths, the robots at their ends, the goal, the contacts and the scan."""
         draw_cells(axes, self._grid)
         for outline in self._outlines:
             draw_outline(axes, outline)
@@ -70,4 +83,5 @@ class DrivePicture(Picture):
         draw_path(axes, self._path, labels=("start", "path"))
         draw_robot(axes, self._path[-1], label="end")
         draw_goal(axes, self._goal)
+        draw_contacts(axes, self._contacts)
         draw_scan(axes, self._scan_points, self._laser, label="last scan")

@@ -1,4 +1,4 @@
-"""Layers of a picture: functions that draw cells, paths, robots, scans, shapes and goals in axes of the map frame."""
+"""Layers of a picture: functions that draw cells, paths, robots, scans, shapes and so on in axes of the map frame."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid, Pose, Shape
-from .style import FREE, GOAL, INK, OCCUPIED, ROBOT, SCAN, SHAPE, TIME, UNKNOWN
+from .style import CONTACT, FREE, GOAL, INK, OCCUPIED, ROBOT, SCAN, SHAPE, TIME, UNKNOWN
 from .view import Points, map_from_cells
 
 _ARROW = Path([(1.0, 0.0), (-0.8, 0.7), (-0.4, 0.0), (-0.8, -0.7), (1.0, 0.0)], closed=True)
@@ -104,6 +104,12 @@ def draw_goal(axes: Axes, goal: Points) -> None:
     """Draws a star at the goal (1, 2), or nothing for (0, 2)."""
     if len(goal):
         axes.plot(*goal.T, "*", ms=17, mfc=GOAL, mec="white", mew=1.2, zorder=7, label="goal")
+
+
+def draw_contacts(axes: Axes, points: Points) -> None:
+    """Draws a cross at each contact point (N, 2)."""
+    if len(points):
+        axes.plot(*points.T, "X", ls="none", ms=11, mfc=CONTACT, mec="white", mew=1.0, zorder=9, label="contact")
 
 
 def draw_scan(axes: Axes, ends: Points, laser: Points, *, label: str) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .._core import OccupancyGrid
 from ..bus.bus import Bus
@@ -14,14 +17,19 @@ if TYPE_CHECKING:
     from ..plotting import DrivePicture
 
 
-def picture_of(grid: OccupancyGrid, bus: Bus, world: World, robots: Robots) -> DrivePicture:
+def picture_of(
+    grid: OccupancyGrid, bus: Bus, world: World, robots: Robots, goal: Sequence[float] | None = None
+) -> DrivePicture:
     """Returns a picture of the map, the true paths of all robots, all outlines, and the first robot's last scan.
+
+    It also shows where each robot first touched something.
 
     Args:
         grid: The map.
         bus: The bus, for the last scan.
         world: The world, for the outlines of robots and obstacles.
-        robots: The robots, for their paths.
+        robots: The robots, for their paths and contacts.
+        goal: Goal to show: x, y [m] in the map frame.
 
     Raises:
         ImportError: Matplotlib is not installed.
@@ -32,6 +40,7 @@ def picture_of(grid: OccupancyGrid, bus: Bus, world: World, robots: Robots) -> D
     first, *others = [robots.first, *list(robots)[1:]]
     scans = bus.topic(first.laser.parameters.laser_topic, LaserScan)
     base, scanner = first.robot.motion.map_pose_at(scans.latest_ns), first.laser.scanner
+    contacts = [robot.truth.contacts[0].point for robot in robots if robot.robot.footprint and robot.truth.contacts]
     return DrivePicture(
         grid,
         path=first.truth.path[:, 1:],
@@ -39,4 +48,6 @@ def picture_of(grid: OccupancyGrid, bus: Bus, world: World, robots: Robots) -> D
         shapes=[placed for _, placed in world.everybody()],
         scan_points=scanner.end_points(base, scans.latest.ranges) if isinstance(scans.latest, LaserScan) else None,
         laser_pose=base * scanner.mount,
+        goal=goal,
+        contacts=np.array(contacts) if contacts else None,
     )

@@ -57,6 +57,7 @@ class Simulation(Handle):
 
     Attributes:
         picture: File in which a failed assertion of `mobile_robot_simulator.testing` saves a picture, or None.
+        goal: Goal (x, y) or (x, y, yaw) in the map frame that pictures show, or None. `assert_reaches` sets it.
 
     Raises:
         ValueError: A parameter is unknown or out of range, or a start pose is inside a wall or another robot.
@@ -108,6 +109,7 @@ class Simulation(Handle):
         )
         self._parts = Parts(grid, bus, self._world, self._robots, self._faults, self._map_server, self._kept)
         self.picture: Path | None = None
+        self.goal: tuple[float, ...] | None = None
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
         try:
@@ -439,6 +441,8 @@ class Simulation(Handle):
     def draw(self, file: str | os.PathLike[str]) -> None:
         """Saves a picture of the map, the true paths of all robots, the obstacles, and the first robot's last scan.
 
+        It also shows the `goal`, and where each robot first touched something.
+
         Args:
             file: File to write. Its extension (.png, .pdf or .svg) selects the format. Missing folders are created.
 
@@ -446,7 +450,7 @@ class Simulation(Handle):
             ImportError: Matplotlib is not installed.
             ValueError: The file has another extension, or there is no robot.
         """
-        picture = picture_of(self._grid, self._bus, self._world, self._robots)
+        picture = picture_of(self._grid, self._bus, self._world, self._robots, self.goal)
         path = Path(file)
         path.parent.mkdir(parents=True, exist_ok=True)
         picture.save(path)
@@ -461,14 +465,14 @@ class Simulation(Handle):
             ImportError: Matplotlib is not installed.
             ValueError: There is no robot.
         """
-        return picture_of(self._grid, self._bus, self._world, self._robots).plot(ax)
+        return picture_of(self._grid, self._bus, self._world, self._robots, self.goal).plot(ax)
 
     def _repr_png_(self) -> bytes | None:
         """Returns the picture of `draw` as a PNG image for notebooks; None without Matplotlib or without a robot."""
         if not len(self._robots):
             return None
         try:
-            picture = picture_of(self._grid, self._bus, self._world, self._robots)
+            picture = picture_of(self._grid, self._bus, self._world, self._robots, self.goal)
         except ImportError:
             return None
         return picture.to_png()

@@ -2,6 +2,7 @@
 
 They check the ground truth, not the robot's estimates. `assert_reaches` and `assert_rate` run the simulation. If
 `Simulation.picture` is set, a failed assertion saves a picture of the drive in that file, and its message names the file.
+The picture shows the last goal of `assert_reaches` and where each robot first touched something.
 
 Example:
     >>> import numpy as np
@@ -73,6 +74,7 @@ def assert_reaches(
         raise ValueError(f"goal must be two or three finite numbers, got {quoted(goal)}")
     check_at_least_0(tolerance=tolerance, yaw_tolerance=yaw_tolerance)
     driver, start = sim.named(robot), sim.time
+    sim.goal = tuple(goal)
 
     def reached(sim: Simulation) -> bool:
         x, y, yaw = driver.pose

@@ -71,7 +71,11 @@ def simulation(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Simul
 @pytest.fixture
 def robot_world(simulation: SimulationFactory) -> Simulation:
     """A simulation with the settings of the test's markers, in a generated office by default."""
-    return simulation()
+    try:
+        return simulation()
+    except (TypeError, ValueError, OSError) as error:
+        # All arguments come from markers, so that a traceback would show only code of the simulator.
+        pytest.fail(f"the settings of the marker {MARKER} are refused: {error}", pytrace=False)
 
 
 @pytest.fixture
@@ -131,7 +135,7 @@ def _settings(request: pytest.FixtureRequest) -> dict[str, Any]:
         unknown = [name for name in marker.kwargs if name not in KEYWORDS]
         if marker.args or unknown:
             got = ", ".join([*map(repr, marker.args), *unknown])
-            raise pytest.UsageError(f"the marker {MARKER} takes the keywords {', '.join(KEYWORDS)}, got {got}")
+            pytest.fail(f"the marker {MARKER} takes the keywords {', '.join(KEYWORDS)}, got {got}", pytrace=False)
         settings = {**marker.kwargs, **settings}
     given = request.config.getoption("--simulator-seed")
     settings["seed"] = given if given is not None else settings.get("seed", 0)

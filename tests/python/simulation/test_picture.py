@@ -6,11 +6,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import plotting
+from mobile_robot_simulator.testing import assert_reaches
 from simulations import twist
 
 
@@ -46,6 +48,17 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
 def test_a_simulation_without_a_scan_can_be_drawn(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
     mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
     assert (tmp_path / "new" / "drive.png").exists()
+
+
+def test_a_picture_shows_the_goal_and_the_first_contact(room: mrs.OccupancyGrid) -> None:
+    sim = mrs.Simulation(room, parameters={"velocity_timeout": 0, "robot_radius": 0.2})
+    sim.publish("/cmd_vel", twist(5.0))
+    with pytest.raises(AssertionError):
+        assert_reaches(sim, (0.0, 20.0), within=10.0)
+    axes = sim.plot(Figure().add_subplot())
+    drawn = {str(line.get_label()): np.column_stack(line.get_data()) for line in axes.lines}
+    assert drawn["goal"].tolist() == [[0.0, 20.0]]
+    assert drawn["contact"].tolist() == [list(sim.truth.contacts[0].point)]
 
 
 def test_a_simulation_draws_itself_in_axes(room: mrs.OccupancyGrid) -> None:
