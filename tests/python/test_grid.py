@@ -228,7 +228,7 @@ def with_value(value: int) -> Any:
         ({"resolution": None}, TypeError, "resolution"),
         ({"origin": (0.0, math.nan, 0.0)}, ValueError, "origin"),
         ({"origin": (0.0, 0.0, math.inf)}, ValueError, "origin"),
-        ({"origin": (0.0, 0.0)}, TypeError, "three numbers (x, y, yaw), got tuple: (0.0, 0.0)"),
+        ({"origin": (0.0, 0.0)}, ValueError, "three numbers (x, y, yaw), got tuple: (0.0, 0.0)"),
         ({"origin": 5}, TypeError, "three numbers (x, y, yaw), got int: 5"),
         ({"occupied_threshold": 0}, ValueError, "occupied_threshold must be in 1..100, got 0"),
         ({"occupied_threshold": -1}, ValueError, "occupied_threshold must be in 1..100, got -1"),
