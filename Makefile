@@ -94,6 +94,7 @@ test-python: build
 
 docs: build
 	$(BIN)/python docs/tools/generate_pages.py
+	$(BIN)/python docs/tools/stub_docstrings.py
 	$(BIN)/mkdocs build --quiet --strict
 	$(BIN)/python docs/tools/check_reference.py
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Pose as PlanarPose
+from .quoting import quoted
 
 __all__ = [
     "Clock",
@@ -96,7 +97,7 @@ def check_fields(message: Message) -> None:
     for name, kind in _field_kinds(type(message)).items():  # type: ignore[arg-type]
         value = getattr(message, name)
         if not isinstance(value, _ACCEPTED.get(kind, kind)):
-            raise TypeError(f"{type(message).__name__}.{name} must be a {kind.__name__}, got {value!r}")
+            raise TypeError(f"{type(message).__name__}.{name} must be a {kind.__name__}, got {quoted(value)}")
         if isinstance(value, Message):
             check_fields(value)
 

@@ -122,7 +122,7 @@ class BusPublisher(Handle, Generic[M]):
             TypeError: The topic carries messages of another type, or a field of the message holds a value of a wrong type.
         """
         if not isinstance(message, self.topic.msg_type):
-            raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {message!r}")
+            raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")
         check_fields(message)
         self.send(self.topic, copied(message))
 
