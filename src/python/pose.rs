@@ -240,17 +240,14 @@ impl<'py> FromPyObject<'_, 'py> for PoseArgument {
         if let Ok(pose) = value.cast::<Pose>() {
             return Ok(Self(pose.get().0));
         }
-        match value.extract::<[f64; 3]>() {
-            Ok(numbers) => Ok(Self(crate::Pose::from(numbers).checked()?)),
-            Err(_) => {
-                let text =
-                    format!("a pose must be three numbers (x, y, yaw), got {}: {}", type_name(&value), short_repr(&value));
-                // Numbers of a wrong count are a wrong value; anything else is a wrong type.
-                let is_number = |item: PyResult<Bound<'_, PyAny>>| item.is_ok_and(|item| item.extract::<f64>().is_ok());
-                let is_numbers = value.len().is_ok_and(|count| count != 3)
-                    && value.try_iter().is_ok_and(|items| items.take(4).all(is_number));
-                Err(if is_numbers { PyValueError::new_err(text) } else { PyTypeError::new_err(text) })
-            }
+        if let Ok(numbers) = value.extract::<[f64; 3]>() {
+            return Ok(Self(crate::Pose::from(numbers).checked()?));
         }
+        let text = format!("a pose must be three numbers (x, y, yaw), got {}: {}", type_name(&value), short_repr(&value));
+        // Numbers of a wrong count are a wrong value; anything else is a wrong type.
+        let is_number = |item: PyResult<Bound<'_, PyAny>>| item.is_ok_and(|item| item.extract::<f64>().is_ok());
+        let is_numbers =
+            value.len().is_ok_and(|count| count != 3) && value.try_iter().is_ok_and(|items| items.take(4).all(is_number));
+        Err(if is_numbers { PyValueError::new_err(text) } else { PyTypeError::new_err(text) })
     }
 }
