@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +10,12 @@ import yaml
 
 from .nav2_loopback_names import SYNONYMS, translate
 from .parameters import NODES, Parameters, check_names, for_node
-from .quoting import quoted
+from .quoting import nearest, quoted
 from .user_files import read_text
 from .yaml_documents import MappingNode, Node, entries_of, parse, text_of, value_of
 
 _PARAMETERS = "ros__parameters"
 _WILDCARDS = ("*", "**")
-_SIMILARITY = 0.75
-"""Similarity of names, 0 to 1, from which the name of another node is taken for a misspelt one."""
 
 
 def is_for_ros(name: str) -> bool:
@@ -53,7 +50,7 @@ def read_file(path: str | Path) -> dict[str, Any]:
     for name, section in _sections(root, "", path):
         namespace, _, node = name.rpartition("/")
         if node not in (*models, *_WILDCARDS):
-            if near := get_close_matches(node, models, n=1, cutoff=_SIMILARITY):
+            if near := nearest(node, models):
                 raise ValueError(f"{path}: unknown node {quoted(node)}; did you mean {near[0]!r}?")
             others.append(name)
             continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,9 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from ._core import BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
-from .quoting import quoted, shortened
+from .quoting import nearest, quoted, shortened
 from .yaml_documents import parse, value_of
 
 __all__ = [
@@ -374,7 +374,7 @@ def for_node(model: type[T], values: Mapping[str, Any]) -> T:
 def unknown_name(name: str, known: Iterable[str], kind: str = "parameter") -> str:
     """Returns an error message for an unknown name, with the nearest known name if one is similar."""
     known = list(known)
-    near = difflib.get_close_matches(name[:100].lower(), known, n=1, cutoff=0.5)
+    near = nearest(name, known)
     return f"unknown {kind} {quoted(name)}; " + (
         f"did you mean {near[0]!r}?" if near else f"known {kind}s: {', '.join(known)}"
     )
@@ -388,6 +388,9 @@ def _explain(error: ValidationError, known: Iterable[str]) -> str:
         message = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
             messages.append(unknown_name(name, known))
+        elif detail["type"] == "too_long" or (detail["type"] == "missing" and isinstance(detail["loc"][-1], int)):
+            if (length := _explain_length(detail)) not in messages:
+                messages.append(length)
         elif detail["type"] == "missing":
             messages.append(f"{name} is required")
         elif name:  # The message is like "Input should be greater than 0" or "String should have at least 1 character".
@@ -396,3 +399,12 @@ def _explain(error: ValidationError, known: Iterable[str]) -> str:
         else:
             messages.append(message)
     return "; ".join(messages)
+
+
+def _explain_length(detail: ErrorDetails) -> str:
+    """Returns the error for a list of a wrong length. Pydantic reports each missing item, or the largest length."""
+    name = next(part for part in detail["loc"] if isinstance(part, str))
+    given = detail["input"]
+    count = len(given) if isinstance(given, Sequence) else given
+    needed = {"laser_mount": "3 numbers [x, y, yaw]", "odometry_alphas": "6 numbers [alpha1, ..., alpha6]"}
+    return f"{name} must be {needed.get(name, '3 numbers [vx, vy, wz]')}, got {count}"

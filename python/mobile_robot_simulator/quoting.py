@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 import numpy as np
 
 LONGEST = 200
 """Largest number of characters of a quoted value."""
+
+SIMILARITY = 0.7
+"""Similarity of two names, 0 to 1, from which one may be a misspelling of the other."""
 
 _LONGEST_INT = 40
 _CUT = "..."
@@ -62,6 +67,23 @@ def shortened(text: object) -> str:
         text: An object whose text is short to make, for example the message of another error.
     """
     return _ended(" ".join(str(text).split()))
+
+
+def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
+    """Returns the known names of which a name may be a misspelling, the most similar one first.
+
+    Args:
+        name: The name. Anything that is not text is like no name.
+        known: The names that there are.
+        count: Largest number of names to return.
+
+    Example:
+        >>> nearest("laser_fow", ["laser_fov", "laser_seed"])
+        ['laser_fov']
+        >>> nearest("/foo", ["/odom", "/scan"])
+        []
+    """
+    return get_close_matches(name[:100].lower(), list(known), count, SIMILARITY) if isinstance(name, str) else []
 
 
 def _ended(text: str) -> str:

@@ -196,3 +196,19 @@ def test_parameters_build_the_noise_models_and_the_scanner() -> None:
     assert laser.scanner().mount == mrs.Pose(0.1)
     assert laser.scanner(mrs.Pose(0.2)).mount == mrs.Pose(0.2)
     assert LaserParameters().scanner().mount == mrs.Pose()
+
+
+@pytest.mark.parametrize(
+    ("model", "values", "message"),
+    [
+        (LaserParameters, {"laser_mount": [1, 2]}, "laser_mount must be 3 numbers [x, y, yaw], got 2"),
+        (LaserParameters, {"laser_mount": [1]}, "laser_mount must be 3 numbers [x, y, yaw], got 1"),
+        (LaserParameters, {"laser_mount": [1, 2, 3, 4]}, "laser_mount must be 3 numbers [x, y, yaw], got 4"),
+        (RobotParameters, {"odometry_alphas": [0.1] * 5}, "odometry_alphas must be 6 numbers [alpha1, ..., alpha6], got 5"),
+        (RobotParameters, {"velocity_limits": [1, 2]}, "velocity_limits must be 3 numbers [vx, vy, wz], got 2"),
+    ],
+)
+def test_a_list_of_a_wrong_length_says_what_its_numbers_are(model: Any, values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        model.checked(values)
+    assert str(caught.value) == message

@@ -10,7 +10,7 @@ import yaml
 
 from mobile_robot_simulator.bus.node import Node
 from mobile_robot_simulator.parameters import NODES, LaserParameters, RobotParameters
-from mobile_robot_simulator.quoting import LONGEST, quoted, shortened
+from mobile_robot_simulator.quoting import LONGEST, nearest, quoted, shortened
 
 ALIASES = "a0: &a0 [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n" + "".join(
     f"a{level}: &a{level} [{', '.join([f'*a{level - 1}'] * 10)}]\n" for level in range(1, 10)
@@ -103,3 +103,17 @@ def test_the_names_of_topics_are_cut() -> None:
     with pytest.raises((ValueError, RuntimeError)) as caught:
         Node("/" * 1_000_000)
     assert len(str(caught.value)) < 2 * LONGEST
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "found"),
+    [
+        ("laser_fow", ["laser_fov", "laser_seed"], ["laser_fov"]),
+        ("sigma", ["sigma_hit", "seed"], ["sigma_hit"]),
+        ("/foo", ["/odom", "/scan"], []),
+        ("castle", ["cave", "maze", "office"], []),
+        (5, ["office"], []),
+    ],
+)
+def test_only_near_names_are_suggested(name: object, known: list[str], found: list[str]) -> None:
+    assert nearest(name, known) == found

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar
 
-from ..quoting import quoted
+from ..quoting import nearest, quoted
 
 
 class ParameterNotDeclaredException(ValueError):
@@ -124,7 +123,7 @@ class ParameterStore:
                 ValueError.
         """
         if name not in self._parameters:
-            near = difflib.get_close_matches(name, self._parameters, n=1)
+            near = nearest(name, self._parameters)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise ParameterNotDeclaredException(f"parameter {quoted(name)} of {self._owner} is not declared{hint}")
         return self._parameters[name]

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, Protocol
 
+import numpy as np
+
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
 from ..parameters import motion_noise
@@ -70,8 +72,9 @@ class OdometryDrift(Fault):
 
     def __init__(self, alphas: Sequence[float], *, robot: str | None = None, seed: int = 0, **options: Any) -> None:
         super().__init__(seed=seed, **options)
-        if len(alphas) != 6:
-            raise ValueError(f"alphas must be six numbers, got {len(alphas)}")
+        if not isinstance(alphas, Sequence | np.ndarray) or len(alphas) != 6:
+            got = len(alphas) if isinstance(alphas, Sequence | np.ndarray) else quoted(alphas)
+            raise ValueError(f"alphas must be six numbers, got {got}")
         self.alphas, self.noise, self.robot = tuple(alphas), motion_noise(alphas), robot
 
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:

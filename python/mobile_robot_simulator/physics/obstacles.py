@@ -6,7 +6,10 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from numbers import Real
 from typing import TypeAlias
+
+import numpy as np
 
 from .._core import Pose, Shape
 from ..handle import Handle
@@ -75,12 +78,22 @@ def _pose_function(trajectory: Trajectory) -> Callable[[float], PoseLike]:
     """Returns the trajectory as a function from the time [s] to a pose."""
     if callable(trajectory):
         return trajectory
+    if isinstance(trajectory, Pose):
+        return lambda time: trajectory
+    if not isinstance(trajectory, Sequence | np.ndarray) or isinstance(trajectory, str):
+        needed = "a pose (x, y, yaw), waypoints (time, x, y, yaw), or a function from the time to a pose"
+        raise TypeError(f"a trajectory must be {needed}, got {quoted(trajectory)}")
     if not len(trajectory):
         raise ValueError("a trajectory must have at least one waypoint, got none")
-    if isinstance(trajectory, Pose) or isinstance(trajectory[0], (int, float)):
+    if isinstance(trajectory[0], Real):
+        if len(trajectory) != 3:
+            raise ValueError(f"the pose of an obstacle must be three numbers (x, y, yaw), got {quoted(trajectory)}")
         pose = Pose(*trajectory)
         return lambda time: pose
-    rows = [tuple(map(float, row)) for row in trajectory]  # type: ignore[arg-type]
+    try:
+        rows = [tuple(map(float, row)) for row in trajectory]  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"a waypoint must be four numbers (time, x, y, yaw), got {quoted(trajectory)}") from None
     if any(len(row) != 4 or not math.isfinite(row[0]) for row in rows):
         raise ValueError(f"a waypoint must be four finite numbers (time, x, y, yaw), got {quoted(rows)}")
     times, poses = [row[0] for row in rows], [Pose(*row[1:]) for row in rows]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Real
 
 from .._core import Pose
 from ..instant import NANOSECONDS
@@ -32,8 +33,11 @@ def to_nanoseconds(seconds: float, what: str) -> int:
         what: Name of the duration in the error message.
 
     Raises:
+        TypeError: It is not a number.
         ValueError: The duration is negative, infinite or NaN.
     """
+    if not isinstance(seconds, Real):
+        raise TypeError(f"{what} must be a number of seconds, got {quoted(seconds)}")
     if not 0.0 <= seconds < math.inf:
         raise ValueError(f"{what} must be finite and at least 0 s, got {quoted(seconds)}")
     return round(seconds * NANOSECONDS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +11,7 @@ from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.interface import M
-from ..quoting import quoted
+from ..quoting import nearest, quoted
 
 
 def find_topic(bus: Bus, name: str) -> BusTopic:
@@ -28,7 +27,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
     found = bus.find_topic(name)
     if found is None:
         names = bus.topic_names()
-        near = difflib.get_close_matches(absolute(name), names, n=1)
+        near = nearest(absolute(name), names)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
         raise ValueError(f"unknown topic {quoted(name)}; {hint}")
     return found

@@ -13,12 +13,12 @@ raise an error.
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import ModuleType
 
+from ..quoting import nearest
 from .rclpy_modules import module_contents
 from .ros_messages import register_definitions
 
@@ -74,7 +74,7 @@ def _refuse_names(module: ModuleType) -> Callable[[str], object]:
         if name.startswith("__"):
             raise AttributeError(name)
         there = sorted(other for other in vars(module) if not other.startswith("_"))
-        near = difflib.get_close_matches(name, there, n=3)
+        near = nearest(name, there, 3)
         shown = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(there)}"
         raise ImportError(f"the stand-in's {module.__name__} has no {name}; {shown}", name=module.__name__)
 

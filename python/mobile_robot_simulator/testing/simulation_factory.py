@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..quoting import quoted
+from ..quoting import nearest, quoted
 from .start_poses import draw_start_poses
 
 # pytest loads this module at every start, in all projects. To keep that fast, functions import other modules when needed.
@@ -172,7 +171,7 @@ def _load(file: str | Path) -> OccupancyGrid:
     try:
         return load_map(file)
     except FileNotFoundError as error:
-        near = difflib.get_close_matches(str(file), KINDS, n=1)
+        near = nearest(str(file), KINDS)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         text = f"there is no such map file, and no such kind of floor plan ({', '.join(KINDS)}){hint}"
         raise FileNotFoundError(error.errno, text, str(file)) from error

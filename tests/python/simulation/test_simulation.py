@@ -14,7 +14,7 @@ from mobile_robot_simulator import messages
 from mobile_robot_simulator.bus.node import Node
 from mobile_robot_simulator.bus.parameter import Parameter
 from mobile_robot_simulator.simulation import simulation
-from simulations import twist
+from simulations import small_room, twist
 
 SECOND = 1_000_000_000
 GRID = mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=0.1)
@@ -369,3 +369,20 @@ def test_parts_of_a_simulation_say_what_they_are(room: mrs.OccupancyGrid) -> Non
         repr(sim.add_obstacle(mrs.Shape.disc(0.25), (3.0, 1.0, 0.0), name="chair")) == "Obstacle('chair', Shape.disc(0.25))"
     )
     assert repr(sim.robots) == "{'': SimulatedRobot(the robot at (1.00, 2.00, 0.50))}"
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda sim: sim.run_for("1"), TypeError, "the duration must be a number of seconds, got '1'"),
+        (lambda sim: sim.add_obstacle(mrs.Shape.disc(0.5), (1.0, 2.0)), ValueError, "must be three numbers (x, y, yaw)"),
+        (lambda sim: sim.add_obstacle(mrs.Shape.disc(0.5), 5), TypeError, "a trajectory must be a pose (x, y, yaw)"),
+        (lambda sim: sim.add_obstacle(mrs.Shape.disc(0.5), [None]), TypeError, "a waypoint must be four numbers"),
+        (lambda sim: sim.add_fault(mrs.faults.OdometryDrift(0.1)), ValueError, "alphas must be six numbers, got 0.1"),
+        (lambda sim: sim.latest("/foo"), ValueError, "unknown topic '/foo'; there are /"),
+    ],
+)
+def test_messages_say_what_is_needed(call, error, message):
+    with pytest.raises(error) as caught:
+        call(small_room())
+    assert message in str(caught.value)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable
 from operator import index
 
 from ..._core import OccupancyGrid
-from ...quoting import quoted
+from ...quoting import nearest, quoted
 from .cave import draw_cave
 from .connectivity import fill_unreachable
 from .corridor import draw_corridor
@@ -60,7 +59,7 @@ def floor_plan(
             have more than 100 million cells.
     """
     if kind not in _DRAW:
-        near = difflib.get_close_matches(kind, KINDS, 1, 0.4) if isinstance(kind, str) else []
+        near = nearest(kind, KINDS)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {quoted(kind)}{hint}")
     if index(seed) < 0:
