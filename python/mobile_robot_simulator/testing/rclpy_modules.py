@@ -7,6 +7,7 @@ from typing import Any
 from .. import instant, messages
 from ..bus import clock, node, parameter, service, timer, topic
 from ..nodes.future import Future
+from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
 from .rclpy_qos import SENSOR_DATA, DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from .ros_messages import generated_packages
 from .tf2 import (
@@ -100,12 +101,15 @@ RCLPY: dict[str, dict[str, object]] = {
     "tf2_geometry_msgs": {
         kind.__name__: kind for kind in (do_transform_pose, do_transform_pose_stamped, do_transform_point)
     },
+    "message_filters": {
+        kind.__name__: kind for kind in (SimpleFilter, Subscriber, Cache, TimeSynchronizer, ApproximateTimeSynchronizer)
+    },
     "rcl_interfaces.msg": {
         "ParameterDescriptor": _describe_parameter,
         "SetParametersResult": parameter.SetParametersResult,
     },
 }
-"""Contents of the modules of rclpy and tf2: the object on the bus for each name."""
+"""Contents of the modules of rclpy, tf2 and message_filters: the object on the bus for each name."""
 
 
 def message_packages() -> dict[str, dict[str, object]]:
