@@ -13,7 +13,7 @@ from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scal
 M = TypeVar("M", bound="Motion")
 
 MAX_SEGMENTS = 20_000
-"""Number of segments of a trajectory from which on its older half is thinned. They take about 10 MB."""
+"""Number of segments of a trajectory from which on its older half is thinned. They take 6 to 7 MB."""
 
 MAX_CONTACTS = 10_000
 """Number of contacts from which on the oldest ones are dropped."""
@@ -96,7 +96,7 @@ def thinned(segments: list[Segment]) -> list[Segment]:
     """Returns a trajectory whose older half has half as many segments.
 
     A segment that replaces two of them has a constant velocity. The poses at its ends stay exact. Where the robot was moved
-    to another pose, nothing is replaced.
+    to another pose, nothing is replaced. If too few segments could be replaced, the oldest eighth is dropped.
     """
     half = len(segments) // 2
     old: list[Segment] = []
@@ -112,7 +112,8 @@ def thinned(segments: list[Segment]) -> list[Segment]:
         else:
             old.append(first)
             index += 1
-    return old + segments[index:]
+    kept, eighth = old + segments[index:], len(segments) // 8
+    return kept if len(kept) <= len(segments) - eighth else kept[eighth:]
 
 
 def _continues(before: Segment, after: Segment) -> bool:

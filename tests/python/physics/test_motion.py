@@ -103,3 +103,16 @@ def test_the_memory_of_a_long_drive_is_bounded(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 1000)
     sizes = [len(wandering(count).segments) for count in (900, 5_000, 50_000)]
     assert sizes[0] == 901 and max(sizes[1:]) <= 1000
+
+
+def test_a_robot_that_is_moved_again_and_again_keeps_the_latest_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 800)
+    calls: list[int] = []
+    original = motion_module.thinned
+    monkeypatch.setattr(motion_module, "thinned", lambda segments: calls.append(1) or original(segments))
+    motion = Motion(0, 0.0, Pose(), Pose())
+    for nth in range(1, 5001):
+        motion.place(Pose(float(nth)), nth * SECOND)
+    assert len(motion.segments) <= 800 and motion.map_pose_at(4999 * SECOND).x == 4999.0
+    # Each call makes room for at least a hundred segments, so the time of a long loop grows in proportion to its length.
+    assert len(calls) <= 5000 // 100
