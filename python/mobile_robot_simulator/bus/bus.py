@@ -50,7 +50,7 @@ from ..nodes.future import Future, FutureSnapshot
 from ..quoting import quoted
 from .service import BusService, ServiceHandler
 from .timer import BusTimer, TimerSnapshot
-from .topic import BusTopic, TopicSnapshot, absolute
+from .topic import BusPublisher, BusTopic, TopicSnapshot, absolute
 
 Action = Callable[[], None]
 """What an event does."""
@@ -288,20 +288,21 @@ class Bus(Handle):
 
     def latched(self) -> list[tuple[str, Message, int]]:
         """Returns the messages that new subscriptions to latched topics receive, each with its topic and time [ns]."""
-        return [(topic.name, topic.latest, topic.latest_ns) for topic in self.topics() if topic.latched and topic.latest]
+        return [(topic.name, message, time_ns) for topic in self.topics() for message, time_ns in topic.kept.values()]
 
-    def publish(self, topic: BusTopic, message: Message) -> None:
+    def publish(self, publisher: BusPublisher[Any], message: Message) -> None:
         """Passes a message through the filters, then sends it to the current subscriptions. Does not copy it.
 
         Raises:
             TypeError: The message is not of the topic's message class.
         """
+        topic = publisher.topic
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
         if self.filters:
-            self._publish_filtered(topic, message)
+            self._publish_filtered(publisher, message)
         else:
-            self._send(topic, message)
+            self._send(publisher, message)
 
     # --- services ---
 
@@ -409,26 +410,27 @@ class Bus(Handle):
         for timer in self.timers:
             timer.cancel()
 
-    def _send(self, topic: BusTopic, message: Message) -> None:
-        topic.latest, topic.latest_ns = message, self.time_ns
+    def _send(self, publisher: BusPublisher[Any], message: Message) -> None:
+        topic = publisher.topic
+        topic.note(publisher, message, self.time_ns)
         for tap in self.taps:
             tap(topic.name, message, self.time_ns)
         for subscription in topic.subscriptions:
             self._immediate.append((partial(subscription.deliver, message), self._chain_length + 1))
 
-    def _publish_filtered(self, topic: BusTopic, message: Message) -> None:
+    def _publish_filtered(self, publisher: BusPublisher[Any], message: Message) -> None:
         delayed_messages = [(0, message)]
         for replace in tuple(self.filters):
             passed: list[tuple[int, Message]] = []
             for delay_ns, before in delayed_messages:
-                after = replace(topic.name, before)
+                after = replace(publisher.topic.name, before)
                 passed += [(delay_ns, before)] if after is None else [(delay_ns + more_ns, new) for more_ns, new in after]
             delayed_messages = passed
         for delay_ns, filtered in delayed_messages:
             if delay_ns <= 0:
-                self._send(topic, filtered)
+                self._send(publisher, filtered)
             else:
-                self.schedule(self.time_ns + delay_ns, partial(self._send, topic, filtered))
+                self.schedule(self.time_ns + delay_ns, partial(self._send, publisher, filtered))
 
     def _answer(self, service: BusService, request: Any, future: Future) -> None:
         self._calls.pop(future, None)

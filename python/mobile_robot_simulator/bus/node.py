@@ -112,13 +112,16 @@ class BusNode(Handle):
             ValueError: The name is empty.
         """
         found = self._bus.topic(self._resolve(topic), msg_type)
-        found.latched |= _is_latched(qos_profile)
-        return self.publisher_class(self._bus.publish, found)
+        publisher = self.publisher_class(self._bus.publish, found, _is_latched(qos_profile))
+        if publisher.latched:
+            found.latched = True
+            self._handles[publisher] = partial(self.destroy_publisher, publisher)
+        return publisher
 
     def create_subscription(
         self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: Any = QoS.DEFAULT, **_: Any
     ) -> BusSubscription[M]:
-        """Calls the callback with every message sent to a topic from now on. A latched topic also sends its last message.
+        """Calls the callback with every message sent to a topic from now on, and with the last of each latched publisher.
 
         Other keywords of rclpy are ignored.
 
@@ -135,8 +138,8 @@ class BusNode(Handle):
         found = self._bus.topic(self._resolve(topic), msg_type)
         check_callback(callback)
         subscription = found.subscribe(callback)
-        if found.latched and found.latest is not None:
-            self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, found.latest))
+        for message, _time_ns in found.kept.values():
+            self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, message))
         self._handles[subscription] = partial(self.destroy_subscription, subscription)
         return subscription
 
@@ -193,7 +196,9 @@ class BusNode(Handle):
         return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type))
 
     def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
-        """Has no effect, because the bus keeps no data about publishers. Returns True, as rclpy does."""
+        """Destroys a publisher. Later subscriptions no longer receive its last message. Returns True, as rclpy does."""
+        self._handles.pop(publisher, None)
+        publisher.topic.kept.pop(publisher, None)
         return True
 
     def destroy_subscription(self, subscription: BusSubscription[Any]) -> bool:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from ..handle import Handle
 from ..messages import Message, check_fields, copied
 from ..nodes.interface import M
 from ..quoting import quoted
+
+Sent = tuple[Message, int]
+"""A message and the simulated time at which it was sent [ns]."""
 
 
 def absolute(name: str) -> str:
@@ -51,6 +54,7 @@ class TopicSnapshot:
     latest: Message | None = None
     latest_ns: int = 0
     latched: bool = False
+    kept: tuple[tuple[BusPublisher[Any], Sent], ...] = ()
 
 
 @dataclass(eq=False)
@@ -63,7 +67,8 @@ class BusTopic(Handle):
         subscriptions: Current subscriptions, in the order in which they were created.
         latest: Last message sent, None before the first one.
         latest_ns: Simulated time at which `latest` was sent [ns].
-        latched: True if new subscriptions receive `latest`.
+        latched: True if the topic has had a latched publisher.
+        kept: What new subscriptions receive: the last message of each latched publisher, in the order of sending.
     """
 
     name: str
@@ -72,6 +77,7 @@ class BusTopic(Handle):
     latest: Message | None = None
     latest_ns: int = 0
     latched: bool = False
+    kept: dict[BusPublisher[Any], Sent] = field(default_factory=dict)
 
     def subscribe(self, callback: Callable[[M], None]) -> BusSubscription[M]:
         """Adds a subscription for messages that are sent from now on."""
@@ -84,16 +90,23 @@ class BusTopic(Handle):
         subscription.active = False
         self.subscriptions = tuple(other for other in self.subscriptions if other is not subscription)
 
+    def note(self, publisher: BusPublisher[Any], message: Message, time_ns: int) -> None:
+        """Notes that a publisher has sent a message at a simulated time [ns]."""
+        self.latest, self.latest_ns = message, time_ns
+        if publisher.latched:
+            self.kept.pop(publisher, None)
+            self.kept[publisher] = message, time_ns
+
     def save(self) -> TopicSnapshot:
         """Returns the state that `restore` takes."""
-        return TopicSnapshot(self.subscriptions, self.latest, self.latest_ns, self.latched)
+        return TopicSnapshot(self.subscriptions, self.latest, self.latest_ns, self.latched, tuple(self.kept.items()))
 
     def restore(self, state: TopicSnapshot) -> None:
         """Puts the topic back into a saved state. Other subscriptions become inactive."""
         for subscription in self.subscriptions:
             subscription.active = False
         self.subscriptions, self.latched = state.subscriptions, state.latched
-        self.latest, self.latest_ns = state.latest, state.latest_ns
+        self.latest, self.latest_ns, self.kept = state.latest, state.latest_ns, dict(state.kept)
         for subscription in self.subscriptions:
             subscription.active = True
 
@@ -103,12 +116,14 @@ class BusPublisher(Handle, Generic[M]):
     """Sends copies of messages to a topic.
 
     Attributes:
-        send: Function that sends a message to a topic without copying it (`Bus.publish`).
+        send: Function that sends a publisher's message without copying it (`Bus.publish`).
         topic: Topic that the messages go to.
+        latched: True if later subscriptions receive the last message.
     """
 
-    send: Callable[[BusTopic, Message], None]
+    send: Callable[[BusPublisher[Any], Message], None]
     topic: BusTopic
+    latched: bool = False
 
     @property
     def topic_name(self) -> str:
@@ -124,7 +139,7 @@ class BusPublisher(Handle, Generic[M]):
         if not isinstance(message, self.topic.msg_type):
             raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")
         check_fields(message)
-        self.send(self.topic, copied(message))
+        self.send(self, copied(message))
 
     def get_subscription_count(self) -> int:
         """Returns the number of subscriptions of the topic."""
@@ -136,4 +151,4 @@ class NoCopyPublisher(BusPublisher[M]):
 
     def publish(self, message: M) -> None:
         """Sends the message without copying it. The caller must not change it afterwards."""
-        self.send(self.topic, message)
+        self.send(self, message)

@@ -12,6 +12,7 @@ from operator import index
 from typing import Protocol, TypeVar
 
 from ..bus.bus import Bus
+from ..bus.topic import NoCopyPublisher
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import String
@@ -103,7 +104,7 @@ class Fault(Handle, ABC):
             raise ValueError(f"{type(self).__name__} was added before: a fault acts on one simulation, and only once")
         self._prepare(simulation, bus)
         self._bus = bus
-        self._topic = bus.topic(TOPIC, String)
+        self._publisher: NoCopyPublisher[String] = NoCopyPublisher(bus.publish, bus.topic(TOPIC, String))
 
     def save(self) -> FaultSnapshot:
         """Returns the state that `restore` takes."""
@@ -135,8 +136,7 @@ class Fault(Handle, ABC):
 
     def _note(self, text: str) -> None:
         """Publishes a text on `/faults`, so that recordings show the fault's actions."""
-        assert self._bus is not None
-        self._bus.publish(self._topic, String(text))
+        self._publisher.publish(String(text))
 
     def _plan(self, bus: Bus, time: float, act: Callable[[], None]) -> None:
         """Schedules an action at a time [s]. If the time has passed, it runs now; if the time is infinite, never."""

@@ -10,7 +10,7 @@ from ..bus.node import BusNode
 from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
 from ..instant import NANOSECONDS
 from ..messages import Message
-from ..nodes.interface import M
+from ..nodes.interface import M, QoS
 from ..quoting import nearest, quoted
 
 
@@ -53,7 +53,8 @@ class Topics:
             found = find_topic(self._bus, name)
             if not isinstance(message, Message):
                 raise TypeError(f"{found.name} carries {found.msg_type.__name__}, got {message!r}")
-            publisher = self._publishers[key] = self._node.create_publisher(type(message), name)
+            qos = QoS.LATCHED if found.latched else QoS.DEFAULT
+            publisher = self._publishers[key] = self._node.create_publisher(type(message), name, qos)
         publisher.publish(message)
 
     def subscribe(self, name: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:

@@ -218,7 +218,7 @@ class TransformBroadcaster:
 class StaticTransformBroadcaster:
     """Publishes transforms on /tf_static, with the interface of `tf2_ros.StaticTransformBroadcaster`.
 
-    Each message repeats the earlier transforms of this broadcaster, because later subscribers get the last message only.
+    Each message repeats the earlier transforms of this broadcaster, because later subscribers get its last message only.
 
     Args:
         node: Node to publish through.

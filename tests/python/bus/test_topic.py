@@ -142,3 +142,24 @@ def test_a_message_of_wrong_types_is_refused_when_it_is_published(message, text)
     publisher.publish(mrs.messages.Twist(mrs.messages.Vector3(np.float32(0.5), 0)))
     sim.run_for(0.1)
     assert sim.truth.velocity[0] == 0.5
+
+
+def test_a_late_subscriber_receives_the_last_message_of_each_latched_publisher(bus: Bus, node: BusNode) -> None:
+    """In the order in which they were sent; a destroyed publisher takes its message along, as on ROS 2."""
+    first, second, third = (node.create_publisher(mrs.messages.Clock, "/map", QoS.LATCHED) for _ in range(3))
+    for seconds, publisher in enumerate([first, second, third, first]):
+        publisher.publish(at(seconds))
+    node.create_publisher(mrs.messages.Clock, "/map").publish(at(9))
+    saved = bus.save()
+    seen: list[Any] = []
+    node.create_subscription(mrs.messages.Clock, "/map", seen.append)
+    bus.run_until(0)
+    assert seen == [at(1), at(2), at(3)] and bus.latest("/map") == at(9)
+    node.destroy_publisher(second)
+    assert [message for _, message, _ in bus.latched()] == [at(2), at(3)]
+    bus.restore(saved)
+    assert [message for _, message, _ in bus.latched()] == [at(1), at(2), at(3)]
+    other = BusNode(bus, "other")
+    other.create_publisher(mrs.messages.Clock, "/map", QoS.LATCHED).publish(at(4))
+    other.destroy_node()
+    assert [message for _, message, _ in bus.latched()] == [at(1), at(2), at(3)]

@@ -9,6 +9,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages
+from mobile_robot_simulator.nodes.interface import QoS
 from simulations import drive, small_room
 
 
@@ -78,7 +79,7 @@ def test_publishing_many_times_uses_one_publisher_per_topic_and_type(sim, monkey
     monkeypatch.setattr(sim._node, "create_publisher", lambda *arguments: made.append(arguments) or create(*arguments))
     for speed in (0.1, 0.2, 0.3):
         drive(sim, speed)
-    assert made == [(mrs.messages.Twist, "/cmd_vel")]
+    assert made == [(mrs.messages.Twist, "/cmd_vel", QoS.DEFAULT)]
 
 
 def test_a_topic_that_a_restore_removed_is_unknown_again(sim):

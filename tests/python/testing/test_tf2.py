@@ -135,3 +135,14 @@ def test_broadcasters_send_what_a_listener_stores():
     TransformBroadcaster(talker).sendTransform(link("camera", "cup", 0.1, 2.0))
     sim.run_for(0.1)
     assert not watcher.buffer.can_transform("camera", "cup", Instant())
+
+
+def test_a_late_listener_receives_the_transforms_of_all_static_broadcasters():
+    sim = small_room()
+    for name in ("camera", "arm", "antenna"):
+        StaticTransformBroadcaster(sim.create_node(f"{name}_frame")).sendTransform(link("base_link", name, 0.0, 0.1))
+    sim.run_for(1.0)
+    watcher = sim.spawn(Watcher)
+    sim.run_for(0.1)
+    for name in ("camera", "arm", "antenna"):
+        assert watcher.buffer.can_transform("base_link", name, Instant()), name
