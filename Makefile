@@ -48,11 +48,13 @@ build: .venv/release
 	@touch $@
 
 demo: build
+	mkdir -p demo
 	$(BIN)/mobile-robot-simulator floor-plan demo/office.yaml --seed 1
 	$(BIN)/mobile-robot-simulator run demo/office.yaml --duration 120 --seed 1 --out demo --overwrite
 
 SPEED := target/speed
 speed: build
+	mkdir -p $(SPEED)
 	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/office.yaml --seed 1 --size 60 40
 	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/corridor.yaml --seed 1 --kind corridor --size 120 60
 	$(BIN)/mobile-robot-simulator floor-plan $(SPEED)/warehouse.yaml --seed 1 --kind warehouse --size 80 50

@@ -17,6 +17,7 @@ ROOMS = (
     "_core",
     "quoting",
     "user_files",
+    "new_files",
     "yaml_documents",
     "messages",
     "instant",

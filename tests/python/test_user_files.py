@@ -175,6 +175,7 @@ def test_standard_input_is_read_up_to_the_limit(monkeypatch: pytest.MonkeyPatch)
 
 OPENS_ITSELF = {
     "user_files.py": "the owner",
+    "new_files.py": "opens only its drafts, for writing",
     "recording/folder.py": "looks at the first bytes of a recording, after it has checked that this is a file",
     "recording/recovery.py": "copies and reads the files of a recording, which can be of any size",
 }

@@ -13,7 +13,7 @@ from .console import console
 
 
 def generate_floor_plan(
-    file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="Map file to write.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.yaml", help="Map file to write. Its folder must exist.")],
     kind: Annotated[str, typer.Option(help=f"Kind of floor plan: {', '.join(KINDS[:-1])} or {KINDS[-1]}.")] = "office",
     size: Annotated[
         tuple[float, float] | None, typer.Option(metavar="WIDTH HEIGHT", help="Width and height in metres.")
@@ -23,6 +23,5 @@ def generate_floor_plan(
 ) -> None:
     """Generate a floor plan and save it as a map."""
     options = {} if size is None else {"size": size}
-    file.parent.mkdir(parents=True, exist_ok=True)
     save_map(floor_plan(kind, seed=seed, resolution=resolution, **options), file)
     console.print(f"{file}", highlight=False)

@@ -6,6 +6,8 @@ import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from ..new_files import write_files
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -42,8 +44,8 @@ class Summary:
     interrupted: bool
 
     def save(self, path: Path) -> None:
-        """Writes the summary as JSON."""
-        path.write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
+        """Writes the summary as JSON. An existing file is replaced in one step."""
+        write_files({path: (json.dumps(asdict(self), indent=2) + "\n").encode()})
 
     def rows(self) -> list[tuple[str, str]]:
         """Returns the rows of a table: names and values."""

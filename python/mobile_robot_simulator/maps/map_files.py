@@ -11,11 +11,9 @@ The format follows nav2_map_server (`map_io.cpp`). The YAML file has these keys;
 
 from __future__ import annotations
 
-import errno
 import math
 import os
 import re
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
@@ -25,6 +23,7 @@ import yaml
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid
+from ..new_files import write_files
 from ..quoting import quoted
 from ..user_files import read_text
 from ..yaml_documents import MappingNode, Node, ScalarNode, SequenceNode, entries_of, invalid, parse
@@ -112,7 +111,8 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     trinary, which every map server reads; otherwise it is raw. The format cannot store `occupied_threshold` and `unknown`;
     pass them to `load_map` again.
 
-    Existing files are replaced atomically, first the image and then the YAML file, once both are written completely.
+    Existing files are replaced atomically, first the image and then the YAML file, once both are written completely. The
+    folder must exist.
 
     Args:
         grid: The grid.
@@ -128,7 +128,7 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     image_path = yaml_path.with_suffix(".pgm")
     mode, pixels = _pixels_from_cells(grid.cells)
     height, width = grid.shape
-    _write_together(
+    write_files(
         {
             image_path: b"P5\n%d %d\n255\n" % (width, height) + pixels,
             yaml_path: _describe(grid, image_path.name, mode).encode(),
@@ -319,21 +319,3 @@ def _pixels_from_cells(cells: _Cells) -> tuple[str, bytes]:
         return "trinary", octets.translate(table)
     # -1 becomes the byte 255: Nav2 reads values above 100 as unknown, and ROS 1 reads the byte as -1.
     return "raw", octets
-
-
-# --- Files ---
-
-
-def _write_together(contents: dict[Path, bytes]) -> None:
-    """Writes files into one folder: completes all of them first, then replaces the existing ones in order."""
-    for path in contents:
-        if path.is_dir():
-            raise IsADirectoryError(errno.EISDIR, "Cannot save a map over a folder", str(path))
-    folder = next(iter(contents)).parent
-    if not folder.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "Cannot save a map: no such folder", str(folder))
-    with tempfile.TemporaryDirectory(prefix=".map-", dir=folder) as temporary:
-        for path, data in contents.items():
-            (Path(temporary) / path.name).write_bytes(data)
-        for path in contents:
-            os.replace(Path(temporary) / path.name, path)

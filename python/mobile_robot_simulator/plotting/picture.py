@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import os
-import tempfile
 from abc import ABC, abstractmethod
 from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..new_files import write_files
 from ..quoting import quoted
 from .style import picture_style
 from .view import LONGEST_SIDE, Points
@@ -74,19 +73,15 @@ class Picture(ABC):
             ValueError: The file has another ending.
             OSError: The folder does not exist or cannot be written.
         """
-        path = _checked(file)
+        path = Path(file)
         suffix = path.suffix.lower()
-        with picture_style(), tempfile.TemporaryDirectory(prefix=".picture-", dir=path.parent) as drafts:
-            figure, draft = self.to_figure(), Path(drafts) / path.name
-            figure.savefig(draft, format=suffix[1:], dpi=_DPI, metadata=_METADATA[suffix])
-            os.replace(draft, path)
+        if suffix not in _METADATA:
+            raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {quoted(str(path))}")
+        write_files({path: self._image(suffix, _DPI)})
 
     def to_png(self) -> bytes:
         """Returns the picture as a PNG image for notebooks, at most about 800 pixels a side."""
-        image = io.BytesIO()
-        with picture_style():
-            self.to_figure(_NOTEBOOK_DPI).savefig(image, format="png", dpi=_NOTEBOOK_DPI, metadata=_METADATA[".png"])
-        return image.getvalue()
+        return self._image(".png", _NOTEBOOK_DPI)
 
     def to_figure(self, dpi: int = _DPI) -> Figure:
         """Returns a figure of the picture that is independent of pyplot and of the user's settings."""
@@ -102,6 +97,13 @@ class Picture(ABC):
             if axes.get_legend_handles_labels()[0]:
                 _add_legend(axes, dpi)
         return figure
+
+    def _image(self, suffix: str, dpi: int) -> bytes:
+        """Returns the bytes of the picture's file."""
+        image = io.BytesIO()
+        with picture_style():
+            self.to_figure(dpi).savefig(image, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
+        return image.getvalue()
 
 
 def _show(axes: Axes, view: Points, title: str | None) -> None:
@@ -123,15 +125,3 @@ def _add_legend(axes: Axes, dpi: int) -> None:
         handletextpad=0.4,
         columnspacing=1.8,
     )
-
-
-def _checked(file: str | os.PathLike[str]) -> Path:
-    """Returns the path of a picture after checking its ending and its folder."""
-    path = Path(file)
-    if path.suffix.lower() not in _METADATA:
-        raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {quoted(str(path))}")
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "Cannot save a picture over a folder", str(path))
-    if not path.parent.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "No such folder to save a picture in", str(path.parent))
-    return path

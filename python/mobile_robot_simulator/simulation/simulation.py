@@ -444,16 +444,14 @@ class Simulation(Handle):
         It also shows the `goal`, and where each robot first touched something.
 
         Args:
-            file: File to write. Its extension (.png, .pdf or .svg) selects the format. Missing folders are created.
+            file: File to write. Its extension (.png, .pdf or .svg) selects the format. An existing file is replaced.
 
         Raises:
             ImportError: Matplotlib is not installed.
             ValueError: The file has another extension, or there is no robot.
+            OSError: The folder does not exist or cannot be written.
         """
-        picture = picture_of(self._grid, self._bus, self._world, self._robots, self.goal)
-        path = Path(file)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        picture.save(path)
+        picture_of(self._grid, self._bus, self._world, self._robots, self.goal).save(file)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the map, the true paths of all robots, the obstacles, and the first robot's last scan; returns the axes.

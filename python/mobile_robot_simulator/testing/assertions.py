@@ -302,6 +302,7 @@ def _fail(sim: Simulation, text: str) -> NoReturn:
     __tracebackhide__ = True
     if sim.picture is not None:
         try:
+            sim.picture.parent.mkdir(parents=True, exist_ok=True)
             sim.draw(sim.picture)
             text += f"\npicture: {sim.picture}"
         except Exception as error:

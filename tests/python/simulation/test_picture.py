@@ -46,8 +46,14 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
 
 
 def test_a_simulation_without_a_scan_can_be_drawn(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
-    mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
-    assert (tmp_path / "new" / "drive.png").exists()
+    mrs.Simulation(room).draw(tmp_path / "drive.png")
+    assert (tmp_path / "drive.png").exists()
+
+
+def test_drawing_makes_no_folder(room: mrs.OccupancyGrid, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"no such folder: '.*new'"):
+        mrs.Simulation(room).draw(tmp_path / "new" / "drive.png")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_picture_shows_the_goal_and_the_first_contact(room: mrs.OccupancyGrid) -> None:
