@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TypeVar
 
 from .._core import Limits, Pose
@@ -19,7 +21,10 @@ MAX_CONTACTS = 10_000
 """Number of contacts from which on the oldest ones are dropped."""
 
 SAME_PLACE = 1e-6
-"""Distance [m] and turn [rad] up to which a segment counts as the continuation of the one before."""
+"""Distance [m] up to which a segment counts as the continuation of the one before; see `_distance`."""
+
+LEVER = 0.3
+"""Distance [m] that turns a difference in heading [rad] into a distance: about the radius of a robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,33 +98,60 @@ class MotionSnapshot:
 
 
 def thinned(segments: list[Segment]) -> list[Segment]:
-    """Returns a trajectory whose older half has half as many segments.
+    """Returns a trajectory with an eighth fewer segments, all taken from its older half.
 
-    A segment that replaces two of them has a constant velocity. The poses at its ends stay exact. Where the robot was moved
-    to another pose, nothing is replaced. If too few segments could be replaced, the oldest eighth is dropped.
+    A segment of constant velocity replaces two neighbours. The poses at its ends stay exact. Pairs are chosen where this
+    changes the path least, so a part that was thinned often is not thinned again while others lose less. Where the robot was
+    moved to another pose, nothing is replaced. If too few pairs could be replaced, the oldest eighth is dropped.
     """
-    half = len(segments) // 2
-    old: list[Segment] = []
-    index = 0
-    while index < half:
-        first, middle, after = segments[index : index + 3]
-        if first.start_ns < middle.start_ns < after.start_ns and _continues(first, middle) and _continues(middle, after):
-            duration = (after.start_ns - first.start_ns) / NANOSECONDS
-            velocity = first.pose.twist_to(after.pose, duration)
-            profile = VelocityProfile(first.start_ns, velocity, velocity, after.start_ns)
-            old.append(Segment(first.start_ns, first.pose, profile, 1.0))
-            index += 2
-        else:
-            old.append(first)
-            index += 1
-    kept, eighth = old + segments[index:], len(segments) // 8
-    return kept if len(kept) <= len(segments) - eighth else kept[eighth:]
+    half, eighth = len(segments) // 2, len(segments) // 8
+    old = segments[: half + 2]
+    continues = [_continues(before, after) for before, after in pairwise(old)]
+    mergeable = [index for index in range(half) if continues[index] and continues[index + 1]]
+    deviation = {index: _deviation_of_merged(*old[index : index + 3]) for index in mergeable}
+    chosen: set[int] = set()
+    for index in sorted(mergeable, key=deviation.__getitem__):
+        if len(chosen) == eighth:
+            break
+        if index - 1 not in chosen and index + 1 not in chosen:
+            chosen.add(index)
+    kept = [
+        _merged(segment, segments[index + 2]) if index in chosen else segment
+        for index, segment in enumerate(segments)
+        if index - 1 not in chosen
+    ]
+    return kept if len(chosen) == eighth else kept[eighth:]
+
+
+def _merged(first: Segment, after: Segment) -> Segment:
+    """Returns the segment of constant velocity from the start of a segment to the start of a later one."""
+    velocity = first.pose.twist_to(after.pose, (after.start_ns - first.start_ns) / NANOSECONDS)
+    return Segment(first.start_ns, first.pose, VelocityProfile(first.start_ns, velocity, velocity, after.start_ns), 1.0)
+
+
+def _deviation_of_merged(first: Segment, middle: Segment, after: Segment) -> float:
+    """Returns how far the robot is from its trajectory if `first` and `middle` are merged [m].
+
+    It is the largest distance at the start of `middle` and half-way before and after it.
+    """
+    merged = _merged(first, after)
+    before_ns, after_ns = (first.start_ns + middle.start_ns) // 2, (middle.start_ns + after.start_ns) // 2
+    return max(
+        _distance(merged.pose_at(before_ns), first.pose_at(before_ns)),
+        _distance(merged.pose_at(middle.start_ns), middle.pose),
+        _distance(merged.pose_at(after_ns), middle.pose_at(after_ns)),
+    )
 
 
 def _continues(before: Segment, after: Segment) -> bool:
     """Returns True if a segment begins where the one before it ends."""
-    end = before.pose_at(after.start_ns)
-    return all(abs(a - b) < SAME_PLACE for a, b in zip(end.inverse() * after.pose, Pose(), strict=True))
+    return before.start_ns < after.start_ns and _distance(before.pose_at(after.start_ns), after.pose) < SAME_PLACE
+
+
+def _distance(pose: Pose, other: Pose) -> float:
+    """Returns how far a point of the robot at `LEVER` from its origin moves between two poses, at most [m]."""
+    x, y, turn = pose.twist_to(other, 1.0)
+    return math.hypot(x, y) + LEVER * abs(turn)
 
 
 class Motion:

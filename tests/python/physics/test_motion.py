@@ -99,6 +99,36 @@ def test_a_long_trajectory_is_thinned_and_its_points_stay_exact(monkeypatch: pyt
     assert thin.segments[-95:] == whole.segments[-95:]
 
 
+def winding(count: int) -> Motion:
+    """A robot that winds its way at 0.5 m/s, with a new command every 0.1 s."""
+    motion = Motion(0, 0.0, Pose(), Pose())
+    for nth in range(count):
+        motion.command((0.5, 0.0, 0.3 * math.sin(0.02 * nth)), nth * SECOND // 10)
+    return motion
+
+
+def test_thinning_keeps_the_shape_of_the_oldest_part_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = winding(5000)
+    monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 400)
+    thin = winding(5000)
+    times = range(0, 500 * SECOND, SECOND // 3)
+    assert len(thin.segments) <= 400 and whole.pose(500 * SECOND).y > 100.0
+    far = [math.dist(tuple(thin.map_pose_at(time))[:2], tuple(whole.map_pose_at(time))[:2]) for time in times]
+    assert max(far) < 0.3
+
+
+def test_the_robot_is_at_rest_where_thinning_loses_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 80)
+    motion = Motion(0, 0.0, Pose(), Pose())
+    for nth in range(20):  # A square corner each second, then a long time of going to and fro by a hair.
+        motion.command((0.0, 1.0, 0.0) if nth % 2 else (1.0, 0.0, 0.0), nth * SECOND)
+    for nth in range(20, 500):
+        motion.command((1e-4 * (-1) ** nth, 0.0, 0.0), nth * SECOND)
+    assert [tuple(motion.map_pose_at(nth * SECOND))[:2] for nth in range(20)] == [
+        (float((nth + 1) // 2), float(nth // 2)) for nth in range(20)
+    ]
+
+
 def test_the_memory_of_a_long_drive_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motion_module, "MAX_SEGMENTS", 1000)
     sizes = [len(wandering(count).segments) for count in (900, 5_000, 50_000)]
