@@ -17,7 +17,9 @@ from .style import CONTACT, FREE, GOAL, INK, OCCUPIED, ROBOT, SCAN, SHAPE, TIME,
 from .view import Points, map_from_cells
 
 _ARROW = Path([(1.0, 0.0), (-0.8, 0.7), (-0.4, 0.0), (-0.8, -0.7), (1.0, 0.0)], closed=True)
-_ENOUGH_POSES = 4000  # a path with at least twice as many is thinned out, but keeps at least this many
+_ENOUGH_POINTS = 4000  # a path with at least twice as many is thinned out, but keeps about this many at equal distances
+_MOST_POINTS = 50_000  # of a path; a picture of them takes about a second
+_INVISIBLE = 5e-4  # deviation of a thinned path, as a share of its size: less than a pixel in pictures of usual size
 _NO_LABEL = "_"
 
 
@@ -73,14 +75,36 @@ def draw_outline(axes: Axes, outline: Points) -> None:
 def draw_path(axes: Axes, path: Points, *, labels: tuple[str, str] = (_NO_LABEL, _NO_LABEL)) -> None:
     """Draws a path as a coloured line with a white border, and a ring at its start. A long path is thinned out."""
     axes.plot(*path[0, :2], "o", ms=8, mfc="white", mec=TIME(0.0), mew=2.2, zorder=6, label=labels[0])
-    points = path[:: max(1, len(path) // _ENOUGH_POSES), :2]
-    if len(path) > 1:
-        points = np.vstack([points, path[-1:, :2]])
+    shown = _shown(path[:, :2])
+    points = path[shown, :2]
     axes.plot(*points.T, color="white", lw=4.2, alpha=0.85, solid_joinstyle="round", zorder=4)
     segments = list(np.stack([points[:-1], points[1:]], axis=1))
-    colours = TIME(np.linspace(0.0, 1.0, len(segments)))
+    colours = TIME(shown[:-1] / max(1, shown[-1] - 1))
     axes.add_collection(LineCollection(segments, colors=colours, linewidths=2.0, capstyle="round", zorder=4))
     axes.plot([], [], color=TIME(0.5), lw=2.0, label=labels[1])
+
+
+def _shown(points: Points) -> NDArray[np.intp]:
+    """Returns the indices of the points (N, 2) of a path to draw: all, or those that a long path cannot do without.
+
+    Every `stride`-th point stays, for the colours. Each pass looks at every second one of the points left, and removes those
+    on the line between their neighbours, until that is less than a tenth of them. Of what is still too much, a part is left
+    out at equal distances.
+    """
+    shown, stride = np.arange(len(points)), len(points) // _ENOUGH_POINTS
+    if stride < 2:
+        return shown
+    tolerance = _INVISIBLE * np.ptp(points, axis=0).max()
+    while True:
+        middle = shown[1:-1:2]
+        start, end = points[shown[:-2:2]], points[shown[2::2]]
+        chord, offset = end - start, points[middle] - start
+        share = (chord * offset).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), np.finfo(float).tiny)
+        distance = np.hypot(*(offset - np.clip(share, 0.0, 1.0)[:, None] * chord).T)
+        removed = (distance <= tolerance) & (middle % stride > 0)
+        shown = np.delete(shown, 1 + 2 * np.flatnonzero(removed))
+        if removed.sum() < 0.1 * len(middle):
+            return np.append(shown[: -1 : -(-len(shown) // _MOST_POINTS)], shown[-1])
 
 
 def draw_robot(axes: Axes, pose: Points, *, label: str = _NO_LABEL) -> None:

@@ -11,7 +11,7 @@ from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 from mobile_robot_simulator import OccupancyGrid, Pose, Shape
-from mobile_robot_simulator.plotting import DrivePicture, style
+from mobile_robot_simulator.plotting import DrivePicture, layers, style
 from rendering import GOAL, HITS, PATH, ROBOT, SCAN, SHAPE, Rendered, room
 
 # --- Where things are drawn ---
@@ -155,3 +155,35 @@ def test_given_axes_show_the_drive_and_keep_their_legend() -> None:
 def test_without_axes_a_pyplot_figure_opens_with_a_legend(agg: None) -> None:
     axes = DrivePicture(room(), PATH).plot()
     assert axes is pyplot.gca() and axes.get_legend() is not None
+
+
+# --- Long paths ---
+
+
+def test_a_long_path_keeps_its_corners() -> None:
+    # Ten thousand points wait at the start, then one second of driving visits three corners.
+    path = np.vstack(
+        [np.full((10_000, 2), 0.5), [(0.5, 0.5), (3.5, 0.5), (3.5, 3.5), (0.5, 3.5)], np.full((10_000, 2), 0.5)]
+    )
+    drawn = Rendered(DrivePicture(room(), path))
+    half_way = 255.0 * np.array(style.TIME(0.5)[:3])
+    for x, y in [(2.0, 0.5), (3.5, 1.5), (2.0, 3.5)]:
+        assert drawn(x, y) == pytest.approx(half_way, abs=2.0)
+    assert drawn(2.0, 2.0) == style.FREE
+
+
+def test_a_path_is_thinned_where_it_is_straight() -> None:
+    line = np.column_stack([np.linspace(0.0, 100.0, 60_001), np.zeros(60_001)])
+    wave = line + [0.0, 1.0] * np.sin(line[:, :1])
+    assert np.array_equal(layers._shown(line[:7999]), range(7999))
+    shown = layers._shown(line)
+    assert (shown[0], shown[-1]) == (0, 60_000) and len(shown) == 4001
+    shown = layers._shown(wave)
+    drawn = np.interp(line[:, 0], *wave[shown].T)
+    assert len(shown) < 6000 and np.abs(drawn - wave[:, 1]).max() < 0.1
+
+
+def test_a_path_that_is_nowhere_straight_is_thinned_in_the_end() -> None:
+    noise = np.random.default_rng(1).normal(size=(300_000, 2))
+    shown = layers._shown(noise)
+    assert 25_000 < len(shown) <= 50_001 and (shown[0], shown[-1]) == (0, 299_999) and (np.diff(shown) > 0).all()
