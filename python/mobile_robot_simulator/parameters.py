@@ -115,6 +115,14 @@ class Parameters(BaseModel):
         """
         return type(self).checked({**self.model_dump(), **values})
 
+    def frame(self, parameter: str) -> str:
+        """Returns the full name of a frame: the value of a parameter such as `base_link_frame`, after `frame_prefix`."""
+        prefix, name = getattr(self, "frame_prefix", ""), getattr(self, parameter)
+        return f"{prefix}{name.lstrip('/')}" if prefix else name
+
+
+FRAME_PREFIX: Any = Field("", description="prefix of all frames except the map's, such as robot1/")
+
 
 class RobotParameters(Parameters):
     """Parameters of `MobileRobotSimulator`."""
@@ -135,6 +143,17 @@ class RobotParameters(Parameters):
     base_link_frame: Name = Field("base_link", description="frame of the robot; child frame of the odometry")
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
+    frame_prefix: str = FRAME_PREFIX
+    initial_pose: Triple = Field(
+        (0.0, 0.0, 0.0), description="pose [x, y, yaw] in the map frame at the start and after a reset [m, m, rad]"
+    )
+    ground_truth_topic: OptionalTopic = Field(
+        "ground_truth",
+        description="topic of the true pose and velocity, in the map frame; empty for none (default in Simulation and run)",
+    )
+    ground_truth_frame: str = Field(
+        "", description="child frame of a transform from map_frame_id that is the true pose; empty for none"
+    )
     cmd_vel_stamped: bool = Field(
         True, description="subscribe to TwistStamped instead of Twist (default false in Simulation and run)"
     )
@@ -259,6 +278,15 @@ class LaserParameters(Parameters):
     seed: Seed = Field(0, description="seed of the noise of the ranges")
     base_link_frame: Name = Field("base_link", description="frame of the robot")
     map_frame_id: Name = Field("map", description="frame of the map, in which the pose of the scanner is looked up")
+    frame_prefix: str = FRAME_PREFIX
+    pose_source: Literal["truth", "tf"] = Field(
+        "truth",
+        description="where the scanner measures from: the true pose of the robot, or its pose in tf; "
+        "tf is also used while no true pose has arrived",
+    )
+    ground_truth_topic: OptionalTopic = Field(
+        "ground_truth", description="topic of the true pose of the robot; empty for none (not in Simulation)"
+    )
 
     @model_validator(mode="after")
     def _check_laser(self) -> LaserParameters:

@@ -120,31 +120,74 @@ def test_scans_equal_scan_batch_at_the_published_pose(world: Any, map_file: Path
     assert np.sum(differences > 1e-3) <= 2
 
 
-def test_the_laser_of_all_follows_the_transforms_of_other_nodes(world: Any, map_file: Path) -> None:
-    world.start("all", map_file=map_file, laser_frequency=20.0, **{**QUIET, "publish_map_transform": False})
-    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+def sees_from(pose: mrs.Pose, map_file: Path) -> Any:
+    """Returns a function that is true for a scan that is measured from a pose, with the parameters `QUIET`."""
     laser, grid = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0), mrs.load_map(map_file)
+    ranges = laser.mark_invalid(laser.scan_batch(grid, [tuple(pose)])[0], no_return="inf")
+    # Beams close to a corner may hit either side of it.
+    return lambda it: np.sum(~np.isclose(it.ranges, ranges, atol=1e-3)) <= 2
 
-    def sees_from(pose: mrs.Pose) -> Any:
-        ranges = laser.scan_batch(grid, np.array([tuple(pose)]))[0]
-        # Beams close to a corner may hit either side of it.
-        return lambda it: np.sum(np.abs(np.asarray(it.ranges) - ranges) > 1e-3) <= 2
 
-    scan.next(sees_from(mrs.Pose()))
+@pytest.mark.parametrize("together", [True, False])
+def test_scans_show_where_the_robot_really_is(world: Any, map_file: Path, together: bool) -> None:
+    """The odometry drifts, and a localizer is wrong by a metre. Then the robot is carried, unnoticed by the odometry."""
+    parameters = {
+        **QUIET,
+        "publish_map_transform": False,
+        "publish_rate": 50.0,
+        "initial_pose": "[1.0, 0.5, 0.3]",
+        "odometry_alphas": "[0.2, 0.2, 0.2, 0.2, 0.0, 0.0]",
+    }
+    if together:
+        world.start("all", map_file=map_file, **parameters)
+    else:
+        world.start("map", map_file=map_file)
+        world.start("robot", **{name: value for name, value in parameters.items() if "laser" not in name})
+        world.start("laser", apply_noise=False, laser_beam_count=181)
+    truth, scan, odom = (world.subscribe(*it) for it in (("/ground_truth", ODOM), ("/scan", SCAN), ("/odom", ODOM)))
+    link = find("geometry_msgs/msg/TransformStamped")()
+    link.header.frame_id, link.child_frame_id = "map", "odom"
+    link.transform.translation.x, link.transform.rotation.w = 1.0, 1.0
+    world.subscribe("/tf", TF)
+    world.publisher("/tf", TF)(find(TF)(transforms=[link]))
+    scan.next(sees_from(mrs.Pose(1.0, 0.5, 0.3), map_file))
+    publish = world.publisher("/cmd_vel", TWIST)
+    for _ in range(10):
+        publish(twist(0.3, 0.4))
+        time.sleep(0.1)
+    standing = truth.next(lambda it: it.twist.twist.linear.x == 0.0)
+    assert (standing.header.frame_id, standing.child_frame_id) == ("map", "base_link")
+    assert math.hypot(odom_pose(standing).x - 1.0, odom_pose(standing).y - 0.5) > 0.2
+    assert odom_pose(odom[-1]) != odom_pose(standing)
+    scan.next(sees_from(odom_pose(standing), map_file))
+
+    world.call("/set_pose", SET_POSE, pose=pose_message(-1.0, -0.5, 2.0))
+    scan.next(sees_from(mrs.Pose(-1.0, -0.5, 2.0), map_file))
+    believed = odom_pose(odom[-1])
+    odom.wait_for(5)
+    assert odom_pose(odom[-1]) == believed
+    assert tuple(odom_pose(truth.next())) == pytest.approx((-1.0, -0.5, 2.0))
+
+
+def test_the_laser_follows_the_transforms_of_other_nodes_if_it_is_told_to(world: Any, map_file: Path) -> None:
+    parameters = {**QUIET, "publish_map_transform": False, "pose_source": "tf"}
+    world.start("all", map_file=map_file, laser_frequency=20.0, **parameters)
+    scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
+    scan.next(sees_from(mrs.Pose(), map_file))
     map_from_odom = mrs.Pose(1.0, 0.5, 0.3)
     link = find("geometry_msgs/msg/TransformStamped")()
     link.header.frame_id, link.child_frame_id = "map", "odom"
     link.transform.translation.x, link.transform.translation.y = 1.0, 0.5
     link.transform.rotation.z, link.transform.rotation.w = math.sin(0.15), math.cos(0.15)
     world.publisher("/tf", TF)(find(TF)(transforms=[link]))
-    scan.next(sees_from(map_from_odom))
+    scan.next(sees_from(map_from_odom, map_file))
     world.publisher("/cmd_vel", TWIST)(twist(0.3, 0.5))
     odom.next(lambda it: it.twist.twist.linear.x > 0.0)
     odom.next(lambda it: it.twist.twist.linear.x == 0.0)
     # Odometry extrapolates a pose for less time than this, so the robot's own transforms must still arrive.
     time.sleep(1.5)
     assert odom[-1].pose.pose.position.x > 0.05
-    scan.next(sees_from(map_from_odom * odom_pose(odom[-1])))
+    scan.next(sees_from(map_from_odom * odom_pose(odom[-1]), map_file))
 
 
 def test_parameters_change_while_running_or_are_refused(world: Any, map_file: Path) -> None:
@@ -267,7 +310,7 @@ def test_nodes_say_what_they_wait_for_and_what_they_have_got(world: Any, map_fil
 def test_a_laser_says_which_transform_it_waits_for(world: Any, map_file: Path) -> None:
     world.start("map", map_file=map_file)
     world.start("robot")
-    process = world.start("laser", base_link_frame="shell")
+    process = world.start("laser", base_link_frame="shell", pose_source="tf")
     missing = "the robot's pose (the transform from shell to map, on topic /tf, which has the frames base_link, odom)"
     wait_until(lambda: missing in process.output, "the message about the transform")
     assert world.set_parameter("laser_scanner_simulator_node", "base_link_frame", "base_link")

@@ -28,7 +28,7 @@ class Drive:
         driver: Sends the velocity commands.
         parameters: Parameter values by name.
         seed: Random seed.
-        start: First pose in the map frame. None chooses a random free pose.
+        start: First pose in the map frame. None chooses the parameter `initial_pose` or, without it, a random free pose.
         radius: Radius of the robot [m], for its random start pose. If `parameters` have neither `robot_radius` nor
             `footprint`, it is also the radius of the footprint, and `contact` is `report` by default.
 
@@ -52,9 +52,11 @@ class Drive:
         start: Pose | None = None,
         radius: float = 0.2,
     ) -> None:
-        start = start if start is not None else draw_start(grid, radius, seed)
-        self._grid, self._start, self._seed = grid, start, seed
-        if not {"robot_radius", "footprint"} & {key.rpartition(":")[2] for key in parameters}:
+        names = {key.rpartition(":")[2] for key in parameters}
+        if start is None and "initial_pose" not in names:
+            start = draw_start(grid, radius, seed)
+        self._grid, self._seed = grid, seed
+        if not {"robot_radius", "footprint"} & names:
             parameters = {"robot_radius": radius, "contact": "report", **parameters}
         self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
         self.odometry_messages = self.scans = self.in_unknown = 0
@@ -99,7 +101,7 @@ class Drive:
     def _summary(self, wall_seconds: float, *, interrupted: bool) -> Summary:
         simulation = self.simulation
         beams = self.scans * simulation.laser.parameters.laser_beam_count
-        end = simulation.pose
+        start, end = simulation.robot.start_pose, simulation.pose
         return Summary(
             simulated_seconds=simulation.time,
             wall_seconds=wall_seconds,
@@ -110,7 +112,7 @@ class Drive:
             distance=simulation.robot.distance,
             collisions=len(simulation.truth.contacts),
             unknown_share=self.in_unknown / max(1, self.odometry_messages),
-            start=(self._start.x, self._start.y, self._start.yaw),
+            start=(start.x, start.y, start.yaw),
             end=(end.x, end.y, end.yaw),
             seed=self._seed,
             interrupted=interrupted,

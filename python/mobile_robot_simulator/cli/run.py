@@ -30,7 +30,7 @@ def run(
     duration: Annotated[float, typer.Option(help="Simulated time in seconds.")] = 60.0,
     start: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(metavar="X Y YAW", help="Start pose in the map frame. Without it, a random free pose is used."),
+        typer.Option(metavar="X Y YAW", help="Start pose in the map frame. Without it and initial_pose: a random one."),
     ] = None,
     commands: Annotated[
         Path | None,

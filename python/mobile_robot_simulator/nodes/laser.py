@@ -1,4 +1,4 @@
-"""LaserScannerSimulator: the node that measures laser scans of a map, from the scanner's pose in tf."""
+"""LaserScannerSimulator: the node that measures laser scans of a map, from the true pose of a robot or its pose in tf."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..physics.world import Carrier
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
+from .truth_listener import TruthListener, TruthSnapshot
 from .waiting import WaitingLog
 
 RANGE_MAX_MARGIN = 0.001
@@ -36,6 +37,9 @@ RESTART_PARAMETERS = (
     "laser_mount",
     "laser_frequency",
     "base_link_frame",
+    "frame_prefix",
+    "pose_source",
+    "ground_truth_topic",
 )
 """Changing one of these restarts the node."""
 
@@ -54,6 +58,7 @@ class LaserSnapshot:
         scans: Publisher of the scans, None before the first start.
         transforms: State of the transform buffer.
         listener: Subscriptions of the node's own transform listener, None if it has none or is stopped.
+        truth: State of the listener to the ground truth.
     """
 
     parameters: LaserParameters
@@ -65,14 +70,19 @@ class LaserSnapshot:
     scans: Publisher[LaserScan] | None
     transforms: TransformSnapshot
     listener: Handles | None
+    truth: TruthSnapshot
 
 
 class LaserScannerSimulator(Handle):
-    """A laser scanner that measures a map from the pose that tf reports.
+    """A laser scanner that measures a map from the robot's true pose.
 
+    Pose:
+        A simulated robot publishes its true pose, and the scanner measures from there (`pose_source` truth). So whoever
+        estimates the pose, such as AMCL or SLAM, learns from the scans where the robot really is. If no true pose arrives,
+        or with `pose_source` tf, the scanner measures from the pose that tf reports.
     Time:
         The node publishes scans at `laser_frequency`. Each scan is measured from the pose at its stamp. The node
-        extrapolates that pose from the last transform with the last odometry twist, so a scan never waits for a transform.
+        extrapolates that pose from the last message with the last velocity, so a scan never waits for a message.
         There are no scans until both the map and the pose are known. After 2 s without them the node logs what it waits for,
         and again every 10 s.
     Map:
@@ -88,7 +98,7 @@ class LaserScannerSimulator(Handle):
         grid: Map. If None, the node requests it from the map service.
         carrier: Simulated robot that carries the scanner. If given, its true pose replaces the one in tf, and the scanner
             also sees obstacles and other robots.
-        transforms: Transform buffer that another node fills. If None, this node listens to tf itself.
+        listener: Transform listener that several nodes share. If None, this node has one of its own.
     """
 
     def __init__(
@@ -98,15 +108,17 @@ class LaserScannerSimulator(Handle):
         *,
         grid: OccupancyGrid | None = None,
         carrier: Carrier | None = None,
-        transforms: TransformBuffer | None = None,
+        listener: TransformListener | None = None,
     ) -> None:
         self._node = node
         parameters = parameters or LaserParameters()
         self._maps = MapListener(node, self._prepare, parameters.unknown, grid)
         self._prepared_grid: OccupancyGrid | None = None
         self._carrier = carrier
-        self._transforms = TransformBuffer() if transforms is None else transforms
-        self._listener = TransformListener(node, self._transforms) if transforms is None else None
+        self._has_own_listener = listener is None
+        self._listener = listener or TransformListener(node, TransformBuffer())
+        self._transforms = self._listener.buffer
+        self._truth = TruthListener(node)
         self._waiting = WaitingLog(node, "the laser", self._find_missing)
         self._scan_count = 0
         self._running: Handles | None = None
@@ -188,7 +200,8 @@ class LaserScannerSimulator(Handle):
             running=self._running,
             scans=self._scans,
             transforms=self._transforms.save(),
-            listener=None if self._listener is None else self._listener.save(),
+            listener=self._listener.save() if self._has_own_listener else None,
+            truth=self._truth.save(),
         )
 
     def restore(self, state: LaserSnapshot) -> None:
@@ -197,7 +210,8 @@ class LaserScannerSimulator(Handle):
         self._maps.restore(state.maps)
         self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
         self._transforms.restore(state.transforms)
-        if self._listener is not None:
+        self._truth.restore(state.truth)
+        if self._has_own_listener:
             self._listener.restore(state.listener)
 
     def _restart(self) -> None:
@@ -213,14 +227,19 @@ class LaserScannerSimulator(Handle):
             static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
             handles.add(node.destroy_publisher, static)
             transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
-            header = Header(Time.from_nanoseconds(self._now_ns()), parameters.base_link_frame)
-            static.publish(TFMessage([TransformStamped(header, parameters.laser_frame_id, transform)]))
+            header = Header(Time.from_nanoseconds(self._now_ns()), parameters.frame("base_link_frame"))
+            static.publish(TFMessage([TransformStamped(header, parameters.frame("laser_frame_id"), transform)]))
 
     def _create_subscriptions(self, handles: Handles) -> None:
-        """Subscribes to transforms and odometry."""
-        if self._listener is not None:
-            self._listener.start(self._parameters.odometry_topic)
-            handles.add(self._listener.stop)
+        """Subscribes to the ground truth, transforms and odometry, as far as they are needed."""
+        parameters = self._parameters
+        uses_truth = parameters.pose_source == "truth"
+        if uses_truth and self._carrier is None and parameters.ground_truth_topic:
+            self._truth.start(parameters.ground_truth_topic, handles)
+        if not uses_truth or self._carrier is None or parameters.laser_frame_id != parameters.base_link_frame:
+            self._listener.start(parameters.odometry_topic)
+            if self._has_own_listener:
+                handles.add(self._listener.stop)
 
     def _use_parameters(self, parameters: LaserParameters) -> None:
         scanner, beam_model = parameters.scanner(), parameters.beam_model
@@ -238,9 +257,12 @@ class LaserScannerSimulator(Handle):
         """Returns what is missing for a scan, and how the node gets it."""
         missing, now_ns = self._maps.find_missing(), self._now_ns()
         if self._base_pose(now_ns) is None:
-            base, target = self._parameters.base_link_frame, self._parameters.map_frame_id
-            reason = self._transforms.explain_missing(target, base, now_ns)
-            missing["the robot's pose"] = f"the transform from {base} to {target}, {reason}"
+            if self._parameters.pose_source == "truth" and self._truth.has_heard:
+                missing["the robot's pose"] = self._truth.explain_missing(now_ns)
+            else:
+                base, target = self._parameters.frame("base_link_frame"), self._parameters.map_frame_id
+                reason = self._transforms.explain_missing(target, base, now_ns)
+                missing["the robot's pose"] = f"the transform from {base} to {target}, {reason}"
         return missing
 
     def _prepare(self, grid: OccupancyGrid) -> None:
@@ -261,7 +283,7 @@ class LaserScannerSimulator(Handle):
         ranges = self._measure(self._maps.grid, map_from_base)
         self._scans.publish(
             LaserScan(
-                Header(Time.from_nanoseconds(now_ns), parameters.laser_frame_id),
+                Header(Time.from_nanoseconds(now_ns), parameters.frame("laser_frame_id")),
                 angle_min=scanner.angle_min,
                 angle_max=scanner.angle_max,
                 angle_increment=scanner.angle_increment,
@@ -274,14 +296,18 @@ class LaserScannerSimulator(Handle):
         )
 
     def _base_pose(self, now_ns: int) -> Pose | None:
-        """Returns the pose of the robot's base in the map frame, from the carrier or else from tf. None if it is unknown."""
-        if self._carrier is not None:
-            return self._carrier.pose
-        return self._transforms.lookup_or_root(self._parameters.map_frame_id, self._parameters.base_link_frame, now_ns)
+        """Returns the pose of the robot's base in the map frame. None if it is unknown."""
+        parameters = self._parameters
+        if parameters.pose_source == "truth":
+            if self._carrier is not None:
+                return self._carrier.pose
+            if self._truth.has_heard:
+                return self._truth.pose(now_ns)
+        return self._transforms.lookup_or_root(parameters.map_frame_id, parameters.frame("base_link_frame"), now_ns)
 
     def _update_mount(self, now_ns: int) -> None:
         """Sets the mount to the one in tf. Keeps the current mount if tf has none."""
-        base, frame = self._parameters.base_link_frame, self._parameters.laser_frame_id
+        base, frame = self._parameters.frame("base_link_frame"), self._parameters.frame("laser_frame_id")
         mount = self._transforms.lookup(base, frame, now_ns) if frame != base else None
         if mount is not None and mount != self._scanner.mount:
             self._scanner = self._parameters.scanner(mount)

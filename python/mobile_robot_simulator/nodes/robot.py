@@ -28,7 +28,7 @@ from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
-from ..physics.odometer import Odometer, OdometerReading, OdometerSnapshot
+from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerReading, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
 from ..physics.world import Placed, World
 from .interface import Node, Publisher, QoS
@@ -43,6 +43,7 @@ RESTART_PARAMETERS = (
     "clock_rate",
     "velocity_topic",
     "odometry_topic",
+    "ground_truth_topic",
     "cmd_vel_stamped",
     "map_service",
     "map_topic",
@@ -71,11 +72,13 @@ class RobotPublishers:
         odometry: Publisher of the odometry.
         transforms: Publisher of /tf.
         clock: Publisher of /clock, None unless `publish_clock` is set.
+        truth: Publisher of the ground truth, None unless `ground_truth_topic` is set.
     """
 
     odometry: Publisher[Odometry]
     transforms: Publisher[TFMessage]
     clock: Publisher[Clock] | None
+    truth: Publisher[Odometry] | None
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,11 @@ class MobileRobotSimulator(Handle):
         `publish_map_transform` it also publishes map -> odom, and each message on `initialpose` moves the robot to that
         pose.
     Services:
-        `reset` returns the robot to its start pose. `set_pose` moves it to any pose.
+        `reset` returns the robot to its start pose. `set_pose` moves it to any pose. The odometry does not notice that
+        (a kidnapped robot).
+    Ground truth:
+        With `ground_truth_topic` the node publishes the true pose and velocity with each odometry message, and with
+        `ground_truth_frame` the true pose as a transform. Scanners measure from the true pose.
     Constraints:
         With velocity and acceleration limits the robot follows a command only within these limits. With a footprint it
         collides with walls, obstacles and other robots. Without both, it follows commands exactly.
@@ -137,7 +144,7 @@ class MobileRobotSimulator(Handle):
     Args:
         node: Node to publish and subscribe through.
         parameters: Parameters. Default: `RobotParameters()`.
-        start_pose: Pose at the start and after a reset, in the map frame. Default: `Pose()`.
+        start_pose: Pose at the start and after a reset, in the map frame. Default: `initial_pose`.
         world: World that the robot moves in. If None, the robot is alone in a world without a map, on the time of the node's
             clock.
         name: Name of the robot in contact events.
@@ -159,7 +166,7 @@ class MobileRobotSimulator(Handle):
         self._waiting = WaitingLog(node, "the robot", self._find_missing)
         self._is_map_given = self._world.grid is not None
         self._maps = MapListener(node, self._use_map, self._parameters.unknown, self._world.grid)
-        self._start_pose = start_pose or Pose()
+        self._start_pose = start_pose
         self._running: Handles | None = None
         self._publishers: RobotPublishers | None = None
         self._footprint = self._parameters.shape
@@ -192,6 +199,11 @@ class MobileRobotSimulator(Handle):
         return self._world.seen_by(self)
 
     @property
+    def start_pose(self) -> Pose:
+        """Pose at the start and after a reset, in the map frame."""
+        return Pose(*self._parameters.initial_pose) if self._start_pose is None else self._start_pose
+
+    @property
     def believed_pose(self) -> Pose:
         """Pose that the odometry last reported, in the odometry frame."""
         return self._believed_pose
@@ -216,7 +228,7 @@ class MobileRobotSimulator(Handle):
 
         Slip and drift that are set (`slip`, `drift`) stay in effect.
         """
-        now_ns, parameters, start = self._world.now_ns(), self._parameters, self._start_pose
+        now_ns, parameters, start = self._world.now_ns(), self._parameters, self.start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
         if self._slip_share:
@@ -260,8 +272,8 @@ class MobileRobotSimulator(Handle):
     def set_pose(self, pose: Pose) -> None:
         """Moves the robot to a pose in the map frame. The current command continues from there.
 
-        With `publish_map_transform` the odometry stays as it is and map -> odom changes. Otherwise the odometry jumps to
-        the new pose.
+        The odometry stays as it is, because wheels do not notice it if a robot is carried. With `publish_map_transform`,
+        map -> odom changes. Otherwise it is up to a localizer to find out.
 
         Raises:
             ValueError: The robot's origin would be inside a wall of the map, or its footprint would touch a wall, an
@@ -269,11 +281,7 @@ class MobileRobotSimulator(Handle):
         """
         self._world.check_place("the pose", pose, self._footprint, self)
         now_ns = self._world.now_ns()
-        if self._parameters.publish_map_transform:
-            self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
-        else:
-            self._motion.place(pose, now_ns)
-            self._odometer.place(pose, now_ns)
+        self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
         self._world.changed()
 
     def slip(self, share: float) -> None:
@@ -409,7 +417,11 @@ class MobileRobotSimulator(Handle):
         clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
         if clock is not None:
             handles.add(node.destroy_publisher, clock)
-        return RobotPublishers(odometry, transforms, clock)
+        truth = None
+        if parameters.ground_truth_topic:
+            truth = node.create_publisher(Odometry, parameters.ground_truth_topic, QoS.DEFAULT)
+            handles.add(node.destroy_publisher, truth)
+        return RobotPublishers(odometry, transforms, clock, truth)
 
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
@@ -452,7 +464,7 @@ class MobileRobotSimulator(Handle):
         self, request: messages.TriggerRequest, response: messages.TriggerResponse
     ) -> messages.TriggerResponse:
         self.reset()
-        response.success, response.message = True, f"the robot is back at {self._start_pose}"
+        response.success, response.message = True, f"the robot is back at {self.start_pose}"
         return response
 
     def _answer_set_pose(
@@ -484,25 +496,41 @@ class MobileRobotSimulator(Handle):
         odometry = self._odometry_message(now_ns, stamp, reading)
         self._publishers.odometry.publish(odometry)
         self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, odometry)))
+        if self._publishers.truth is not None:
+            self._publishers.truth.publish(self._truth_message(now_ns, stamp))
 
     def _odometry_message(self, now_ns: int, stamp: Time, reading: OdometerReading) -> Odometry:
         vx, vy, wz = self._motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist
         return Odometry(
-            Header(stamp, self._parameters.odom_frame_id),
-            self._parameters.base_link_frame,
+            Header(stamp, self._parameters.frame("odom_frame_id")),
+            self._parameters.frame("base_link_frame"),
             PoseWithCovariance(messages.Pose.from_planar(reading.pose), reading.covariance),
             TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), reading.twist_covariance),
         )
 
+    def _truth_message(self, now_ns: int, stamp: Time) -> Odometry:
+        vx, vy, wz = self._motion.velocity(now_ns)
+        return Odometry(
+            Header(stamp, self._parameters.map_frame_id),
+            self._parameters.frame("base_link_frame"),
+            PoseWithCovariance(messages.Pose.from_planar(self._motion.map_pose(now_ns)), PLANAR_COVARIANCE),
+            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
+        )
+
     def _transform_messages(self, now_ns: int, odometry: Odometry) -> list[TransformStamped]:
-        """Returns map -> odom, if it is published, and odom -> base_link as in the odometry message."""
+        """Returns map -> odom and the true pose, if they are published, and odom -> base_link as in the odometry message."""
+        parameters = self._parameters
         position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
         odom_from_base = Transform(Vector3(position.x, position.y), orientation)
-        transforms = [TransformStamped(odometry.header, self._parameters.base_link_frame, odom_from_base)]
-        if self._parameters.publish_map_transform:
-            header = Header(odometry.header.stamp, self._parameters.map_frame_id)
+        transforms = [TransformStamped(odometry.header, odometry.child_frame_id, odom_from_base)]
+        if parameters.publish_map_transform:
+            header = Header(odometry.header.stamp, parameters.map_frame_id)
             map_from_odom = Transform.from_planar(self._map_from_odom(now_ns))
-            transforms.insert(0, TransformStamped(header, self._parameters.odom_frame_id, map_from_odom))
+            transforms.insert(0, TransformStamped(header, odometry.header.frame_id, map_from_odom))
+        if parameters.ground_truth_frame:
+            header = Header(odometry.header.stamp, parameters.map_frame_id)
+            map_from_base = Transform.from_planar(self._motion.map_pose(now_ns))
+            transforms.append(TransformStamped(header, parameters.frame("ground_truth_frame"), map_from_base))
         return transforms
 
     def _map_from_odom(self, now_ns: int) -> Pose:

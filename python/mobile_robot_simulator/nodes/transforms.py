@@ -161,6 +161,11 @@ class TransformListener:
         self._node, self._buffer = node, buffer
         self._running: Handles | None = None
 
+    @property
+    def buffer(self) -> TransformBuffer:
+        """The buffer that the listener fills."""
+        return self._buffer
+
     def start(self, odometry_topic: str) -> None:
         """Subscribes to the topics. Has no effect if the listener is running.
 

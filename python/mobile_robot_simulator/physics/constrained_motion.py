@@ -144,12 +144,6 @@ class ConstrainedMotion(Motion):
         self._requested, self._requested_until_ns = STANDING, time_ns
         super().stop(time_ns)
 
-    def place(self, pose: Pose, time_ns: int) -> None:
-        """Moves the robot to a pose in the motion's own frame and sets `wheel_pose` to it. A command in force continues."""
-        self.step(time_ns)
-        super().place(pose, time_ns)
-        self._reached = None
-
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
         """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
         self.step(time_ns)

@@ -263,14 +263,11 @@ class Motion:
         """Stops the robot at once, regardless of the limits, and drops the command."""
         self._begin(VelocityProfile(time_ns, STANDING, STANDING, time_ns, self._limits))
 
-    def place(self, pose: Pose, time_ns: int) -> None:
-        """Moves the robot to a pose in the motion's own frame and sets `wheel_pose` to it. A command in force continues."""
-        self._begin(self._continued(time_ns), pose=pose)
-        if self._wheels is not None:
-            self._wheels = pose
-
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
-        """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
+        """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame.
+
+        A command in force continues.
+        """
         self.map_from_own = map_from_own
         self._begin(self._continued(time_ns))
 

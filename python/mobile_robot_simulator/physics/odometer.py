@@ -80,7 +80,9 @@ class Odometer:
 
     def __init__(self, wheels: Pose, time_ns: int, *, noise: MotionNoise | None = None, seed: int = 0) -> None:
         self.set_noise(noise, seed)
-        self.place(wheels, time_ns)
+        self._wheels, self._time_ns = wheels, time_ns
+        self._plane = np.zeros((3, 3))
+        self._reading = OdometerReading(wheels, PLANAR_COVARIANCE, None, PLANAR_COVARIANCE)
 
     @property
     def is_exact(self) -> bool:
@@ -90,12 +92,6 @@ class Odometer:
     def set_noise(self, noise: MotionNoise | None, seed: int) -> None:
         """Changes the noise from now on. The errors made so far stay."""
         self._noise, self._seed, self._index = noise, seed, 0
-
-    def place(self, wheels: Pose, time_ns: int) -> None:
-        """Sets the estimate to the pose of the wheels, and its covariance to that of exact odometry."""
-        self._wheels, self._time_ns = wheels, time_ns
-        self._plane = np.zeros((3, 3))
-        self._reading = OdometerReading(wheels, PLANAR_COVARIANCE, None, PLANAR_COVARIANCE)
 
     def read(self, wheels: Pose, time_ns: int) -> OdometerReading:
         """Estimates pose and velocity at a time.

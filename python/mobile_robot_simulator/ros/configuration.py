@@ -46,16 +46,17 @@ def create_behaviour(parameters: Parameters, node: Node, process: RosProcess) ->
     Args:
         parameters: Checked parameters.
         node: ROS node on which it runs.
-        process: What all nodes of the process share. Robots move in its world.
+        process: What all nodes of the process share. Robots move in its world, and lasers are mounted on its robot.
 
     Raises:
         ValueError: The map file is invalid.
         OSError: The map file cannot be read.
     """
     if isinstance(parameters, RobotParameters):
-        return MobileRobotSimulator(node, parameters, world=process.world_for(node))
+        process.robot = MobileRobotSimulator(node, parameters, world=process.world_for(node))
+        return process.robot
     if isinstance(parameters, LaserParameters):
-        return LaserScannerSimulator(node, parameters)
+        return LaserScannerSimulator(node, parameters, carrier=process.robot)
     assert isinstance(parameters, MapParameters)
     return MapFileServer(node, parameters)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from ..nodes.interface import Clock, Logger, M, Node, QoS
+from ..nodes.robot import MobileRobotSimulator
 from ..nodes.steady_time import SteadyTime
 from ..parameters import Parameters
 from ..physics.world import World
@@ -22,11 +23,13 @@ class RosProcess:
     Attributes:
         executor: Runs the callbacks of all nodes, one at a time.
         topics: Topics between the nodes of this process.
+        robot: Robot of this process, None if it has none.
     """
 
     def __init__(self) -> None:
         self.executor = Executor()
         self.topics = IntraProcessTopics()
+        self.robot: MobileRobotSimulator | None = None
         self._paced_clock: PacedClock | None = None
         self._world: World | None = None
 

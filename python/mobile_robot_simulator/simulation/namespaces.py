@@ -11,8 +11,8 @@ from ..parameters import NODES
 TOPICS = ("velocity_topic", "odometry_topic", "laser_topic")
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
 
-FRAMES = ("base_link_frame", "odom_frame_id", "laser_frame_id")
-"""Parameters that hold frame names; they get the prefix `<robot>/`."""
+FRAME_PREFIX = "frame_prefix"
+"""Parameter that holds the prefix of all frames; it becomes `<robot>/`, followed by the given value."""
 
 SEEDS = ("seed", "odometry_seed")
 """Parameters that hold seeds; each robot gets its own."""
@@ -43,8 +43,8 @@ def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
         parameter = key.rpartition(":")[2]
         if parameter in TOPICS:
             own[key] = f"/{name}/{value.lstrip('/')}"
-        elif parameter in FRAMES:
-            own[key] = f"{name}/{value.lstrip('/')}"
+        elif parameter == FRAME_PREFIX:
+            own[key] = f"{name}/{value}"
         elif parameter in SEEDS:
             own[key] = random.Random(f"{value}/{name}").getrandbits(63)
     if not any(key.rpartition(":")[2] in OUTLINES for key in values):

@@ -107,8 +107,7 @@ class Robots(Handle):
 
     def __init__(self, bus: Bus, world: World, grid: OccupancyGrid, values: Mapping[str, Any], node: BusNode) -> None:
         self._bus, self._world, self._grid, self._values = bus, world, grid, values
-        self._transforms = TransformBuffer()
-        self._listener = TransformListener(node, self._transforms)
+        self._listener = TransformListener(node, TransformBuffer())
         self._robots: dict[str, SimulatedRobot] = {}
 
     def __len__(self) -> int:
@@ -145,7 +144,7 @@ class Robots(Handle):
             raise ValueError(f"unknown robot {quoted(name)}; there are {', '.join(map(repr, self._robots))}")
         return self._robots[name]
 
-    def add(self, name: str, start: PoseLike, parameters: Mapping[str, Any]) -> SimulatedRobot:
+    def add(self, name: str, start: PoseLike | None, parameters: Mapping[str, Any]) -> SimulatedRobot:
         """Adds a robot and starts its nodes, as described for `Simulation.add_robot`."""
         if name in self._robots or (self._robots and not name) or "" in self._robots:
             raise ValueError(
@@ -156,7 +155,7 @@ class Robots(Handle):
         robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
         if any(key.rpartition(":")[2] == "unknown" for key in values):
             self._check_unknown(robot_parameters, laser_parameters)
-        pose = to_pose(start, "start")
+        pose = to_pose(robot_parameters.initial_pose if start is None else start, "start")
         self._check_place("start", pose, robot_parameters.shape)
         robot = MobileRobotSimulator(
             NoCopyNode(self._bus, robot_parameters.node_name, namespace=f"/{name}"),
@@ -170,10 +169,8 @@ class Robots(Handle):
             laser_parameters,
             grid=self._grid,
             carrier=robot,
-            transforms=self._transforms,
+            listener=self._listener,
         )
-        if laser_parameters.laser_frame_id != laser_parameters.base_link_frame:
-            self._listener.start(laser_parameters.odometry_topic)
         added = self._robots[name] = SimulatedRobot(name, robot, laser, GroundTruth(self._world, robot))
         robot.start()
         laser.start()

@@ -49,10 +49,11 @@ class Simulation(Handle):
 
     Args:
         grid: The map.
-        parameters: Values of the nodes' parameters by name. In a simulation, `publish_map_transform` is True and
-            `cmd_vel_stamped` is False by default.
+        parameters: Values of the nodes' parameters by name. In a simulation, `publish_map_transform` is True,
+            `cmd_vel_stamped` is False and `ground_truth_topic` is empty by default.
         seed: Seed of the noise. Replaces the parameter `seed`.
-        start: Start pose (x [m], y [m], yaw [rad]) of the only robot, in the map frame. Default: (0, 0, 0).
+        start: Start pose (x [m], y [m], yaw [rad]) of the only robot, in the map frame. Default: the parameter
+            `initial_pose`, which is (0, 0, 0) by default.
         robots: Start poses of several robots by their names, instead of `start`.
 
     Attributes:
@@ -88,7 +89,7 @@ class Simulation(Handle):
         if not isinstance(grid, OccupancyGrid):
             raise TypeError(f"the map must be an OccupancyGrid, got {type(grid).__name__}")
         starts = _starts(start, robots)
-        values = {"publish_map_transform": True, "cmd_vel_stamped": False, **(parameters or {})}
+        values = {"publish_map_transform": True, "cmd_vel_stamped": False, "ground_truth_topic": "", **(parameters or {})}
         if seed is not None:
             values["seed"] = seed
         check_names(values)
@@ -188,13 +189,13 @@ class Simulation(Handle):
         return self._robots.named(name)
 
     def add_robot(
-        self, name: str, *, start: PoseLike = (0.0, 0.0, 0.0), parameters: Mapping[str, Any] | None = None
+        self, name: str, *, start: PoseLike | None = None, parameters: Mapping[str, Any] | None = None
     ) -> SimulatedRobot:
         """Adds a robot, in the namespace of its name.
 
         Args:
             name: Name of the robot.
-            start: Start pose (x [m], y [m], yaw [rad]) in the map frame.
+            start: Start pose (x [m], y [m], yaw [rad]) in the map frame. Default: the parameter `initial_pose`.
             parameters: Parameters by name. They replace those of the simulation for this robot.
 
         Raises:
@@ -487,10 +488,10 @@ class Simulation(Handle):
         self.close()
 
 
-def _starts(start: PoseLike | None, robots: Mapping[str, PoseLike] | None) -> Mapping[str, PoseLike]:
+def _starts(start: PoseLike | None, robots: Mapping[str, PoseLike] | None) -> Mapping[str, PoseLike | None]:
     """Returns the start poses of all robots by name. If `robots` is None, the only robot has the name ''."""
     if robots is None:
-        return {"": (0.0, 0.0, 0.0) if start is None else start}
+        return {"": start}
     if not isinstance(robots, Mapping):
         raise TypeError(f"robots must be a mapping from names to start poses, got {type(robots).__name__}")
     if start is not None:

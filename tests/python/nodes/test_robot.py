@@ -325,9 +325,70 @@ def test_without_the_map_transform_odometry_starts_at_the_start_pose() -> None:
     rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0))
     rig.run_to(0.1)
     close(rig.all("/odom")[0].pose.pose.to_planar(), 3.0, 4.0, 1.0)
-    rig.robot.set_pose(mrs.Pose(-1.0, 0.0, 0.5))
-    rig.run_to(0.2)
-    close(rig.all("/odom")[1].pose.pose.to_planar(), -1.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize("map_transform", [False, True])
+@pytest.mark.parametrize("drifts", [False, True])
+def test_the_odometry_does_not_notice_that_the_robot_is_carried(map_transform: bool, drifts: bool) -> None:
+    alphas = {"odometry_alphas": (0.1,) * 6} if drifts else {}
+    rigs = [Rig(publish_map_transform=map_transform, **alphas) for _ in range(2)]
+    for rig in rigs:
+        rig.drive(0.5, 1.0, 0.0, 0.5)
+    rigs[0].robot.set_pose(mrs.Pose(-7.0, 0.0, 0.5))
+    for rig in rigs:
+        rig.drive(1.0, 1.0, 0.0, 0.5)
+    for carried, left in zip(rigs[0].all("/odom"), rigs[1].all("/odom"), strict=True):
+        assert carried.header == left.header
+        close(carried.pose.pose.to_planar(), *left.pose.pose.to_planar())
+        assert carried.twist.twist.linear.x == pytest.approx(left.twist.twist.linear.x, abs=1e-9)
+        assert carried.pose.covariance == pytest.approx(left.pose.covariance)
+    close(rigs[0].robot.pose, *mrs.Pose(-7.0, 0.0, 0.5).integrate((1.0, 0.0, 0.5), 0.5))
+
+
+def test_the_ground_truth_is_the_true_pose_and_velocity_in_the_map() -> None:
+    rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0), odometry_alphas=(0.1,) * 6, ground_truth_frame="truth", frame_prefix="a/")
+    rig.robot.slip(0.5)
+    rig.command(1.0, 0.0, 0.5)
+    rig.run_to(0.3)
+    truth, odometry = rig.all("/ground_truth")[-1], rig.all("/odom")[-1]
+    assert (truth.header.stamp, truth.header.frame_id) == (odometry.header.stamp, "map")
+    assert truth.child_frame_id == odometry.child_frame_id == "a/base_link"
+    expected = mrs.Pose(3.0, 4.0, 1.0).integrate((0.5, 0.0, 0.25), 0.3)
+    close(truth.pose.pose.to_planar(), *expected)
+    assert (truth.twist.twist.linear.x, truth.twist.twist.angular.z) == (0.5, 0.25)
+    assert truth.pose.covariance[0] == truth.twist.covariance[0] == 1e-9
+    assert odometry.pose.pose.to_planar() != truth.pose.pose.to_planar()
+    (link,) = [link for link in rig.all("/tf")[-1].transforms if link.child_frame_id == "a/truth"]
+    assert link.header == truth.header
+    close(link.transform.to_planar(), *expected)
+
+
+def test_without_a_topic_and_a_frame_there_is_no_ground_truth() -> None:
+    rig = Rig(ground_truth_topic="")
+    rig.run_to(0.3)
+    assert "/ground_truth" not in rig.bus.topic_names()
+    assert {link.child_frame_id for link in rig.all("/tf")[-1].transforms} == {"base_link"}
+
+
+def test_the_initial_pose_is_where_the_robot_starts_and_where_a_reset_puts_it() -> None:
+    rig = Rig(initial_pose=(1.0, 2.0, 0.5), publish_map_transform=True)
+    rig.drive(1.0, 1.0)
+    assert rig.robot.pose != mrs.Pose(1.0, 2.0, 0.5)
+    rig.robot.reset()
+    assert rig.robot.pose == mrs.Pose(1.0, 2.0, 0.5)
+    rig.robot.set_parameters(initial_pose=(3.0, 2.0, 0.5))
+    assert rig.robot.pose == mrs.Pose(1.0, 2.0, 0.5)
+    rig.robot.reset()
+    assert rig.robot.pose == mrs.Pose(3.0, 2.0, 0.5)
+
+
+def test_all_frames_except_the_maps_get_the_prefix() -> None:
+    rig = Rig(frame_prefix="a/", publish_map_transform=True, odom_frame_id="/odom")
+    rig.run_to(0.1)
+    (odometry,), (transforms,) = rig.all("/odom"), rig.all("/tf")
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("a/odom", "a/base_link")
+    links = [(link.header.frame_id, link.child_frame_id) for link in transforms.transforms]
+    assert links == [("map", "a/odom"), ("a/odom", "a/base_link")]
 
 
 @pytest.mark.parametrize("map_transform", [False, True])

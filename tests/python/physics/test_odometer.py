@@ -36,14 +36,6 @@ def test_with_noise_the_estimate_drifts_and_its_covariance_grows() -> None:
     assert odometer.read(Pose(3.0), 3 * SECOND).pose == estimates[-1]
 
 
-def test_placing_makes_the_estimate_exact_again() -> None:
-    odometer = Odometer(Pose(), 0, noise=NOISE, seed=SEED)
-    odometer.read(Pose(1.0), SECOND)
-    odometer.place(Pose(5.0), SECOND)
-    reading = odometer.read(Pose(5.0), SECOND)
-    assert reading.pose == Pose(5.0) and reading.covariance is PLANAR_COVARIANCE
-
-
 def test_without_noise_from_now_on_the_error_stays() -> None:
     odometer = Odometer(Pose(), 0, noise=NOISE, seed=SEED)
     error = odometer.read(Pose(1.0), SECOND).pose.x - 1.0
