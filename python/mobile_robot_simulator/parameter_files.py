@@ -10,7 +10,7 @@ import yaml
 
 from .nav2_loopback_names import SYNONYMS, translate
 from .parameters import NODES, Parameters, check_names, for_node
-from .quoting import nearest, quoted
+from .quoting import misspelled, quoted
 from .user_files import read_text
 from .yaml_documents import MappingNode, Node, entries_of, parse, text_of, value_of
 
@@ -50,7 +50,7 @@ def read_file(path: str | Path) -> dict[str, Any]:
     for name, section in _sections(root, "", path):
         namespace, _, node = name.rpartition("/")
         if node not in (*models, *_WILDCARDS):
-            if near := nearest(node, models):
+            if near := misspelled(node, models):
                 raise ValueError(f"{path}: unknown node {quoted(node)}; did you mean {near[0]!r}?")
             others.append(name)
             continue

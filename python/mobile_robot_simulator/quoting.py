@@ -11,8 +11,11 @@ import numpy as np
 LONGEST = 200
 """Largest number of characters of a quoted value."""
 
-SIMILARITY = 0.7
+SIMILARITY = 0.77
 """Similarity of two names, 0 to 1, from which one may be a misspelling of the other."""
+
+SHORTEST_PART = 3
+"""Smallest number of characters of a name that a longer one may begin or end with."""
 
 _LONGEST_INT = 40
 _CUT = "..."
@@ -69,21 +72,50 @@ def shortened(text: object) -> str:
     return _ended(" ".join(str(text).split()))
 
 
-def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
+def misspelled(name: object, known: Iterable[str], count: int = 1) -> list[str]:
     """Returns the known names of which a name may be a misspelling, the most similar one first.
 
     Args:
-        name: The name. Anything that is not text is like no name.
+        name: The name, in upper or lower case. Anything that is not text is like no name.
+        known: The names that there are.
+        count: Largest number of names to return.
+
+    Example:
+        >>> misspelled("laser_fow", ["laser_fov", "laser_seed"])
+        ['laser_fov']
+    """
+    if not isinstance(name, str):
+        return []
+    by_lower = {other.lower(): other for other in known}
+    return [by_lower[other] for other in get_close_matches(name[:100].lower(), by_lower, count, SIMILARITY)]
+
+
+def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
+    """Returns the known names that a user may have meant by an unknown one, the most similar one first.
+
+    These are the names of which it may be a misspelling. If there are none, they are those that begin or end with it, unless
+    these are more than `count`.
+
+    Args:
+        name: The name, in upper or lower case. Anything that is not text is like no name.
         known: The names that there are.
         count: Largest number of names to return.
 
     Example:
         >>> nearest("laser_fow", ["laser_fov", "laser_seed"])
         ['laser_fov']
+        >>> nearest("sigma", ["lambda_short", "sigma_hit"])
+        ['sigma_hit']
         >>> nearest("/foo", ["/odom", "/scan"])
         []
     """
-    return get_close_matches(name[:100].lower(), list(known), count, SIMILARITY) if isinstance(name, str) else []
+    known = list(known)
+    found = misspelled(name, known, count)
+    if found or not isinstance(name, str) or len(name) < SHORTEST_PART:
+        return found
+    part = name.lower()
+    longer = [other for other in known if other.lower().startswith(part) or other.lower().endswith(part)]
+    return longer if len(longer) <= count else []
 
 
 def _ended(text: str) -> str:

@@ -168,6 +168,11 @@ def test_a_value_that_is_not_yaml_is_rejected() -> None:
         read_assignment("laser_mount:=[1, 2")
 
 
+def test_a_node_whose_name_begins_like_a_name_of_ours_is_another_node(tmp_path: Path) -> None:
+    text = "laser:\n  ros__parameters: {port: 1}\nlaser_scanner_simulator_node:\n  ros__parameters: {laser_fov: 1.5}\n"
+    assert list(read_back(tmp_path, text).values()) == [1.5]
+
+
 def read_back(folder: Path, text: str) -> dict[str, Any]:
     return read_file(written(folder, text))
 

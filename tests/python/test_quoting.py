@@ -110,7 +110,13 @@ def test_the_names_of_topics_are_cut() -> None:
     [
         ("laser_fow", ["laser_fov", "laser_seed"], ["laser_fov"]),
         ("sigma", ["sigma_hit", "seed"], ["sigma_hit"]),
+        ("sigma", ["sigma_hit", "sigma_short"], []),
+        ("laser_noise", ["laser_topic"], []),
+        ("laser_z_rand", ["laser_min_range"], []),
+        ("/scan", ["/odom", "/robot1/scan"], ["/robot1/scan"]),
+        ("POSESTAMPD", ["PoseArray", "PoseStamped"], ["PoseStamped"]),
         ("/foo", ["/odom", "/scan"], []),
+        ("", ["office"], []),
         ("castle", ["cave", "maze", "office"], []),
         (5, ["office"], []),
     ],

@@ -23,7 +23,7 @@ pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed"
         (["run", "{room}", "--start", "nan", "1", "0"], "x must be finite, got NaN"),
         (["run", "{room}", "--seed", "-1"], "seed must be in 0..2**64 - 1, got -1"),
         (["run", "{room}", "--commands", "nowhere.csv"], "nowhere.csv"),
-        (["run", "{room}", "-p", "laser_beams:=3"], "did you mean 'laser_beam_count'"),
+        (["run", "{room}", "-p", "laser_beam:=3"], "did you mean 'laser_beam_count'"),
         (["run", "{room}", "-p", "laser_beam_count=3"], "name:=value"),
         (["run", "{room}", "-p", "laser_beam_count:=0"], "laser_beam_count must be greater than or equal to 1, got 0"),
         (["run", "{room}", "-p", "publish_rate:=fast"], "publish_rate must be a valid number"),

@@ -257,7 +257,7 @@ def test_bad_calls_are_refused_and_change_nothing(
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"parameters": {"laser_beams": 5}}, ValueError, "unknown parameter 'laser_beams'; did you mean 'laser_beam_count'"),
+        ({"parameters": {"laser_beam": 5}}, ValueError, "unknown parameter 'laser_beam'; did you mean 'laser_beam_count'"),
         ({"parameters": {"laser_beam_count": 0}}, ValueError, "laser_beam_count must be"),
         ({"parameters": {"publish_rate": math.nan}}, ValueError, "publish_rate must be"),
         ({"parameters": {"laser_topic": ""}}, ValueError, "laser_topic"),
