@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
+import numpy as np
 import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -33,6 +34,18 @@ def _reject_bool(value: object) -> object:
     return value
 
 
+def _numbers(*names: str) -> BeforeValidator:
+    """Returns a validator that rejects anything but a sequence of as many items as there are names."""
+
+    def check(value: object) -> object:
+        items = value.tolist() if isinstance(value, np.ndarray) else value
+        if not isinstance(items, Sequence) or isinstance(items, str) or len(items) != len(names):
+            raise ValueError(f"Input should be {len(names)} numbers [{', '.join(names)}]")
+        return items
+
+    return BeforeValidator(check)
+
+
 def _check_seed(value: int) -> int:
     if not 0 <= value < 2**64:
         raise ValueError("Input should be in 0..2**64 - 1")
@@ -45,10 +58,13 @@ Weight = Annotated[Number, Field(ge=0.0)]
 Count = Annotated[int, BeforeValidator(_reject_bool)]
 Seed = Annotated[Count, AfterValidator(_check_seed)]
 Name = Annotated[str, Field(min_length=1)]
-Triple = tuple[Number, Number, Number]
+PoseTriple = Annotated[tuple[Number, Number, Number], _numbers("x", "y", "yaw")]
 Alpha = Annotated[Number, Field(ge=0.0)]
+Alphas = Annotated[
+    tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha], _numbers("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6")
+]
 Limit = Annotated[float, BeforeValidator(_reject_bool), Field(ge=0.0)]
-LimitTriple = tuple[Limit, Limit, Limit]
+LimitTriple = Annotated[tuple[Limit, Limit, Limit], _numbers("vx", "vy", "wz")]
 
 
 def _check_topic(name: str) -> str:
@@ -83,11 +99,21 @@ def _check_corners(text: str) -> str:
 
 
 class Parameters(BaseModel):
-    """Base class of the parameters of a node. Immutable; every instance has passed all checks."""
+    """Base class of the parameters of a node. Immutable; every instance has passed all checks.
+
+    Raises:
+        ValueError: A name is unknown or a value is invalid. The message gives the name, the value and the requirement.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     node_name: ClassVar[str]
     """Name of the node, as in parameter files."""
+
+    def __init__(self, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise ValueError(_explain(error, type(self).model_fields)) from None
 
     @classmethod
     def checked(cls: type[T], values: Mapping[str, Any]) -> T:
@@ -99,10 +125,7 @@ class Parameters(BaseModel):
         Raises:
             ValueError: A name is unknown or a value is invalid. The message gives the name, the value and the requirement.
         """
-        try:
-            return cls.model_validate(dict(values))
-        except ValidationError as error:
-            raise ValueError(_explain(error, cls.model_fields)) from None
+        return cls(**values)
 
     def changed(self: T, values: Mapping[str, Any]) -> T:
         """Returns a copy with some values changed, after checking them as `checked` does.
@@ -144,7 +167,7 @@ class RobotParameters(Parameters):
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
     frame_prefix: str = FRAME_PREFIX
-    initial_pose: Triple = Field(
+    initial_pose: PoseTriple = Field(
         (0.0, 0.0, 0.0), description="pose [x, y, yaw] in the map frame at the start and after a reset [m, m, rad]"
     )
     ground_truth_topic: OptionalTopic = Field(
@@ -191,7 +214,7 @@ class RobotParameters(Parameters):
         None,
         description="largest decrease of [vx, vy, wz] per second [m/s^2, m/s^2, rad/s^2]; null for acceleration_limits",
     )
-    odometry_alphas: tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha] | None = Field(
+    odometry_alphas: Alphas | None = Field(
         None,
         description="noise of the odometry for steps of 0.1 s: alpha1 to alpha6 (Probabilistic Robotics, table 5.3); "
         "null for none",
@@ -248,7 +271,7 @@ class LaserParameters(Parameters):
     laser_frame_id: Name = Field(
         "base_link", description="frame of the scanner; its pose on the robot is read from tf if tf has one"
     )
-    laser_mount: Triple | None = Field(
+    laser_mount: PoseTriple | None = Field(
         None, description="pose [x, y, yaw] of the scanner on the robot [m, m, rad], published to /tf_static; null for none"
     )
     laser_fov: Annotated[Number, Field(gt=0.0, le=2.0 * math.pi + 1e-6)] = Field(4.71, description="field of view [rad]")
@@ -373,7 +396,7 @@ def check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES
     models = tuple(models)
     known = sorted({name for model in models for name in model.model_fields})
     for key in names:
-        node, separator, name = key.rpartition(":")
+        node, separator, name = key.rpartition(":") if isinstance(key, str) else ("", "", key)
         own = [model for model in models if model.node_name == node]
         if separator and not own:
             raise ValueError(unknown_name(node, [model.node_name for model in models], kind="node"))
@@ -412,27 +435,23 @@ def _explain(error: ValidationError, known: Iterable[str]) -> str:
     """Returns all errors as one text, separated by semicolons. Each gives the parameter, the requirement and the value."""
     messages = []
     for detail in error.errors(include_url=False):
-        name = ".".join(str(part) for part in detail["loc"])
-        message = detail["msg"].removeprefix("Value error, ")
+        name = "".join(f"[{part}]" if isinstance(part, int) else part for part in detail["loc"])
         if detail["type"] == "extra_forbidden":
             messages.append(unknown_name(name, known))
-        elif detail["type"] == "too_long" or (detail["type"] == "missing" and isinstance(detail["loc"][-1], int)):
-            if (length := _explain_length(detail)) not in messages:
-                messages.append(length)
         elif detail["type"] == "missing":
             messages.append(f"{name} is required")
-        elif name:  # The message is like "Input should be greater than 0" or "String should have at least 1 character".
-            requirement = re.sub(r"^\w+ should ", "", message)
-            messages.append(f"{name} must {requirement}, got {quoted(detail['input'])}")
+        elif name:
+            messages.append(f"{name} must {_requirement(detail)}, got {quoted(detail['input'])}")
         else:
-            messages.append(message)
+            messages.append(detail["msg"].removeprefix("Value error, "))
     return "; ".join(messages)
 
 
-def _explain_length(detail: ErrorDetails) -> str:
-    """Returns the error for a list of a wrong length. Pydantic reports each missing item, or the largest length."""
-    name = next(part for part in detail["loc"] if isinstance(part, str))
-    given = detail["input"]
-    count = len(given) if isinstance(given, Sequence) else given
-    needed = {"laser_mount": "3 numbers [x, y, yaw]", "odometry_alphas": "6 numbers [alpha1, ..., alpha6]"}
-    return f"{name} must be {needed.get(name, '3 numbers [vx, vy, wz]')}, got {count}"
+def _requirement(detail: ErrorDetails) -> str:
+    """Returns what a value must be, from a message such as "Input should be a valid number, unable to parse string"."""
+    if detail["type"] == "int_parsing_size":
+        return "be a valid integer"
+    message = detail["msg"].removeprefix("Value error, ")
+    if detail["type"] in ("bool_parsing", "float_parsing", "int_from_float", "int_parsing"):
+        message = message.partition(", ")[0]
+    return re.sub(r"^\w+ should ", "", message)

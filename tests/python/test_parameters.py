@@ -201,14 +201,41 @@ def test_parameters_build_the_noise_models_and_the_scanner() -> None:
 @pytest.mark.parametrize(
     ("model", "values", "message"),
     [
-        (LaserParameters, {"laser_mount": [1, 2]}, "laser_mount must be 3 numbers [x, y, yaw], got 2"),
-        (LaserParameters, {"laser_mount": [1]}, "laser_mount must be 3 numbers [x, y, yaw], got 1"),
-        (LaserParameters, {"laser_mount": [1, 2, 3, 4]}, "laser_mount must be 3 numbers [x, y, yaw], got 4"),
-        (RobotParameters, {"odometry_alphas": [0.1] * 5}, "odometry_alphas must be 6 numbers [alpha1, ..., alpha6], got 5"),
-        (RobotParameters, {"velocity_limits": [1, 2]}, "velocity_limits must be 3 numbers [vx, vy, wz], got 2"),
+        (LaserParameters, {"laser_mount": (1, 2)}, "laser_mount must be 3 numbers [x, y, yaw], got (1, 2)"),
+        (LaserParameters, {"laser_mount": [1, 2, 3, 4]}, "laser_mount must be 3 numbers [x, y, yaw], got [1, 2, 3, 4]"),
+        (LaserParameters, {"laser_mount": 3}, "laser_mount must be 3 numbers [x, y, yaw], got 3"),
+        (LaserParameters, {"laser_mount": {1, 2, 3}}, "laser_mount must be 3 numbers [x, y, yaw], got {1, 2, 3}"),
+        (LaserParameters, {"laser_mount": "abc"}, "laser_mount must be 3 numbers [x, y, yaw], got 'abc'"),
+        (LaserParameters, {"laser_mount": [1, "a", 3]}, "laser_mount[1] must be a valid number, got 'a'"),
+        (
+            RobotParameters,
+            {"odometry_alphas": [0.1] * 2},
+            "odometry_alphas must be 6 numbers [alpha1, alpha2, alpha3, alpha4, alpha5, alpha6], got [0.1, 0.1]",
+        ),
+        (RobotParameters, {"velocity_limits": [1, 2]}, "velocity_limits must be 3 numbers [vx, vy, wz], got [1, 2]"),
+        (LaserParameters, {"laser_fov": "x"}, "laser_fov must be a valid number, got 'x'"),
+        (LaserParameters, {"laser_beam_count": 1.5}, "laser_beam_count must be a valid integer, got 1.5"),
+        (LaserParameters, {"laser_beam_count": "x"}, "laser_beam_count must be a valid integer, got 'x'"),
+        (LaserParameters, {"apply_noise": 3}, "apply_noise must be a valid boolean, got 3"),
+        (LaserParameters, {"laser_fow": 1.5}, "unknown parameter 'laser_fow'; did you mean 'laser_fov'?"),
     ],
 )
-def test_a_list_of_a_wrong_length_says_what_its_numbers_are(model: Any, values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError) as caught:
-        model.checked(values)
-    assert str(caught.value) == message
+def test_a_constructor_and_a_file_give_the_same_message(model: Any, values: dict[str, Any], message: str) -> None:
+    for create in (model.checked, lambda values: model(**values)):
+        with pytest.raises(ValueError) as caught:
+            create(values)
+        assert str(caught.value) == message
+
+
+def test_an_integer_of_too_many_digits_is_no_valid_integer() -> None:
+    with pytest.raises(ValueError, match=r"^seed must be a valid integer, got '999"):
+        LaserParameters(seed="9" * 5000)  # type: ignore[arg-type]
+
+
+def test_a_mount_can_be_an_array() -> None:
+    assert LaserParameters(laser_frame_id="laser", laser_mount=np.array([0.1, 0.0, 0.5])).laser_mount == (0.1, 0.0, 0.5)
+
+
+def test_a_name_that_is_no_text_is_unknown() -> None:
+    with pytest.raises(ValueError, match=r"^unknown parameter 3; known parameters: acceleration_limits"):
+        check_names([3])  # type: ignore[list-item]
