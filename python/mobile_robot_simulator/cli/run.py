@@ -11,7 +11,7 @@ import typer
 
 from .._core import Pose
 from ..recording.format import Format
-from .console import console, print_table, progress_bar
+from .console import console, print_note, print_table, progress_bar
 from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
 from .signals import signals_as_interrupt
 
@@ -70,9 +70,13 @@ def run(
     _check_positive("--radius", radius)
     with signals_as_interrupt() as interruption:
         values = read_values(param, params_file)
+        grid = load_grid(map_file, values)
+        script = Script.read(commands) if commands else None
+        for note in script.notes(duration) if script else []:
+            print_note(f"{commands}: {note}")
         drive = Drive(
-            load_grid(map_file, values),
-            Script.read(commands, duration) if commands else Wander(radius),
+            grid,
+            script or Wander(radius),
             values,
             seed_of(seed, values),
             start=Pose(*start) if start else None,

@@ -14,7 +14,6 @@ from ..nodes.robot import MAX_COMMAND
 from ..quoting import quoted
 from ..user_files import read_text
 from .commander import Commander
-from .console import print_note
 
 COLUMNS = ("time", "vx", "vy", "wz")
 
@@ -43,7 +42,7 @@ class Script:
     origin: float = 0.0
 
     @classmethod
-    def read(cls, path: str | Path, duration: float = math.inf) -> Script:
+    def read(cls, path: str | Path) -> Script:
         """Returns the commands in a CSV file.
 
         The first line names the columns: time, vx, vy and wz, in any order. Other columns are ignored. Commas, semicolons or
@@ -54,8 +53,6 @@ class Script:
 
         Args:
             path: The file, in UTF-8, or in UTF-16 with a byte order mark. `-` is standard input.
-            duration: Duration of the drive [s]. A note on standard error says how many commands come later, and whether the
-                times are stamps of a clock.
 
         Raises:
             OSError: The file cannot be read.
@@ -69,12 +66,20 @@ class Script:
         if not rows:
             raise ValueError(f"{path}: there must be at least one command, got none")
         origin = rows[0][0] if rows[0][0] >= FIRST_STAMP else 0.0
-        script = cls(tuple((time - origin, vx, vy, wz) for time, vx, vy, wz in rows), origin)
-        if origin:
-            print_note(f"{path}: the times are stamps of a clock, so they count from the first row, {origin} s")
-        if late := sum(row[0] >= duration for row in script.rows):
-            print_note(f"{path}: {late} of {len(rows)} commands come after the drive of {duration:g} s")
-        return script
+        return cls(tuple((time - origin, vx, vy, wz) for time, vx, vy, wz in rows), origin)
+
+    def notes(self, duration: float) -> list[str]:
+        """Returns what the user of the script may not expect: times that are stamps of a clock, and commands that come too late.
+
+        Args:
+            duration: Duration of the drive [s].
+        """
+        notes = []
+        if self.origin:
+            notes.append(f"the times are stamps of a clock, so they count from the first row, {self.origin} s")
+        if late := sum(row[0] >= duration for row in self.rows):
+            notes.append(f"{late} of {len(self.rows)} commands come after the drive of {duration:g} s")
+        return notes
 
     def start(self, node: Node, commander: Commander) -> None:
         """Starts to send the commands. Their times are relative to this call."""

@@ -42,10 +42,11 @@ def test_two_runs_with_one_seed_give_the_same_bytes(command, room, tmp_path):
 
 def test_run_follows_the_commands_of_a_file(command, room, tmp_path):
     commands = tmp_path / "commands.csv"
-    commands.write_text("time,vx,vy,wz\n0,0.5,0,0\n2,0,0,0\n")
+    commands.write_text("time,vx,vy,wz\n0,0.5,0,0\n2,0,0,0\n9,1,0,0\n")
     out = tmp_path / "out"
     done = command("run", room, "--duration", 4, "--start", 1, 2, 0, "--commands", commands, "--out", out)
     assert done.returncode == 0, done.stderr
+    assert f"{commands}: 1 of 3 commands come after the drive of 4 s" in done.stderr
     summary = json.loads((out / "summary.json").read_text())
     assert summary["end"] == pytest.approx([2.0, 2.0, 0.0], abs=1e-12)
     assert summary["distance"] == pytest.approx(1.0, abs=1e-12)
