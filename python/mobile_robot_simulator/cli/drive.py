@@ -71,7 +71,12 @@ class Drive:
             driver.start(node, commander)
 
     def run(
-        self, duration: float, *, real_time: bool = False, progress: Callable[[float], None] = lambda _: None
+        self,
+        duration: float,
+        *,
+        real_time: bool = False,
+        progress: Callable[[float], None] = lambda _: None,
+        ended: Callable[[], None] = lambda: None,
     ) -> Summary:
         """Drives and returns the results.
 
@@ -81,6 +86,7 @@ class Drive:
             duration: Simulated time [s], rounded to nanoseconds.
             real_time: Run at `speed_factor` times real time instead of as fast as possible.
             progress: Called repeatedly with the simulated time [s].
+            ended: Called when the drive has ended. A KeyboardInterrupt until then is one during the drive.
         """
         simulation, began = self.simulation, time.perf_counter()
         speed = simulation.robot.parameters.speed_factor
@@ -94,8 +100,10 @@ class Drive:
                     time.sleep(max(0.0, simulation.time / speed - (time.perf_counter() - began)))
                 simulation.run_for(min(step_ns, left_ns) / NANOSECONDS)
                 progress(simulation.time)
+            ended()
         except KeyboardInterrupt:
             interrupted = True
+            ended()
         return self._summary(time.perf_counter() - began, interrupted=interrupted)
 
     def _summary(self, wall_seconds: float, *, interrupted: bool) -> Summary:

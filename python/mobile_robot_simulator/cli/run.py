@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from .drive import Drive
 
 
+SUMMARY, PICTURE = COMPANIONS = ("summary.json", "drive.png")
+"""Files that `run` saves beside the recording."""
+
+
 class DriverName(str, Enum):
     """Names of the built-in drivers."""
 
@@ -52,7 +56,9 @@ def run(
     real_time: Annotated[
         bool, typer.Option("--real-time", help="Run at speed_factor times real time instead of as fast as possible.")
     ] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace an existing recording, its summary and its picture.")
+    ] = False,
     param: Assignments = None,
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
@@ -82,12 +88,14 @@ def run(
             start=Pose(*start) if start else None,
             radius=radius,
         )
-        with Recorder(out, format=format, overwrite=overwrite) as recorder:
+        with (
+            progress_bar(duration) as advance,
+            Recorder(out, format=format, overwrite=overwrite, companions=COMPANIONS) as recorder,
+        ):
             drive.simulation.record(recorder.write)
-            with progress_bar(duration) as advance:
-                summary = drive.run(duration, real_time=real_time, progress=advance)
-        summary.save(out / "summary.json")
-        files = [("recording", f"{recorder.path}"), ("picture", _draw(drive, out / "drive.png"))]
+            summary = drive.run(duration, real_time=real_time, progress=advance, ended=interruption.ignore_more)
+        summary.save(out / SUMMARY)
+        files = [("recording", f"{recorder.path}"), ("picture", _draw(drive, out / PICTURE))]
         print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
         if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
             console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
@@ -100,7 +108,6 @@ def _draw(drive: Drive, file: Path) -> str:
     try:
         drive.draw(file)
     except ImportError as error:
-        file.unlink(missing_ok=True)  # an older picture, of the drive that was just replaced
         return f"none; {error}"
     return f"{file}"
 

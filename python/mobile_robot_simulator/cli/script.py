@@ -69,7 +69,7 @@ class Script:
         return cls(tuple((time - origin, vx, vy, wz) for time, vx, vy, wz in rows), origin)
 
     def notes(self, duration: float) -> list[str]:
-        """Returns what the user of the script may not expect: times that are stamps of a clock, and commands that come too late.
+        """Returns what a user may not expect: times that are stamps of a clock, and commands after the end of the drive.
 
         Args:
             duration: Duration of the drive [s].

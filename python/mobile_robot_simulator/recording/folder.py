@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -30,20 +31,21 @@ class RecordingFolder:
 
     Args:
         folder: Folder of the recording. Missing folders are created.
-        overwrite: Replace an older recording, or one that was broken off.
+        overwrite: Replace an older recording with its companions, or one that was broken off.
+        companions: Names of files in the folder that belong to a recording, as for `Recorder`.
         recover: Keep the recording that was broken off, to recover it.
 
     Attributes:
         unfinished: Folder to write in. It keeps the messages of a recording that is broken off.
 
     Raises:
-        FileExistsError: There is a recording and `overwrite` is False, or there is something else with its name.
+        FileExistsError: There is a recording or a companion and `overwrite` is False, or something else of that name.
         FileNotFoundError: `recover` is True, and no recording was broken off.
         BlockingIOError: Another process records into the folder.
     """
 
-    def __init__(self, folder: Path, *, overwrite: bool, recover: bool = False) -> None:
-        self._folder, self.unfinished = folder, folder / UNFINISHED
+    def __init__(self, folder: Path, *, overwrite: bool, companions: Collection[str] = (), recover: bool = False) -> None:
+        self._folder, self.unfinished, self._companions = folder, folder / UNFINISHED, companions
         self._check(overwrite=overwrite)
         existed = self.unfinished.is_dir()
         if recover and not existed:
@@ -69,7 +71,9 @@ class RecordingFolder:
             raise
 
     def finish(self, path: Path) -> Path:
-        """Replaces older recordings by a complete one, and returns its new path.
+        """Replaces older recordings and their companions by a complete recording, and returns its new path.
+
+        At no moment does an older companion lie beside the new recording.
 
         Args:
             path: The complete recording, in the folder `unfinished`.
@@ -77,7 +81,7 @@ class RecordingFolder:
         aside = self.unfinished / _OLDER
         self._remove(_OLDER)
         aside.mkdir()
-        older = [self._folder / name for name in _NAMES if os.path.lexists(self._folder / name)]
+        older = [self._folder / name for name in (*self._companions, *_NAMES) if os.path.lexists(self._folder / name)]
         new = self._folder / path.name
         try:
             for each in older:
@@ -117,6 +121,11 @@ class RecordingFolder:
                 raise FileExistsError(errno.EEXIST, "This path holds something that is not a recording", str(path))
             if not overwrite:
                 message = "A recording already exists and is kept. To replace it, use --overwrite (overwrite=True)"
+                raise FileExistsError(errno.EEXIST, message, str(path))
+        for path in (self._folder / name for name in self._companions):
+            if os.path.lexists(path) and not (path.is_file() and overwrite):
+                reason = "To replace it, use --overwrite (overwrite=True)" if path.is_file() else "It is not a file"
+                message = f"A recording would replace this path, which is kept. {reason}"
                 raise FileExistsError(errno.EEXIST, message, str(path))
 
     def _remove(self, *names: str) -> None:

@@ -9,6 +9,7 @@ import errno
 import os
 import sqlite3
 from collections import deque
+from collections.abc import Collection
 from contextlib import suppress
 from operator import index
 from pathlib import Path
@@ -51,15 +52,24 @@ class Recorder:
         format: "mcap" or "sqlite3" for ROS 2 Humble and later, "bag" for ROS 1.
         overwrite: Replace an older recording of any format. The older one is deleted when the new one is complete. What is
             left of a recording that was broken off is deleted at the beginning.
+        companions: Names of files in the folder that belong to a recording, such as a picture of it. Older ones are deleted
+            together with the older recording, so that they never lie beside the new one. Write new ones after `close`.
 
     Raises:
-        FileExistsError: There is a recording and `overwrite` is False, or there is something else with its name.
+        FileExistsError: There is a recording or a companion and `overwrite` is False, or something else of that name.
         BlockingIOError: Another process records into the folder.
         ValueError: The format is unknown.
         OSError: The folder cannot be written.
     """
 
-    def __init__(self, path: str | os.PathLike[str], *, format: Format = "mcap", overwrite: bool = False) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        format: Format = "mcap",
+        overwrite: bool = False,
+        companions: Collection[str] = (),
+    ) -> None:
         if format not in get_args(Format):
             raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {quoted(format)}")
         self._types: dict[str, str] = {}
@@ -68,7 +78,7 @@ class Recorder:
         self._closed = False
         self._thread = WriterThread()
         try:
-            self._folder = RecordingFolder(Path(path), overwrite=overwrite)
+            self._folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions)
             try:
                 self._thread.run(lambda: self._begin(format))
             except BaseException:

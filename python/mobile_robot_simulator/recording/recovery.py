@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import closing
 from io import BytesIO
 from pathlib import Path
@@ -28,21 +28,22 @@ _MCAP_FOOTER = b"\x02" + (20).to_bytes(8, "little") + bytes(20)
 _MCAP_DATA_END, _MCAP_FOOTER_CODE = 0x0F, 0x02
 
 
-def recover(path: str | os.PathLike[str], *, overwrite: bool = False) -> tuple[Path, int]:
+def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions: Collection[str] = ()) -> tuple[Path, int]:
     """Makes a complete recording of one that was broken off, and returns its path and its number of messages.
 
     Args:
         path: Folder of the recording, as for `Recorder`.
         overwrite: Replace an older recording in the folder.
+        companions: Names of files that belong to the older recording and are replaced with it, as for `Recorder`.
 
     Raises:
         FileNotFoundError: No recording was broken off in this folder.
-        FileExistsError: There is an older recording and `overwrite` is False.
+        FileExistsError: There is an older recording or a companion of it and `overwrite` is False.
         BlockingIOError: The recording is still being written.
         ValueError: What was written has no complete message. It is kept.
         OSError: The folder cannot be written.
     """
-    folder = RecordingFolder(Path(path), overwrite=overwrite, recover=True)
+    folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions, recover=True)
     try:
         source, rebuilt = folder.unfinished / NAME, folder.unfinished / REBUILT
         rebuilt.mkdir()

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import subprocess
 import sys
 
 import pytest
@@ -118,6 +119,39 @@ def test_a_killed_run_is_recovered(command, drive_for_ever, tmp_path, form):
         times = [time_ns for connection, time_ns, _ in reader.messages() if connection.topic == "/odom"]
     assert done.stdout == f"{path}: {sum(counts.values())} messages\n"
     assert times == [100_000_000 * step for step in range(1, len(times) + 1)] and len(times) > 100
+
+
+KILLED_WHILE_SAVING = """
+import os
+from mobile_robot_simulator.cli import summary
+from mobile_robot_simulator.cli.main import main
+def end(*_):
+    {end}
+summary.Summary.save = end
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("end", "status", "form"), [("os._exit(9)", 9, "bag"), ("raise OSError(28, 'No space left on device')", 1, "mcap")]
+)
+def test_an_older_summary_and_picture_never_lie_beside_a_new_recording(command, room, tmp_path, form, end, status):
+    out = tmp_path / "out"
+    assert command("run", room, "--duration", 1, "--out", out).returncode == 0
+    assert {item.name for item in out.iterdir()} == {"recording", "summary.json", "drive.png"}
+    words = ["run", room, "--duration", 2, "--out", out, "--overwrite", "--format", form]
+    script = KILLED_WHILE_SAVING.format(end=end)
+    done = subprocess.run([sys.executable, "-c", script, *map(str, words)], capture_output=True, text=True, timeout=60)
+    assert done.returncode == status and "Traceback" not in done.stderr
+    assert [item.name for item in out.iterdir()] == ["recording.bag" if form == "bag" else "recording"]
+
+
+def test_run_keeps_other_files_of_its_names(command, room, tmp_path):
+    (tmp_path / "summary.json").write_text("mine")
+    done = command("run", room, "--duration", 1, "--out", tmp_path)
+    assert done.returncode == 1 and "--overwrite" in done.stderr and "summary.json" in done.stderr
+    assert {item.name for item in tmp_path.iterdir()} == {"summary.json", "room.yaml", "room.pgm"}
+    assert (tmp_path / "summary.json").read_text() == "mine"
 
 
 def test_without_matplotlib_there_is_no_picture(command, room, tmp_path, monkeypatch):

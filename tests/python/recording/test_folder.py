@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mobile_robot_simulator import messages as ros
-from mobile_robot_simulator.recording.recorder import Format, Recorder
+from mobile_robot_simulator.recording.recorder import Format, Recorder, recover
 from recordings import FORMATS, contents, drive, read, record
 
 
@@ -75,6 +75,58 @@ def test_other_files_with_a_recordings_name_are_never_removed(
         with pytest.raises(FileExistsError, match=f"not a recording.*{name}'"):
             Recorder(tmp_path, format=format, overwrite=True)
     assert sorted(tmp_path.rglob("*")) == before
+
+
+COMPANION = "drive.png"
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_companions_are_kept_or_replaced_with_their_recording(tmp_path: Path, format: Format) -> None:
+    for name in (COMPANION, "notes.txt"):
+        (tmp_path / name).write_text("older")
+    with pytest.raises(FileExistsError, match=r"which is kept\. To replace it, use --overwrite .*drive\.png'"):
+        Recorder(tmp_path, format=format, companions=[COMPANION])
+    assert {item.name for item in tmp_path.iterdir()} == {COMPANION, "notes.txt"}
+    with Recorder(tmp_path, format=format, overwrite=True, companions=[COMPANION]) as recorder:
+        assert (tmp_path / COMPANION).read_text() == "older"
+    assert {item.name for item in tmp_path.iterdir()} == {recorder.path.name, "notes.txt"}
+
+
+def test_a_recovered_recording_replaces_the_companions_of_the_older_one(tmp_path: Path) -> None:
+    record(tmp_path, "mcap", drive(2))
+    (tmp_path / COMPANION).write_text("older")
+    broken_off = record(tmp_path / "new", "bag", drive(3))
+    (tmp_path / "recording.unfinished").mkdir()
+    broken_off.rename(tmp_path / "recording.unfinished" / "recording.bag")
+    path, _ = recover(tmp_path, overwrite=True, companions=[COMPANION])
+    assert {item.name for item in tmp_path.iterdir()} == {path.name, "new"}
+
+
+def test_a_folder_is_no_companion(tmp_path: Path) -> None:
+    (tmp_path / COMPANION).mkdir()
+    with pytest.raises(FileExistsError, match=r"It is not a file: '.*drive\.png'"):
+        Recorder(tmp_path, overwrite=True, companions=[COMPANION])
+    assert [item.name for item in tmp_path.iterdir()] == [COMPANION]
+
+
+def test_companions_and_recording_stay_together_if_the_new_one_cannot_be_moved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = record(tmp_path, "mcap", drive(2))
+    (tmp_path / COMPANION).write_text("older")
+    before, rename = contents(path), Path.rename
+
+    def broken(source: Path, target: Path) -> Path:
+        if source.name == "recording.bag":
+            assert [item.name for item in tmp_path.iterdir()] == ["recording.unfinished"]
+            raise OSError(5, "Input/output error")
+        return rename(source, target)
+
+    recorder = Recorder(tmp_path, format="bag", overwrite=True, companions=[COMPANION])
+    monkeypatch.setattr(Path, "rename", broken)
+    with pytest.raises(OSError, match="Input/output error"):
+        recorder.close()
+    assert contents(path) == before and (tmp_path / COMPANION).read_text() == "older"
 
 
 def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path) -> None:
