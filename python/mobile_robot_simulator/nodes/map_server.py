@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from .. import messages
@@ -9,8 +10,23 @@ from .._core import OccupancyGrid
 from ..handle import Handle, Handles
 from ..maps.map_files import load_map
 from ..parameters import MapParameters
-from .interface import Node, QoS
+from .interface import Node, Publisher, QoS
 from .map_messages import to_message
+
+
+@dataclass(frozen=True)
+class MapServerSnapshot:
+    """Saved state of a `MapServer`.
+
+    Attributes:
+        running: Publisher and service, None while the server is stopped.
+        publisher: Publisher of the map, None before the first start.
+        message: The map.
+    """
+
+    running: Handles | None
+    publisher: Publisher[messages.OccupancyGrid] | None
+    message: messages.OccupancyGrid
 
 
 class MapServer(Handle):
@@ -18,7 +34,7 @@ class MapServer(Handle):
 
     Args:
         node: Node that publishes the map and offers the service.
-        grid: The map, copied: later changes to the grid are not served.
+        grid: The map, copied: later changes to the grid are served once `serve` is called.
         topic: Name of the topic.
         service: Name of the service.
         frame_id: Frame of the grid's origin.
@@ -34,7 +50,9 @@ class MapServer(Handle):
         frame_id: str = "map",
     ) -> None:
         self._node, self._topic, self._service = node, topic, service
+        self._frame_id = frame_id
         self._message = to_message(grid, frame_id)
+        self._publisher: Publisher[messages.OccupancyGrid] | None = None
         self._running: Handles | None = None
 
     def __repr__(self) -> str:
@@ -50,7 +68,13 @@ class MapServer(Handle):
             service = self._node.create_service(messages.GetMap, self._service, self._answer)
             handles.add(self._node.destroy_service, service)
             publisher.publish(self._message)
-            self._running = handles
+            self._publisher, self._running = publisher, handles
+
+    def serve(self, grid: OccupancyGrid) -> None:
+        """Serves another map from now on, and publishes it if the server is running."""
+        self._message = to_message(grid, self._frame_id)
+        if self._running is not None and self._publisher is not None:
+            self._publisher.publish(self._message)
 
     def stop(self) -> None:
         """Stops serving the map. `start` resumes."""
@@ -58,13 +82,13 @@ class MapServer(Handle):
             self._running.close()
             self._running = None
 
-    def save(self) -> Handles | None:
-        """Returns the state that `restore` takes: the server's handles, None while it is stopped."""
-        return self._running
+    def save(self) -> MapServerSnapshot:
+        """Returns the state that `restore` takes."""
+        return MapServerSnapshot(self._running, self._publisher, self._message)
 
-    def restore(self, state: Handles | None) -> None:
+    def restore(self, state: MapServerSnapshot) -> None:
         """Puts the server back into a saved state. The bus restores what the handles refer to."""
-        self._running = state
+        self._running, self._publisher, self._message = state.running, state.publisher, state.message
 
     def _answer(self, request: messages.GetMapRequest, response: messages.GetMapResponse) -> messages.GetMapResponse:
         response.map = self._message

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from numbers import Real
 from typing import TypeAlias
@@ -15,6 +16,8 @@ from .._core import Pose, Shape
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..quoting import quoted
+from .motion import Motion, MotionSnapshot
+from .velocity_profile import Velocity
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
 """A pose, or its x, y [m] and yaw [rad]."""
@@ -29,12 +32,14 @@ Trajectory: TypeAlias = PoseLike | Waypoints | Callable[[float], PoseLike]
 class Obstacle(Handle):
     """A shape that stands or moves in the map.
 
+    An obstacle whose trajectory is one pose can be moved, with `Simulation.move_obstacle`. It does not stop at anything.
+
     Args:
         name: Name of the obstacle, as contacts report it.
         shape: Outline in the obstacle's own frame.
         trajectory: Poses in the map frame, in one of three forms:
 
-            - a pose: the obstacle stands there;
+            - a pose: the obstacle stands there until it is moved;
             - waypoints (time [s], x, y [m], yaw [rad]) with increasing times: x, y and yaw are interpolated linearly;
               the obstacle stands at the first waypoint before its time and at the last one after its time;
             - a function from the time [s] to a pose. It can be called at any time and any number of times, also for past
@@ -48,6 +53,8 @@ class Obstacle(Handle):
     def __init__(self, name: str, shape: Shape, trajectory: Trajectory) -> None:
         self.name, self.shape = name, shape
         self._pose_at = _pose_function(trajectory)
+        self._motion: Motion | None = None
+        """How the obstacle has moved since it was moved for the first time."""
 
     def __repr__(self) -> str:
         return f"Obstacle({self.name!r}, {self.shape!r})"
@@ -64,6 +71,8 @@ class Obstacle(Handle):
             Exception: Any error that the trajectory's function raises.
 
         """
+        if self._motion is not None:
+            return self._motion.map_pose_at(time_ns)
         pose = self._pose_at(time_ns / NANOSECONDS)
         if isinstance(pose, Pose):
             return pose
@@ -73,13 +82,62 @@ class Obstacle(Handle):
             message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
             raise TypeError(message) from error
 
+    def move(self, time_ns: int, *, pose: Pose | None = None, velocity: Velocity | None = None) -> None:
+        """Moves the obstacle from now on.
+
+        Args:
+            time_ns: The present [ns].
+            pose: Pose in the map frame to move to at once. Default: where it is.
+            velocity: Velocity (vx, vy, wz) from now on, in the obstacle's own frame [m/s, m/s, rad/s]. Default: as before.
+
+        Raises:
+            ValueError: The obstacle follows waypoints or a function.
+        """
+        if not isinstance(self._pose_at, _Standing):
+            raise ValueError(f"obstacle {self.name} must have one pose as its trajectory to be moved, it has a moving one")
+        if self._motion is None:
+            self._motion = Motion(0, 0.0, Pose(), self._pose_at.pose)
+        if pose is not None:
+            self._motion.move_frame(pose * self._motion.pose(time_ns).inverse(), time_ns)
+        if velocity is not None:
+            self._motion.command(velocity, time_ns)
+
+    def save(self) -> ObstacleSnapshot:
+        """Returns the state that `restore` takes."""
+        return ObstacleSnapshot(self, None if self._motion is None else (self._motion, self._motion.save()))
+
+    def restore(self, state: ObstacleSnapshot) -> None:
+        """Puts the obstacle back into a saved state."""
+        self._motion = None
+        if state.motion is not None:
+            self._motion, moved = state.motion
+            self._motion.restore(moved)
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleSnapshot:
+    """Saved state of an `Obstacle`: how it has moved, None if it was never moved."""
+
+    obstacle: Obstacle
+    motion: tuple[Motion, MotionSnapshot] | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Standing:
+    """A trajectory that stands still."""
+
+    pose: Pose
+
+    def __call__(self, time: float) -> Pose:
+        return self.pose
+
 
 def _pose_function(trajectory: Trajectory) -> Callable[[float], PoseLike]:
     """Returns the trajectory as a function from the time [s] to a pose."""
     if callable(trajectory):
         return trajectory
     if isinstance(trajectory, Pose):
-        return lambda time: trajectory
+        return _Standing(trajectory)
     if not isinstance(trajectory, Sequence | np.ndarray) or isinstance(trajectory, str):
         needed = "a pose (x, y, yaw), waypoints (time, x, y, yaw), or a function from the time to a pose"
         raise TypeError(f"a trajectory must be {needed}, got {quoted(trajectory)}")
@@ -88,8 +146,7 @@ def _pose_function(trajectory: Trajectory) -> Callable[[float], PoseLike]:
     if isinstance(trajectory[0], Real):
         if len(trajectory) != 3:
             raise ValueError(f"the pose of an obstacle must be three numbers (x, y, yaw), got {quoted(trajectory)}")
-        pose = Pose(*trajectory)
-        return lambda time: pose
+        return _Standing(Pose(*trajectory))
     try:
         rows = [tuple(map(float, row)) for row in trajectory]  # type: ignore[arg-type]
     except TypeError:

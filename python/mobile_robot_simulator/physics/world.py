@@ -10,14 +10,19 @@ import numpy as np
 
 from .._core import OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
+from ..quoting import quoted
 from .motion import Motion
-from .obstacles import Obstacle
+from .obstacles import Obstacle, ObstacleSnapshot
+from .velocity_profile import Velocity
 
 STEP_NS = 20_000_000
 """Time step for robots with a footprint [ns]; all other bodies are frozen during a step."""
 
 OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
 """A map without walls, to ask for obstacles alone."""
+
+SHOWN_NAMES = 10
+"""Number of obstacles that a message names at most."""
 
 Placed: TypeAlias = tuple[Shape, Pose]
 """A shape and its pose in the map frame."""
@@ -54,7 +59,8 @@ class WorldSnapshot:
     """State of a `World` at one time, as returned by `World.save`. The motion of each robot is saved with the robot."""
 
     stepped_ns: int
-    obstacles: tuple[Obstacle, ...]
+    obstacles: tuple[ObstacleSnapshot, ...]
+    placed: int
     bodies: tuple[Body, ...]
     grid: OccupancyGrid | None
 
@@ -76,6 +82,8 @@ class World(Handle):
     def __init__(self, clock: Callable[[], int], grid: OccupancyGrid | None = None) -> None:
         self._clock, self.grid = clock, grid
         self.obstacles: list[Obstacle] = []
+        self.placed = 0
+        """Number of obstacles that were ever placed."""
         self._bodies: list[Body] = []
         self._stepped_ns = clock()
         self._stepping = False
@@ -115,13 +123,43 @@ class World(Handle):
         self._frozen.insert(len(self.obstacles), (obstacle, placed))
         self._index_of = {other: index + 1 for other, index in self._index_of.items()}
         self.obstacles.append(obstacle)
+        self.placed += 1
         self._latest = None
+
+    def remove(self, obstacle: Obstacle) -> None:
+        """Removes an obstacle.
+
+        Raises:
+            ValueError: The obstacle is not in the world.
+        """
+        self.now_ns()
+        if obstacle not in self.obstacles:
+            raise ValueError(f"the obstacle must be in the world, got {obstacle!r}")
+        self.obstacles.remove(obstacle)
+        self.changed()
+
+    def obstacle(self, name: str) -> Obstacle:
+        """Returns the obstacle with this name: the first, if there are several.
+
+        Raises:
+            ValueError: There is none.
+        """
+        for obstacle in self.obstacles:
+            if obstacle.name == name:
+                return obstacle
+        known = ", ".join(sorted(quoted(each.name) for each in self.obstacles)[:SHOWN_NAMES])
+        raise ValueError(f"unknown obstacle {quoted(name)}; " + (f"there are {known}" if known else "there are none"))
+
+    def move(self, obstacle: Obstacle, pose: Pose | None, velocity: Velocity | None) -> None:
+        """Moves an obstacle from now on; see `Obstacle.move`."""
+        obstacle.move(self.now_ns(), pose=pose, velocity=velocity)
+        self.changed()
 
     def changed(self) -> None:
         """Updates the poses that robots can collide with.
 
-        Must be called when a robot or obstacle was added, when the map or a footprint changed, and when a robot was moved
-        by anything other than a velocity command.
+        Must be called when a robot was added, when an obstacle was removed or moved, when the map or a footprint changed,
+        and when a robot was moved by anything other than a velocity command.
         """
         self.changes += 1
         self._latest = None
@@ -181,12 +219,15 @@ class World(Handle):
 
     def save(self) -> WorldSnapshot:
         """Returns a snapshot for `restore`."""
-        return WorldSnapshot(self._stepped_ns, tuple(self.obstacles), tuple(self._bodies), self.grid)
+        obstacles = tuple(obstacle.save() for obstacle in self.obstacles)
+        return WorldSnapshot(self._stepped_ns, obstacles, self.placed, tuple(self._bodies), self.grid)
 
     def restore(self, state: WorldSnapshot) -> None:
         """Returns to the state of a snapshot. The motions of the robots must be restored first."""
-        self._stepped_ns, self.grid = state.stepped_ns, state.grid
-        self.obstacles, self._bodies = list(state.obstacles), list(state.bodies)
+        self._stepped_ns, self.grid, self.placed = state.stepped_ns, state.grid, state.placed
+        self.obstacles, self._bodies = [each.obstacle for each in state.obstacles], list(state.bodies)
+        for each in state.obstacles:
+            each.obstacle.restore(each)
         self.changed()
 
     def _step_to(self, now: int) -> None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from numbers import Real
 
 from .._core import Pose
 from ..instant import NANOSECONDS
 from ..physics.obstacles import PoseLike
+from ..physics.velocity_profile import Velocity
 from ..quoting import quoted
+
+MAX_VELOCITY = 1e3
+"""Limit of each component of a velocity [m/s, rad/s]."""
 
 
 def check_at_least_0(**values: float) -> None:
@@ -54,13 +59,33 @@ def to_pose(pose: PoseLike, what: str) -> Pose:
         TypeError: It is not a sequence of numbers.
         ValueError: It is not three numbers, or one is not finite.
     """
-    if isinstance(pose, Pose):
-        return pose
+    return pose if isinstance(pose, Pose) else Pose(*_three_numbers(pose, f"{what} must be three numbers (x, y, yaw)"))
+
+
+def to_velocity(velocity: Sequence[float], what: str) -> Velocity:
+    """Converts a velocity (vx [m/s], vy [m/s], wz [rad/s]) to a tuple of floats.
+
+    Args:
+        velocity: The velocity.
+        what: Name of the velocity in the error message.
+
+    Raises:
+        TypeError: It is not a sequence of numbers.
+        ValueError: It is not three numbers, or one is not finite or larger than `MAX_VELOCITY`.
+    """
+    needed = f"{what} must be three numbers (vx, vy, wz) of at most {MAX_VELOCITY:g}"
+    vx, vy, wz = _three_numbers(velocity, needed)
+    if not all(abs(number) <= MAX_VELOCITY for number in (vx, vy, wz)):
+        raise ValueError(f"{needed}, got {quoted(velocity)}")
+    return vx, vy, wz
+
+
+def _three_numbers(values: object, needed: str) -> tuple[float, ...]:
     try:
-        numbers = None if isinstance(pose, str) else [float(number) for number in pose]
+        numbers = None if isinstance(values, str) else tuple(float(number) for number in values)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         numbers = None
     if numbers is None or len(numbers) != 3:
         kind = TypeError if numbers is None else ValueError
-        raise kind(f"{what} must be three numbers (x, y, yaw), got {quoted(pose)}")
-    return Pose(*numbers)
+        raise kind(f"{needed}, got {quoted(values)}")
+    return numbers

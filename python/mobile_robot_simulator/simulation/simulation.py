@@ -7,6 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .._core import OccupancyGrid, Pose, Shape
 from ..bus.bus import Bus, Tap
 from ..bus.node import BusNode, NoCopyNode, spawn_context
@@ -23,7 +26,7 @@ from ..parameters import LaserParameters, check_names, for_node
 from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
 from ..quoting import quoted
-from .arguments import to_nanoseconds
+from .arguments import to_nanoseconds, to_pose, to_velocity
 from .fault import F, Fault, FaultList
 from .ground_truth import GroundTruth
 from .kept import Kept
@@ -211,7 +214,7 @@ class Simulation(Handle):
             shape: Outline of the obstacle.
             trajectory: Poses in the map frame: one pose (x [m], y [m], yaw [rad]), waypoints (time [s], x, y, yaw), or a
                 function that returns the pose at a time [s]. See `Obstacle`.
-            name: Name of the obstacle in contact events. Default: its number.
+            name: Name of the obstacle, also in contact events. Default: its number, from 1.
 
         Raises:
             TypeError: The shape is not a `Shape`.
@@ -219,9 +222,65 @@ class Simulation(Handle):
         """
         if not isinstance(shape, Shape):
             raise TypeError(f"an obstacle's shape must be a Shape, got {type(shape).__name__}")
-        obstacle = Obstacle(f"{len(self._world.obstacles) + 1}" if name is None else name, shape, trajectory)
+        obstacle = Obstacle(f"{self._world.placed + 1}" if name is None else name, shape, trajectory)
         self._world.place(obstacle)
         return obstacle
+
+    @property
+    def obstacles(self) -> Sequence[Obstacle]:
+        """All obstacles, in the order in which they were added."""
+        return tuple(self._world.obstacles)
+
+    def move_obstacle(
+        self,
+        obstacle: Obstacle | str,
+        pose: PoseLike | None = None,
+        *,
+        velocity: tuple[float, float, float] | None = None,
+    ) -> None:
+        """Moves an obstacle from now on. It does not stop at walls or robots; robots collide with it.
+
+        Args:
+            obstacle: The obstacle, or its name.
+            pose: Pose (x [m], y [m], yaw [rad]) in the map frame to move to at once. Default: where it is.
+            velocity: Velocity (vx [m/s], vy [m/s], wz [rad/s]) from now on, in its own frame: forward, left and
+                counter-clockwise. Default: as before.
+
+        Raises:
+            ValueError: There is no such obstacle, it follows waypoints or a function, or a number is not finite.
+        """
+        found = self._world.obstacle(obstacle) if isinstance(obstacle, str) else obstacle
+        place = None if pose is None else to_pose(pose, "the pose")
+        self._world.move(found, place, None if velocity is None else to_velocity(velocity, "the velocity"))
+
+    def remove_obstacle(self, obstacle: Obstacle | str) -> None:
+        """Removes an obstacle.
+
+        Args:
+            obstacle: The obstacle, or its name.
+
+        Raises:
+            ValueError: There is no such obstacle.
+        """
+        self._world.remove(self._world.obstacle(obstacle) if isinstance(obstacle, str) else obstacle)
+
+    def set_cells(self, row: int, col: int, cells: NDArray[np.int8]) -> None:
+        """Changes cells of the map, and publishes the changed map on `/map`.
+
+        Robots collide with the new cells from now on, and scanners see them.
+
+        Args:
+            row: Row of the lower-left changed cell.
+            col: Column of the lower-left changed cell.
+            cells: (h, w) int8, -1 for unknown cells, otherwise the occupancy 0 to 100.
+
+        Raises:
+            ValueError: The cells do not fit into the map, or a value is out of range. Nothing changes.
+            TypeError: The cells are not int8. Nothing changes.
+        """
+        self._grid.set_cells(row, col, cells)
+        self._world.use_map(self._grid)
+        self._map_server.serve(self._grid)
 
     def add_fault(self, fault: F) -> F:
         """Adds a fault from `mobile_robot_simulator.faults`. Returns the fault.

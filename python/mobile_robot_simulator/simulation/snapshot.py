@@ -9,8 +9,7 @@ import numpy as np
 
 from .._core import OccupancyGrid
 from ..bus.bus import Bus, BusSnapshot
-from ..handle import Handles
-from ..nodes.map_server import MapServer
+from ..nodes.map_server import MapServer, MapServerSnapshot
 from ..physics.world import World, WorldSnapshot
 from .fault import FaultList, FaultSnapshot
 from .kept import Kept, KeptSnapshot
@@ -27,7 +26,7 @@ class SavedParts:
         world: Obstacles, and the time up to which robots have moved.
         robots: The robots, with their nodes and scanners.
         faults: The faults, with their random generators.
-        map_server: Handles of the map server; None if it is stopped.
+        map_server: The map that is served, with the handles of its server.
         kept: The user's objects (`Simulation.keep`).
     """
 
@@ -36,7 +35,7 @@ class SavedParts:
     world: WorldSnapshot
     robots: RobotsSnapshot
     faults: tuple[FaultSnapshot, ...]
-    map_server: Handles | None
+    map_server: MapServerSnapshot
     kept: tuple[KeptSnapshot, ...]
 
 

@@ -91,3 +91,101 @@ def test_the_function_of_an_obstacle_may_read_the_robot():
     sim.run_for(4.0)
     assert sim.pose.x == pytest.approx(7.0) and sim.truth.contacts == []
     assert ranges(sim).min() == pytest.approx(0.8, abs=0.01)
+
+
+def test_a_moved_obstacle_is_seen_and_touched_where_it_is():
+    sim = simulation(start=(10.0, 10.0, 0.0), robot_radius=0.3)
+    box = sim.add_obstacle(mrs.Shape.rectangle(0.4, 2.0), (14.0, 10.0, 0.0), "box")
+    sim.run_for(0.1)
+    assert ranges(sim)[30:32].min() == pytest.approx(3.8, abs=0.02)
+    sim.move_obstacle("box", (12.0, 10.0, 0.0))
+    sim.run_for(0.1)
+    assert ranges(sim)[30:32].min() == pytest.approx(1.8, abs=0.02)
+    drive(sim, 0.5)
+    sim.run_for(5.0)
+    assert sim.pose.x == pytest.approx(11.5, abs=1e-5)
+    assert [contact.what for contact in sim.truth.contacts] == ["obstacle box"]
+    assert [box.pose(time_ns).x for time_ns in (0, 99_999_999, 100_000_000)] == [14.0, 14.0, 12.0]
+
+
+def test_an_obstacle_drives_with_a_velocity_in_its_own_frame():
+    sim = simulation(start=(10.0, 10.0, 0.0))
+    cart = sim.add_obstacle(mrs.Shape.disc(0.3), (4.0, 4.0, math.pi / 2))
+    sim.run_for(1.0)
+    sim.move_obstacle(cart, velocity=(0.5, 0.0, 0.2))
+    sim.run_for(2.0)
+    sim.move_obstacle(cart, velocity=(0.0, 0.0, 0.0))
+    sim.run_for(1.0)
+    assert tuple(cart.pose(500_000_000)) == (4.0, 4.0, math.pi / 2)
+    arc = mrs.Pose(4.0, 4.0, math.pi / 2).integrate((0.5, 0.0, 0.2), 2.0)
+    assert tuple(cart.pose(4_000_000_000)) == pytest.approx(tuple(arc), abs=1e-12)
+    half = mrs.Pose(4.0, 4.0, math.pi / 2).integrate((0.5, 0.0, 0.2), 1.0)
+    assert tuple(cart.pose(2_000_000_000)) == pytest.approx(tuple(half), abs=1e-12)
+
+
+@pytest.mark.parametrize("by_name", [False, True])
+def test_a_removed_obstacle_is_neither_seen_nor_touched(by_name: bool):
+    sim = simulation(start=(10.0, 10.0, 0.0), robot_radius=0.3)
+    first = sim.add_obstacle(mrs.Shape.disc(0.3), (12.0, 10.0, 0.0))
+    second = sim.add_obstacle(mrs.Shape.disc(0.3), (5.0, 5.0, 0.0))
+    sim.remove_obstacle("1" if by_name else first)
+    assert sim.obstacles == (second,)
+    drive(sim, 0.5)
+    sim.run_for(6.0)
+    assert sim.pose.x == pytest.approx(13.0) and not sim.truth.contacts
+    assert sim.add_obstacle(mrs.Shape.disc(0.1), (1.0, 1.0, 0.0)).name == "3"
+    with pytest.raises(ValueError, match=r"unknown obstacle '1'; there are '2', '3'"):
+        sim.remove_obstacle("1")
+    with pytest.raises(ValueError, match="the obstacle must be in the world, got Obstacle"):
+        sim.remove_obstacle(first)
+
+
+def test_what_follows_a_trajectory_cannot_be_moved_and_numbers_are_checked():
+    sim = simulation(start=(10.0, 10.0, 0.0))
+    sim.add_obstacle(mrs.Shape.disc(0.3), [(0.0, 12.0, 10.0, 0.0), (1.0, 13.0, 10.0, 0.0)], "train")
+    sim.add_obstacle(mrs.Shape.disc(0.3), (5.0, 5.0, 0.0), "box")
+    with pytest.raises(ValueError, match="obstacle train must have one pose as its trajectory to be moved"):
+        sim.move_obstacle("train", (0.0, 0.0, 0.0))
+    for bad in ((math.nan, 0.0, 0.0), (1e300, 0.0, 0.0), (1.0, 2.0)):
+        with pytest.raises(ValueError, match=r"the velocity must be three numbers \(vx, vy, wz\) of at most 1000, got"):
+            sim.move_obstacle("box", velocity=bad)
+    with pytest.raises(ValueError, match="finite"):
+        sim.move_obstacle("box", (math.nan, 0.0, 0.0))
+    assert tuple(sim.obstacles[1].pose(0)) == (5.0, 5.0, 0.0)
+
+
+def test_moved_and_removed_obstacles_are_part_of_a_snapshot():
+    sim = simulation(start=(10.0, 10.0, 0.0))
+    box = sim.add_obstacle(mrs.Shape.disc(0.3), (12.0, 10.0, 0.0), "box")
+    whole = sim.save()
+    sim.move_obstacle(box, velocity=(0.5, 0.0, 0.0))
+    sim.run_for(1.0)
+    moving = sim.save()
+    sim.run_for(1.0)
+    scan = ranges(sim)
+    sim.remove_obstacle(box)
+    sim.restore(moving)
+    sim.run_for(1.0)
+    assert box.pose(2_000_000_000).x == pytest.approx(13.0) and np.array_equal(ranges(sim), scan)
+    sim.restore(whole)
+    sim.run_for(1.0)
+    assert box.pose(1_000_000_000).x == 12.0
+
+
+def test_changed_cells_are_seen_touched_and_published():
+    sim = simulation(start=(10.0, 10.0, 0.0), robot_radius=0.3)
+    sim.run_for(0.1)
+    before, state = sim.latest("/map"), sim.save()
+    received = []
+    sim.subscribe("/map", mrs.messages.OccupancyGrid, received.append)
+    sim.set_cells(90, 120, np.full((20, 1), 100, np.int8))
+    drive(sim, 0.5)
+    sim.run_for(5.0)
+    assert sim.pose.x == pytest.approx(11.7, abs=1e-5)
+    wall = received[-1].data.reshape(sim.grid.shape)[90:110, 120]
+    assert (wall == 100).all() and not (before.data == received[-1].data).all()
+    with pytest.raises(ValueError, match="must fit on the grid"):
+        sim.set_cells(0, 0, np.zeros((1000, 1), np.int8))
+    sim.restore(state)
+    assert sim.latest("/map") == before
+    sim.run_for(0.1)
