@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -26,6 +29,31 @@ def print_table(title: str, rows: Iterable[tuple[str, str]]) -> None:
 def print_note(text: str) -> None:
     """Prints a note on standard error, so that it does not mix with results."""
     error_console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+def text_of(error: Exception) -> str:
+    """Returns the message of an error. That of an operating system gives the file, then what is wrong."""
+    if not isinstance(error, OSError) or not error.strerror or error.filename is None:
+        return f"{error}"
+    files = [name for name in (error.filename, error.filename2) if name is not None]
+    shown = " -> ".join(os.fsdecode(name) if isinstance(name, bytes) else f"{name}" for name in files)
+    return f"{shown}: {error.strerror[:1].lower()}{error.strerror[1:]}"
+
+
+@contextmanager
+def warnings_as_notes() -> Iterator[None]:
+    """Prints Python's UserWarnings as notes while the context is open. Others are printed as Python does."""
+    with warnings.catch_warnings():
+        print_as_python_does = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any, **options: Any) -> None:
+            if issubclass(category, UserWarning):
+                print_note(f"warning: {message}")
+            else:
+                print_as_python_does(message, category, *place, **options)
+
+        warnings.showwarning = show
+        yield
 
 
 @contextmanager

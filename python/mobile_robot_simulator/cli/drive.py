@@ -36,7 +36,8 @@ class Drive:
         simulation: The simulation with the robot.
         odometry_messages: Number of odometry messages so far.
         scans: Number of scans so far.
-        in_unknown: Number of odometry messages sent from an unknown cell or from outside of the map.
+        in_unknown_cells: Number of odometry messages sent from an unknown cell.
+        off_map: Number of odometry messages sent from outside of the map.
 
     Raises:
         ValueError: A parameter or the start pose is invalid, or there is no free place for the robot.
@@ -59,7 +60,7 @@ class Drive:
         if not {"robot_radius", "footprint"} & names:
             parameters = {"robot_radius": radius, "contact": "report", **parameters}
         self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
-        self.odometry_messages = self.scans = self.in_unknown = 0
+        self.odometry_messages = self.scans = self.in_unknown_cells = self.off_map = 0
         robot, laser = self.simulation.robot.parameters, self.simulation.laser.parameters
         self.simulation.subscribe(robot.odometry_topic, Odometry, self._follow)
         self.simulation.subscribe(laser.laser_topic, LaserScan, self._count)
@@ -119,7 +120,7 @@ class Drive:
             beams_per_second=beams / wall_seconds,
             distance=simulation.robot.distance,
             collisions=len(simulation.truth.contacts),
-            unknown_share=self.in_unknown / max(1, self.odometry_messages),
+            unknown_share=(self.in_unknown_cells + self.off_map) / max(1, self.odometry_messages),
             start=(start.x, start.y, start.yaw),
             end=(end.x, end.y, end.yaw),
             seed=self._seed,
@@ -138,11 +139,14 @@ class Drive:
         self.simulation.draw(file)
 
     def _follow(self, odometry: Odometry) -> None:
-        """Counts the odometry messages, and those sent from unknown space."""
+        """Counts the odometry messages, and those sent from unknown cells and from outside of the map."""
         pose = self.simulation.pose
         cell = self._grid.cell_at(pose.x, pose.y)
         self.odometry_messages += 1
-        self.in_unknown += cell is None or bool(self._grid.cells[cell] < 0)
+        if cell is None:
+            self.off_map += 1
+        elif self._grid.cells[cell] < 0:
+            self.in_unknown_cells += 1
 
     def _count(self, scan: LaserScan) -> None:
         self.scans += 1

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from .. import __version__
-from .console import console, error_console
+from .console import console, error_console, text_of, warnings_as_notes
 from .floor_plan import generate_floor_plan
+from .help_page import Command, Group
 from .info import info
 from .parameters import parameters
 from .recover import recover
@@ -18,26 +19,28 @@ from .run import run
 from .scan import scan
 
 app = typer.Typer(
+    cls=Group,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
 )
-app.command()(run)
-app.command()(recover)
-app.command()(scan)
-app.command()(info)
-app.command()(parameters)
-app.command("floor-plan")(generate_floor_plan)
-app.command(context_settings=PASSED_ON)(ros1)
-app.command(context_settings=PASSED_ON)(ros2)
+app.command(cls=Command)(run)
+app.command(cls=Command)(recover)
+app.command(cls=Command)(scan)
+app.command(cls=Command)(info)
+app.command(cls=Command)(parameters)
+app.command("floor-plan", cls=Command)(generate_floor_plan)
+app.command(cls=Command, context_settings=PASSED_ON)(ros1)
+app.command(cls=Command, context_settings=PASSED_ON)(ros2)
 
 
 def main() -> None:
     """Runs the command. Invalid input prints a message and exits with status 1."""
     try:
-        app()
+        with warnings_as_notes():
+            app()
     except (ValueError, TypeError, OSError, ImportError) as error:
-        error_console.print(f"error: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        error_console.print(f"error: {text_of(error)}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .._core import OccupancyGrid
+from .._core import OccupancyGrid, Pose
 from ..maps.map_files import load_map
 from ..parameter_files import read_assignment, read_file, translated
 from ..parameters import LaserParameters, for_node
@@ -38,6 +38,18 @@ def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, A
     assigned = dict(map(read_assignment, assignments or []))
     kept = {key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}
     return translated({**kept, **assigned})
+
+
+def pose_of(numbers: tuple[float, float, float], option: str) -> Pose:
+    """Returns the pose that an option gives as X Y YAW.
+
+    Raises:
+        ValueError: A number is not finite. The message names the option.
+    """
+    try:
+        return Pose(*numbers)
+    except ValueError as error:
+        raise ValueError(f"{option}: {error}") from None
 
 
 def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .._core import Pose
 from ..recording.format import Format
 from .console import console, print_note, print_table, progress_bar
-from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
+from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, pose_of, read_values, seed_of
 from .signals import signals_as_interrupt
 
 if TYPE_CHECKING:
@@ -85,7 +84,7 @@ def run(
             script or Wander(radius),
             values,
             seed_of(seed, values),
-            start=Pose(*start) if start else None,
+            start=pose_of(start, "--start") if start else None,
             radius=radius,
         )
         with (
@@ -97,7 +96,7 @@ def run(
         summary.save(out / SUMMARY)
         files = [("recording", f"{recorder.path}"), ("picture", _draw(drive, out / PICTURE))]
         print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
-        if summary.unknown_share > 0.1 and drive.simulation.laser.parameters.unknown == "free":
+        if drive.in_unknown_cells > 0.1 * drive.odometry_messages and drive.simulation.laser.parameters.unknown == "free":
             console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
         if summary.interrupted:
             raise typer.Exit(interruption.exit_status)

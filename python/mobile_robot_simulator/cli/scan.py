@@ -9,10 +9,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from .._core import LaserScanner, Pose
+from .._core import LaserScanner
 from ..parameters import LaserParameters, for_node
 from .console import console, print_table
-from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, read_values, seed_of
+from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, pose_of, read_values, seed_of
 
 
 def scan(
@@ -26,6 +26,7 @@ def scan(
     ros_args: RosArgs = False,
 ) -> None:
     """Take one scan of a map, as the laser node does. A range equal to range_max means no return."""
+    place = pose_of(pose, "--pose")
     values = read_values(param, params_file)
     grid = load_grid(map_file, values)
     parameters = for_node(LaserParameters, values)
@@ -36,7 +37,7 @@ def scan(
     if plot is not None:
         from ..plotting import ScanPicture
 
-        ScanPicture(grid, Pose(*pose) * scanner.mount, points).save(plot)
+        ScanPicture(grid, place * scanner.mount, points).save(plot)
     if as_json:
         print(_json(pose, scanner, ranges))
         return
@@ -48,7 +49,7 @@ def scan(
         ("farthest", f"{ranges.max():.3f} m"),
     ]
     print_table(f"{map_file} from {pose}", rows)
-    laser = Pose(*pose) * scanner.mount
+    laser = place * scanner.mount
     cell = grid.cell_at(laser.x, laser.y)
     if cell is None:
         console.print("The scanner is off the map. Only beams that reach the map can have a return.")
