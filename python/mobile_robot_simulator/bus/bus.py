@@ -49,8 +49,10 @@ from ..messages import Message
 from ..nodes.future import Future, FutureSnapshot
 from ..quoting import quoted
 from .service import BusService, ServiceHandler
+from .task import BusTask
 from .timer import BusTimer, TimerSnapshot
 from .topic import BusPublisher, BusTopic, TopicSnapshot, absolute
+from .waiting import Response, Waiting
 
 Action = Callable[[], None]
 """What an event does."""
@@ -129,6 +131,8 @@ class Bus(Handle):
         filters: Functions that can replace, delay or drop a message before it is sent. They apply in this order.
         nodes: Nodes on the bus, in the order in which they were created.
         timers: Timers, in the order in which they were created.
+        tasks: Coroutines of async callbacks that wait for something, in the order in which they were started.
+        waiting: Waits on the bus, for constructors of nodes.
     """
 
     def __init__(self) -> None:
@@ -138,6 +142,8 @@ class Bus(Handle):
         self.filters: list[Filter] = []
         self.nodes: list[BusMember] = []
         self.timers: dict[BusTimer, None] = {}
+        self.tasks: dict[BusTask, None] = {}
+        self.waiting = Waiting(self)
         self._events: list[Event] = []
         self._immediate: deque[tuple[Action, int]] = deque()
         self._chain_length, self._reply_count = 0, 0
@@ -154,6 +160,11 @@ class Bus(Handle):
     def clock_ns(self) -> int:
         """Time on the nodes' clocks [ns]."""
         return self.time_ns + self.clock_offset_ns
+
+    @property
+    def is_running(self) -> bool:
+        """True during a run, so a callback has made the call."""
+        return self._is_running
 
     # --- time ---
 
@@ -331,7 +342,7 @@ class Bus(Handle):
         Returns:
             A future for the response. It completes at the same simulated time, or never if the service has no handler.
         """
-        future = Future()
+        future = Response(self.waiting, f"the response of {service.name}")
         self._calls[future] = None
         self.schedule(self.time_ns, partial(self._answer, service, request, future))
         return future
@@ -342,9 +353,13 @@ class Bus(Handle):
         """Returns a snapshot that `restore` takes.
 
         Raises:
-            RuntimeError: The bus is running (the call came from a callback) or closed.
+            RuntimeError: The bus is running (the call came from a callback) or closed, or an async callback waits, because a
+                coroutine cannot be copied.
         """
         self._check_idle("save it")
+        if self.tasks:
+            waiting = ", ".join(map(repr, self.tasks))
+            raise RuntimeError(f"the bus cannot be saved while async callbacks wait: {waiting}")
         return BusSnapshot(
             time_ns=self.time_ns,
             rounded=self._rounded,
@@ -374,6 +389,8 @@ class Bus(Handle):
         self._scheduled_count, self._timer_count = state.scheduled_count, state.timer_count
         self._events, self._immediate, self.filters = list(state.events), deque(state.immediate), list(state.filters)
         self._deactivate()
+        for task in tuple(self.tasks):
+            task.close()
         self._topics = {topic.name: topic for topic in state.topics}
         self._services = {service.name: service for service in state.services}
         self.timers = dict.fromkeys(state.timers)
@@ -434,8 +451,13 @@ class Bus(Handle):
 
     def _answer(self, service: BusService, request: Any, future: Future) -> None:
         self._calls.pop(future, None)
-        if service.handler is not None:
-            future.set_result(service.handler(request, service.srv_type.Response()))
+        if service.handler is None:
+            return
+        response = service.handler(request, service.srv_type.Response())
+        if isinstance(response, BusTask):
+            response.add_done_callback(lambda task: future.set_result(task.result()))
+        else:
+            future.set_result(response)
 
     def _check_idle(self, action: str) -> None:
         if self._is_closed:

@@ -18,6 +18,7 @@ from .clock import BusClock
 from .logger import BusLogger
 from .parameter import Parameter, ParameterStore, SetParametersCallback, SetParametersResult
 from .service import BusClient, BusService
+from .task import plain_callback
 from .timer import BusTimer
 from .topic import BusPublisher, BusSubscription, NoCopyPublisher
 
@@ -128,7 +129,7 @@ class BusNode(Handle):
         Args:
             msg_type: Message class.
             topic: Name of the topic.
-            callback: Called with each message, which it must not change.
+            callback: Called with each message, which it must not change. It can be a coroutine function.
             qos_profile: Ignored.
 
         Raises:
@@ -137,24 +138,30 @@ class BusNode(Handle):
         """
         found = self._bus.topic(self._resolve(topic), msg_type)
         check_callback(callback)
-        subscription = found.subscribe(callback)
+        subscription = found.subscribe(plain_callback(self._bus, callback))
         for message, _time_ns in found.kept.values():
             self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, message))
         self._handles[subscription] = partial(self.destroy_subscription, subscription)
         return subscription
 
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None], *_: Any, **__: Any) -> BusTimer:
+    def create_timer(
+        self, timer_period_sec: float, callback: Callable[[], object], *_: Any, autostart: bool = True, **__: Any
+    ) -> BusTimer:
         """Calls the callback periodically, for the first time after one period. Other arguments of rclpy are ignored.
 
         Args:
             timer_period_sec: Period [s].
-            callback: Called without arguments.
+            callback: Called without arguments. It can be a coroutine function.
+            autostart: If False, the timer starts when its method `reset` is called.
 
         Raises:
             ValueError: The period is below 1 ns or not finite.
             TypeError: The callback is not callable.
         """
-        timer = BusTimer(self._bus, timer_period_sec, callback)
+        check_callback(callback)
+        timer = BusTimer(self._bus, timer_period_sec, plain_callback(self._bus, callback))
+        if not autostart:
+            timer.cancel()
         self._handles[timer] = partial(self.destroy_timer, timer)
         return timer
 
@@ -162,13 +169,21 @@ class BusNode(Handle):
         """Same as `create_timer`: nothing on the bus depends on wall time."""
         return self.create_timer(timer_period_sec, callback)
 
+    def create_rate(self, frequency: float, clock: Any = None) -> None:
+        """Always raises an error, because a callback that sleeps would sleep forever.
+
+        Raises:
+            RuntimeError: Always.
+        """
+        raise RuntimeError("a rate needs a thread that sleeps, which the bus does not have: use create_timer")
+
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any], **_: Any) -> BusService:
         """Offers a service. Other keywords of rclpy are ignored.
 
         Args:
             srv_type: Service class with `Request` and `Response`.
             srv_name: Name of the service.
-            callback: Takes the request and an empty response, and returns the response.
+            callback: Takes the request and an empty response, and returns the response. It can be a coroutine function.
 
         Raises:
             TypeError: The callback is not callable, or the existing service has another type.
@@ -178,7 +193,7 @@ class BusNode(Handle):
         check_callback(callback)
         if service.handler is not None:
             raise ValueError(f"{service.name} is already offered by a node")
-        service.handler = callback
+        service.handler = plain_callback(self._bus, callback)
         self._handles[service] = partial(self.destroy_service, service)
         return service
 
@@ -193,7 +208,7 @@ class BusNode(Handle):
             TypeError: The existing service has another type.
             ValueError: The name is empty.
         """
-        return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type))
+        return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type), self._bus.waiting)
 
     def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
         """Destroys a publisher. Later subscriptions no longer receive its last message. Returns True, as rclpy does."""

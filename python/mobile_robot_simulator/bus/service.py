@@ -9,6 +9,7 @@ from typing import Any
 from ..handle import Handle
 from ..messages import copied
 from ..nodes.future import Future
+from .waiting import Waiting
 
 ServiceHandler = Callable[[Any, Any], Any]
 """Takes the request and an empty response, and returns the response."""
@@ -36,18 +37,40 @@ class BusClient(Handle):
     Attributes:
         send: Function that sends a request to a service and returns a future for the response (`Bus.call`).
         service: Service to call.
+        waiting: Waits on the bus.
     """
 
     send: Callable[[BusService, Any], Future]
     service: BusService
+    waiting: Waiting
+
+    @property
+    def srv_name(self) -> str:
+        """Absolute name of the service."""
+        return self.service.name
 
     def service_is_ready(self) -> bool:
         """Returns True if a node offers the service."""
         return self.service.handler is not None
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Returns True if a node offers the service. Does not wait: simulated time stands still during a callback."""
-        return self.service_is_ready()
+        """Waits until a node offers the service.
+
+        In the constructor of a node, the simulation runs while it waits. A callback does not wait, because simulated time
+        stands still there.
+
+        Args:
+            timeout_sec: Longest simulated time to wait [s]. None for no limit.
+
+        Returns:
+            True if a node offers the service.
+
+        Raises:
+            RuntimeError: The wait would never end: 300 s in a row without the service, 100 tries in the same callback, or a
+                callback without a timeout.
+        """
+        hint = "spawn the node that offers it before this one"
+        return self.waiting.wait(self.service_is_ready, timeout_sec, f"service {self.service.name}", hint)
 
     def call_async(self, request: Any) -> Future:
         """Calls the service with a copy of the request.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
 
-from ..handle import Handle
+from ..handle import Handle, check_callback
 
 
 @dataclass(frozen=True)
@@ -20,9 +21,15 @@ class FutureSnapshot:
 
 
 class Future(Handle):
-    """The response of a service call, available later. If the call has failed, the exception replaces the response."""
+    """The response of a service call, available later. If the call has failed, the exception replaces the response.
 
-    def __init__(self) -> None:
+    A coroutine can await it.
+
+    Args:
+        **_: Arguments of `rclpy.task.Future`, such as `executor`, are ignored.
+    """
+
+    def __init__(self, **_: Any) -> None:
         self._done = False
         self._result: Any = None
         self._exception: Exception | None = None
@@ -55,11 +62,24 @@ class Future(Handle):
         self._end(None, exception)
 
     def add_done_callback(self, callback: Callable[[Future], None]) -> None:
-        """Calls the callback with this future when it is done, or now if it is already done."""
+        """Calls the callback with this future when it is done, or now if it is already done.
+
+        Raises:
+            TypeError: The callback is not callable, or it is a coroutine function: await the future there instead.
+        """
+        check_callback(callback)
+        if inspect.iscoroutinefunction(callback):
+            raise TypeError(f"a done callback must not be async, got {callback.__qualname__}: await the future instead")
         if self._done:
             callback(self)
         else:
             self._callbacks.append(callback)
+
+    def __await__(self) -> Generator[Future, None, Any]:
+        """Pauses a coroutine until this future is done. Returns the response, or raises why the call has failed."""
+        if not self._done:
+            yield self
+        return self.result()
 
     def save(self) -> FutureSnapshot:
         """Returns the state that `restore` takes."""

@@ -7,6 +7,7 @@ from typing import Any
 from .. import instant, messages
 from ..bus import clock, node, parameter, service, timer, topic
 from ..nodes.future import Future
+from .executors import SPINS, Executor, ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
 from .rclpy_qos import SENSOR_DATA, DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from .ros_messages import generated_packages
@@ -25,10 +26,6 @@ from .tf2 import (
 )
 
 
-class ExternalShutdownException(Exception):
-    """Exception of `rclpy.executors`. Nothing on the bus raises it."""
-
-
 def _do_nothing(*_: Any, **__: Any) -> None:
     pass
 
@@ -39,10 +36,6 @@ def _is_ok(*_: Any, **__: Any) -> bool:
 
 def _describe_parameter(**_: Any) -> None:
     return None
-
-
-def _refuse_to_spin(*_: Any, **__: Any) -> None:
-    raise RuntimeError("on the bus, nodes are run by the simulation: call sim.run_for(seconds)")
 
 
 TF2: dict[str, object] = {
@@ -63,7 +56,8 @@ TF2: dict[str, object] = {
 RCLPY: dict[str, dict[str, object]] = {
     "rclpy": {
         **dict.fromkeys(("init", "shutdown", "try_shutdown"), _do_nothing),
-        **dict.fromkeys(("spin", "spin_once", "spin_until_future_complete"), _refuse_to_spin),
+        **SPINS,
+        "create_node": node.Node,
         "ok": _is_ok,
     },
     "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
@@ -75,8 +69,7 @@ RCLPY: dict[str, dict[str, object]] = {
         "ParameterNotDeclaredException": parameter.ParameterNotDeclaredException,
     },
     "rclpy.executors": {
-        **dict.fromkeys(("SingleThreadedExecutor", "MultiThreadedExecutor"), _refuse_to_spin),
-        "ExternalShutdownException": ExternalShutdownException,
+        kind.__name__: kind for kind in (Executor, SingleThreadedExecutor, MultiThreadedExecutor, ExternalShutdownException)
     },
     "rclpy.node": {"Node": node.Node},
     "rclpy.parameter": {"Parameter": parameter.Parameter},
