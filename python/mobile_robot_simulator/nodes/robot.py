@@ -248,26 +248,25 @@ class MobileRobotSimulator(Handle):
 
         Raises:
             ValueError: A value is invalid. The message names the parameter, its value and what is allowed. Nothing changes.
-            TypeError: A new topic name belongs to a topic of another message type. The parameters keep their old values,
-                but the motion already follows the new ones.
+            TypeError: A new topic name belongs to a topic of another message type. Nothing changes.
         """
         before, after = self._parameters, self._parameters.changed(values)
         if after == before:
             return
         self._parameters = after
-        self._change_motion(before, after)
-        if self._running is None:
-            return
-        self._node.set_speed(after.speed_factor)
         needs_map_as_before = (before.shape is None) == (after.shape is None)
-        if needs_map_as_before and all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS):
-            return
-        try:
-            self._restart()
-        except Exception:
-            self._parameters = before
-            self._restart()
-            raise
+        as_before = all(getattr(before, name) == getattr(after, name) for name in RESTART_PARAMETERS)
+        if self._running is not None and not (needs_map_as_before and as_before):
+            footprint, self._footprint = self._footprint, after.shape
+            try:
+                self._restart()
+            except Exception:
+                self._parameters, self._footprint = before, footprint
+                self._restart()
+                raise
+        self._change_motion(before, after)
+        if self._running is not None:
+            self._node.set_speed(after.speed_factor)
 
     def set_pose(self, pose: Pose) -> None:
         """Moves the robot to a pose in the map frame. The current command continues from there.

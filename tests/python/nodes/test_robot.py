@@ -479,6 +479,19 @@ def test_a_restarted_robot_continues_from_its_pose() -> None:
     assert stamps == [count * SECOND // 10 for count in [*range(1, 11), *range(21, 31)]]
 
 
+def test_a_change_that_fails_at_the_restart_changes_nothing() -> None:
+    rig = Rig()
+    rig.command(1.0)
+    before, limits = rig.robot.parameters, {"velocity_limits": (0.1, 0.1, 0.1)}
+    motion = rig.robot.motion
+    with pytest.raises(TypeError, match=r"/cmd_vel carries Twist, got Odometry"):
+        rig.robot.set_parameters(odometry_topic="/cmd_vel", velocity_timeout=9.0, robot_radius=0.2, **limits)
+    assert rig.robot.parameters is before
+    assert rig.robot.footprint is None and rig.robot.motion is motion
+    rig.run_to(3.0)
+    close(rig.robot.pose, 0.5, 0.0, 0.0)  # with the timeout of 0.5 s
+
+
 def test_start_and_stop_may_be_called_twice() -> None:
     rig = Rig()
     rig.robot.start()
