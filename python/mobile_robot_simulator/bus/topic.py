@@ -19,8 +19,11 @@ def absolute(name: str) -> str:
     """Returns the name of a topic or service, with a leading slash.
 
     Raises:
+        TypeError: It is not text.
         ValueError: The name is empty or consists of slashes only.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a topic or service must be a text, got {quoted(name)}")
     if not name.strip("/"):
         raise ValueError(f"a topic or service must have a name, got {quoted(name)}")
     return name if name.startswith("/") else f"/{name}"

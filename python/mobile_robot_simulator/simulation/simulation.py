@@ -429,12 +429,12 @@ class Simulation(Handle):
         """Calls a function with every message on a topic from now on.
 
         Args:
-            topic: Name of the topic.
+            topic: Name of the topic. If there is none yet, a node can start to publish on it later.
             msg_type: Type of its messages.
             callback: Function that takes the message. It can publish, create timers and call services.
 
         Raises:
-            ValueError: The topic does not exist.
+            ValueError: There is no such topic, but one of a similar name, so that it may be a misspelling.
             TypeError: The topic carries messages of another type, or the callback is not callable.
         """
         return self._topics.subscribe(topic, msg_type, callback)
@@ -477,7 +477,14 @@ class Simulation(Handle):
             namespace: Prefix of its relative topic and service names, such as `/robot1`.
             parameters: Values that replace the defaults when the node declares its parameters.
             **kwargs: Keyword arguments of the class.
+
+        Raises:
+            TypeError: The class is not callable.
         """
+        if not callable(node_type):
+            raise TypeError(
+                f"spawn needs a class derived from bus.Node, or a function that creates one, got {quoted(node_type)}"
+            )
         with spawn_context(self._bus, namespace, parameters or {}):
             return node_type(*args, **kwargs)
 

@@ -34,7 +34,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
 
 
 class Topics:
-    """The topics of one simulation. A name that does not exist is an error; it does not create a topic.
+    """The topics of one simulation. Only `subscribe` creates a topic, and none whose name is near that of another.
 
     Args:
         bus: The bus of the simulation.
@@ -48,7 +48,7 @@ class Topics:
     def publish(self, name: str, message: Message) -> None:
         """Publishes a message, as described for `Simulation.publish`."""
         key = name, type(message)
-        publisher = self._publishers.get(key)
+        publisher = self._publishers.get(key) if isinstance(name, str) else None
         if publisher is None:
             found = find_topic(self._bus, name)
             if not isinstance(message, Message):
@@ -59,7 +59,8 @@ class Topics:
 
     def subscribe(self, name: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
         """Subscribes a callback, as described for `Simulation.subscribe`."""
-        find_topic(self._bus, name)
+        if self._bus.find_topic(name) is None and nearest(absolute(name), self._bus.topic_names()):
+            find_topic(self._bus, name)
         return self._node.create_subscription(msg_type, name, callback)
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:

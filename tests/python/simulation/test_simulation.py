@@ -386,3 +386,8 @@ def test_messages_say_what_is_needed(call, error, message):
     with pytest.raises(error) as caught:
         call(small_room())
     assert message in str(caught.value)
+
+
+def test_spawn_needs_a_class(room: mrs.OccupancyGrid) -> None:
+    with pytest.raises(TypeError, match=r"spawn needs a class derived from bus\.Node, .* got 'talker'"):
+        mrs.Simulation(room).spawn("talker")  # type: ignore[arg-type]

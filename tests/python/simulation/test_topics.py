@@ -56,6 +56,23 @@ def test_late_subscribers_get_latched_messages(room: mrs.OccupancyGrid) -> None:
     assert seen[0].data.tolist() == room.cells.reshape(-1).tolist()
 
 
+def test_a_topic_can_be_subscribed_before_there_is_a_publisher(sim: mrs.Simulation) -> None:
+    seen: list[Any] = []
+    sim.subscribe("/plan", messages.String, lambda message: seen.append(message.data))
+    with pytest.raises(TypeError, match="/plan carries String, got Twist"):
+        sim.create_node("planner").create_publisher(messages.Twist, "plan")
+    sim.create_node("planner").create_publisher(messages.String, "plan").publish(messages.String("left"))
+    sim.run_for(0.1)
+    assert seen == ["left"] and sim.latest("/plan").data == "left"
+
+
+def test_a_name_that_is_no_text_is_refused(sim: mrs.Simulation) -> None:
+    with pytest.raises(TypeError, match=r"name of a topic or service must be a text, got Twist\("):
+        sim.publish(messages.Twist(), "/cmd_vel")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="name of a topic or service must be a text, got 3"):
+        sim.subscribe(3, messages.Twist, print)  # type: ignore[arg-type]
+
+
 def test_unsubscribing_ends_the_calls_even_if_done_twice(room: mrs.OccupancyGrid) -> None:
     sim = mrs.Simulation(room)
     seen: list[Any] = []
