@@ -482,6 +482,7 @@ def test_a_restarted_robot_continues_from_its_pose() -> None:
 def test_a_change_that_fails_at_the_restart_changes_nothing() -> None:
     rig = Rig()
     rig.command(1.0)
+    rig.run_to(0.1)
     before, limits = rig.robot.parameters, {"velocity_limits": (0.1, 0.1, 0.1)}
     motion = rig.robot.motion
     with pytest.raises(TypeError, match=r"/cmd_vel carries Twist, got Odometry"):
