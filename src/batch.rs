@@ -36,19 +36,19 @@ const ROWS_PER_CHECK: usize = 4096;
 /// # Errors
 /// - [`Error::Count`]: `threads` is 0 or more than 1024.
 /// - [`Error::Threads`]: the system could not start the threads.
+/// - An error of `work`. Some chunks are not worked on then.
 pub fn for_each_chunk<T: Send>(
     threads: Option<usize>,
     elements: &mut [T],
     length: usize,
-    work: impl Fn(usize, &mut [T]) + Sync,
+    work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
     match pool_for(threads, elements.len())? {
-        None => elements.chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk)),
-        Some(pool) => pool.install(|| {
-            elements.par_chunks_mut(length).enumerate().for_each(|(index, chunk)| work(index, chunk));
-        }),
+        None => elements.chunks_mut(length).enumerate().try_for_each(|(index, chunk)| work(index, chunk)),
+        Some(pool) => {
+            pool.install(|| elements.par_chunks_mut(length).enumerate().try_for_each(|(index, chunk)| work(index, chunk)))
+        }
     }
-    Ok(())
 }
 
 /// Returns true if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).

@@ -67,7 +67,7 @@ mod shape;
 mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
-pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, touches};
+pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use motion::{Limits, MotionNoise, Twist, integrate, integrate_batch, interpolate};

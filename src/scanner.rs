@@ -207,6 +207,7 @@ impl LaserScanner {
     ///
     /// # Errors
     /// - [`Error::Number`]: `map_from_base` is not finite.
+    /// - [`Error::Memory`]: there is not enough memory.
     /// - [`Error::Kernel`]: the environment variable `MOBILE_ROBOT_SIMULATOR_KERNEL` names a kernel that this machine cannot
     ///   run.
     pub fn scan<'a>(&self, world: impl Into<World<'a>>, map_from_base: Pose, ranges: &mut [f32]) -> Result<(), Error> {
@@ -215,8 +216,7 @@ impl LaserScanner {
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         let caster = self.caster(world)?;
         caster.prepare(None)?;
-        self.cast(caster, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }));
-        Ok(())
+        self.cast(caster, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }))
     }
 
     /// Writes the readings \[m\] of one scan per pose to `readings`, with noise if `noise` is given.
@@ -232,7 +232,7 @@ impl LaserScanner {
     /// - [`Error::Length`]: `readings` does not have `poses.len() * beam_count` elements.
     /// - [`Error::Count`]: `threads` is 0 or more than 1024.
     /// - [`Error::Threads`]: the system could not start the threads.
-    /// - [`Error::Kernel`]: as in [`scan`](Self::scan).
+    /// - [`Error::Kernel`], [`Error::Memory`]: as in [`scan`](Self::scan).
     pub fn scan_batch<'a>(
         &self,
         world: impl Into<World<'a>>,
@@ -260,9 +260,9 @@ impl LaserScanner {
                     let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
                     Noisy { sampler: Sampler::new(model, max_range, bits), readings }
                 });
-                self.cast(caster, world, poses, sinks);
+                self.cast(caster, world, poses, sinks)
             } else {
-                self.cast(caster, world, poses, readings.map(|ranges| StoreRanges { max_range, ranges }));
+                self.cast(caster, world, poses, readings.map(|ranges| StoreRanges { max_range, ranges }))
             }
         })
     }
@@ -343,7 +343,7 @@ impl LaserScanner {
         World { grid, obstacles }: World<'_>,
         poses: impl Iterator<Item = Pose> + Clone,
         sinks: impl Iterator<Item = impl Sink>,
-    ) {
+    ) -> Result<(), Error> {
         let Self { cos, sin, options: ScannerOptions { beam_count, max_range, mount, .. }, .. } = self;
         let map_from_laser = |map_from_base: Pose| map_from_base * *mount;
         let mut starts = [Start::default(); Fans::MAX];
@@ -353,14 +353,17 @@ impl LaserScanner {
             count += 1;
         }
         debug_assert!(poses.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
-        let mut sinks = poses.zip(sinks).map(|(map_from_base, sink)| {
-            let view = || View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range);
-            let view = (!obstacles.is_empty()).then(view).filter(|view| !view.is_empty());
-            WithObstacles { view, cos, sin, sink }
-        });
-        let Some(sink) = sinks.next() else { return };
+        let mut views = [const { None }; Fans::MAX];
+        if !obstacles.is_empty() {
+            for (view, map_from_base) in views.iter_mut().zip(poses) {
+                let seen = View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range)?;
+                *view = (!seen.is_empty()).then_some(seen);
+            }
+        }
+        let mut sinks = views.into_iter().zip(sinks).map(|(view, sink)| WithObstacles { view, cos, sin, sink });
+        let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
-        caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 });
+        caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 })
     }
 
     fn spread(&self) -> Spread {

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::blockers::{Blocker, Blockers};
 use super::path::{Kinematics, Path};
+use crate::error::Error;
 use crate::pose::Pose;
 use crate::shape::{Shape, edges};
 use crate::world::World;
@@ -57,9 +58,14 @@ pub struct Hit {
     pub obstacle: Option<usize>,
 }
 
-/// A path of more sections than the search can go through.
-#[derive(Debug, Clone, Copy)]
-pub struct TooLong;
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Failure {
+    /// The path has more than [`MAX_SECTIONS`] sections.
+    TooLong,
+    /// There is not enough memory for the pieces near the path.
+    Memory(Error),
+}
 
 impl Footprint {
     pub fn new(shape: &Shape) -> Self {
@@ -136,14 +142,14 @@ impl Footprint {
     /// tolerance. Every step covers at least half of the tolerance at top speed, so the search ends.
     ///
     /// # Errors
-    /// [`TooLong`] if the path has more than [`MAX_SECTIONS`] sections.
-    pub fn first_contact(&mut self, world: World<'_>, path: Path, duration: f64) -> Result<Option<Hit>, TooLong> {
+    /// [`Failure`] tells which there are.
+    pub fn first_contact(&mut self, world: World<'_>, path: Path, duration: f64) -> Result<Option<Hit>, Failure> {
         let top_speed = path.top_speed(self.reach);
         let stride = self.reach.max(4.0 * world.grid.resolution()).min(MAX_STRIDE);
         let turn = path.twist().angular.abs();
         let sections = (top_speed * duration / stride).max(turn * duration / MAX_SECTION_TURN).ceil().max(1.0);
         if sections.is_nan() || sections > MAX_SECTIONS {
-            return Err(TooLong);
+            return Err(Failure::TooLong);
         }
         if top_speed == 0.0 {
             return Ok(None);
@@ -152,7 +158,8 @@ impl Footprint {
         for section in 0..sections as u32 {
             let (start, end) = (duration * f64::from(section) / sections, duration * f64::from(section + 1) / sections);
             let travel = path.twist().linear.length() * (end - start);
-            blockers.gather(path.pose_at(start).position, self.reach + travel + TOLERANCE);
+            let reach = self.reach + travel + TOLERANCE;
+            blockers.gather(path.pose_at(start).position, reach).map_err(Failure::Memory)?;
             if let Some(hit) = self.contact_between(start, end, path, &blockers) {
                 return Ok(Some(hit));
             }

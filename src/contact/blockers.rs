@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use glam::DVec2;
 
+use crate::error::Error;
 use crate::grid::Cell;
+use crate::memory;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
@@ -37,17 +39,27 @@ impl<'a> Blockers<'a> {
     }
 
     /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid.
-    pub fn around(world: World<'a>, center: DVec2, radius: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn around(world: World<'a>, center: DVec2, radius: f64) -> Result<Self, Error> {
         let mut blockers = Self::none(world);
-        blockers.gather(center, radius);
-        blockers
+        blockers.gather(center, radius)?;
+        Ok(blockers)
     }
 
     /// Replaces the pieces by those within `radius` \[m\] of another point. May add pieces that are a little farther away.
-    pub fn gather(&mut self, center: DVec2, radius: f64) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn gather(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
         self.near.clear();
-        self.gather_cells(center, radius);
-        self.gather_obstacles(center, radius);
+        self.gather_cells(center, radius)?;
+        self.gather_obstacles(center, radius)
+    }
+
+    fn add(&mut self, piece: Piece, obstacle: Option<usize>) -> Result<(), Error> {
+        memory::push("the walls and obstacles near a footprint", &mut self.near, Blocker { piece, obstacle })
     }
 
     /// Iterates over the pieces.
@@ -67,28 +79,32 @@ impl<'a> Blockers<'a> {
     ///       |///|                    |///|
     ///       +---+                    +---+
     /// ```
-    fn gather_cells(&mut self, center: DVec2, radius: f64) {
+    fn gather_cells(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
         let grid = self.world.grid;
         let (low, high) = (grid.in_cells(center - radius), grid.in_cells(center + radius));
         let (cols, rows) = grid.cells_between(low, high);
         if !rows.clone().any(|row| grid.has_blocking(row, cols.clone())) {
-            return;
+            return Ok(());
         }
         let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
         let corner = |col: usize, row: usize| grid.corner(Cell { col, row });
-        let piece = |start, end| Blocker { piece: Piece::Edge(start, end), obstacle: None };
         for row in rows.start..=rows.end {
             let is_edge = |col| blocks(col, row.wrapping_sub(1)) != blocks(col, row);
-            self.near.extend(runs(cols.clone(), is_edge).map(|run| piece(corner(run.start, row), corner(run.end, row))));
+            for run in runs(cols.clone(), is_edge) {
+                self.add(Piece::Edge(corner(run.start, row), corner(run.end, row)), None)?;
+            }
         }
         for col in cols.start..=cols.end {
             let is_edge = |row| blocks(col.wrapping_sub(1), row) != blocks(col, row);
-            self.near.extend(runs(rows.clone(), is_edge).map(|run| piece(corner(col, run.start), corner(col, run.end))));
+            for run in runs(rows.clone(), is_edge) {
+                self.add(Piece::Edge(corner(col, run.start), corner(col, run.end)), None)?;
+            }
         }
+        Ok(())
     }
 
     /// Adds the outlines of the obstacles whose bounding circle is near.
-    fn gather_obstacles(&mut self, center: DVec2, radius: f64) {
+    fn gather_obstacles(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
         let grid_from_map = self.world.grid.options().origin.inverse();
         let (sin, cos) = libm::sincos(grid_from_map.yaw);
         let to_grid = |point: DVec2| grid_from_map.position + DVec2::new(cos, sin).rotate(point);
@@ -98,13 +114,14 @@ impl<'a> Blockers<'a> {
                 continue;
             }
             if body.radius() > 0.0 {
-                let piece = Piece::Disc(to_grid(middle), body.radius());
-                self.near.push(Blocker { piece, obstacle: Some(index) });
+                self.add(Piece::Disc(to_grid(middle), body.radius()), Some(index))?;
             } else {
-                let edges = body.edges().map(|(start, end)| Piece::Edge(to_grid(start), to_grid(end)));
-                self.near.extend(edges.map(|piece| Blocker { piece, obstacle: Some(index) }));
+                for (start, end) in body.edges() {
+                    self.add(Piece::Edge(to_grid(start), to_grid(end)), Some(index))?;
+                }
             }
         }
+        Ok(())
     }
 
     /// Returns true if a point in the frame of the grid lies inside a blocking cell or an obstacle.

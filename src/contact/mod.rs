@@ -10,12 +10,13 @@ mod slide;
 
 use glam::DVec2;
 
+use crate::batch::{check_rows, for_each_chunk};
 use crate::error::{Error, check_finite, check_number};
 use crate::motion::{Twist, integrate};
 use crate::pose::{Pose, rotate};
 use crate::shape::Shape;
 use crate::world::World;
-use approach::{Footprint, Hit, TooLong};
+use approach::{Failure, Footprint, Hit};
 use blockers::Blockers;
 use path::Path;
 
@@ -77,11 +78,12 @@ impl Contact {
 /// Edges count: two outlines that only touch share a point. `pose` is that of the footprint's frame in the map frame.
 ///
 /// # Errors
-/// [`Error::Number`] if the pose is not finite.
+/// - [`Error::Number`]: the pose is not finite.
+/// - [`Error::Memory`]: there is not enough memory for the cells and obstacles near the footprint.
 pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -> Result<bool, Error> {
     let (world, mut footprint) = (world.into(), Footprint::new(footprint));
     let pose = world.grid.pose_in_grid(pose.checked()?);
-    let blockers = Blockers::around(world, pose.position, footprint.reach());
+    let blockers = Blockers::around(world, pose.position, footprint.reach())?;
     Ok(footprint.overlaps(pose, &blockers))
 }
 
@@ -91,12 +93,58 @@ pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -
 /// footprint's frame in the map frame.
 ///
 /// # Errors
-/// [`Error::Number`] if the pose is not finite, or `limit` is not positive and finite.
+/// - [`Error::Number`]: the pose is not finite, or `limit` is not positive and finite.
+/// - [`Error::Memory`]: as in [`touches`].
 pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose, limit: f64) -> Result<f64, Error> {
-    let (world, mut footprint) = (world.into(), Footprint::new(footprint));
-    let pose = world.grid.pose_in_grid(pose.checked()?);
-    check_number("limit", limit, "positive", |value| value > 0.0)?;
-    let mut blockers = Blockers::around(world, pose.position, footprint.reach());
+    pose.checked()?;
+    check_limit(limit)?;
+    distance(world.into(), &mut Footprint::new(footprint), pose, limit)
+}
+
+/// Writes the [`clearance`] \[m\] of a footprint at each pose `[x, y, yaw]` \[m, rad\] to `distances`.
+///
+/// The work is shared by `threads` threads, by default as many as there are cores. The distances do not depend on it.
+///
+/// # Errors
+/// - [`Error::Row`]: a pose is not finite.
+/// - [`Error::Length`]: `distances` does not have one element for each pose.
+/// - [`Error::Number`]: `limit` is not positive and finite.
+/// - [`Error::Count`]: `threads` is 0 or more than 1024.
+/// - [`Error::Threads`]: the system could not start the threads.
+/// - [`Error::Memory`]: as in [`touches`].
+pub fn clearance_batch<'a>(
+    world: impl Into<World<'a>>,
+    footprint: &Shape,
+    poses: &[[f64; 3]],
+    limit: f64,
+    threads: Option<usize>,
+    distances: &mut [f64],
+) -> Result<(), Error> {
+    /// Number of poses that one thread works on at a time.
+    const CHUNK: usize = 64;
+    let world = world.into();
+    check_rows("poses", poses, threads)?;
+    check_limit(limit)?;
+    if distances.len() != poses.len() {
+        return Err(Error::Length { name: "out", value: distances.len(), needed: poses.len() });
+    }
+    for_each_chunk(threads, distances, CHUNK, |chunk, distances| {
+        let mut footprint = Footprint::new(footprint);
+        for (to, &pose) in distances.iter_mut().zip(&poses[chunk * CHUNK..]) {
+            *to = distance(world, &mut footprint, pose.into(), limit)?;
+        }
+        Ok(())
+    })
+}
+
+fn check_limit(limit: f64) -> Result<f64, Error> {
+    check_number("limit", limit, "positive", |value| value > 0.0)
+}
+
+/// Returns the clearance of a footprint at a finite pose in the map frame.
+fn distance(world: World<'_>, footprint: &mut Footprint, pose: Pose, limit: f64) -> Result<f64, Error> {
+    let pose = world.grid.pose_in_grid(pose);
+    let mut blockers = Blockers::around(world, pose.position, footprint.reach())?;
     if footprint.overlaps(pose, &blockers) {
         return Ok(0.0);
     }
@@ -104,7 +152,7 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
     let extent = (world.grid.width() + world.grid.height()) as f64 * world.grid.resolution();
     let mut within = (4.0 * world.grid.resolution()).min(limit);
     loop {
-        blockers.gather(pose.position, footprint.reach() + within);
+        blockers.gather(pose.position, footprint.reach() + within)?;
         let gap = footprint.gap(pose, &blockers);
         if gap <= within || within >= limit {
             return Ok(gap.min(limit));
@@ -163,9 +211,10 @@ pub fn clearance<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose,
 /// ```
 ///
 /// # Errors
-/// [`Error::Number`] if `pose`, `twist` or the pose at the end of the arc is not finite, if `dt` is negative or not finite,
-/// or if `dt` is so long that the arc takes more than 100000 sections, each at most as long as the footprint's reach (or
-/// four cells, if that is more) and with a turn of at most 0.5 rad.
+/// - [`Error::Number`]: `pose`, `twist` or the pose at the end of the arc is not finite, `dt` is negative or not finite, or
+///   `dt` is so long that the arc takes more than 100000 sections, each at most as long as the footprint's reach (or four
+///   cells, if that is more) and with a turn of at most 0.5 rad.
+/// - [`Error::Memory`]: as in [`touches`].
 pub fn advance<'a>(
     world: impl Into<World<'a>>,
     footprint: &Shape,
@@ -181,7 +230,7 @@ pub fn advance<'a>(
     let free = integrate(pose, twist, dt).checked()?;
     let start = world.grid.pose_in_grid(pose);
     let mut footprint = Footprint::new(footprint);
-    let mut blockers = Blockers::around(world, start.position, footprint.reach());
+    let mut blockers = Blockers::around(world, start.position, footprint.reach())?;
     let overlap = if footprint.overlaps(start, &blockers) {
         let Some(shrunk) = shrink(&mut footprint, start, &mut blockers) else {
             return Ok((free, Some(inside(pose, blockers.obstacle_at(start.position)))));
@@ -193,16 +242,19 @@ pub fn advance<'a>(
     };
     // From here on the unit of time is the step, so that no velocity is larger than the way driven.
     let path = Path::Arc(start, Twist { linear: twist.linear * dt, angular: twist.angular * dt });
-    let too_long = |TooLong| {
-        let needed = "short enough for a motion of less than 100000 times the footprint";
-        Error::Number { name: "dt", value: dt, needed }
+    let in_words = |failure| match failure {
+        Failure::Memory(error) => error,
+        Failure::TooLong => {
+            let needed = "short enough for a motion of less than 100000 times the footprint";
+            Error::Number { name: "dt", value: dt, needed }
+        }
     };
-    let Some(hit) = footprint.first_contact(world, path, 1.0).map_err(too_long)? else { return Ok((free, overlap)) };
+    let Some(hit) = footprint.first_contact(world, path, 1.0).map_err(in_words)? else { return Ok((free, overlap)) };
     let first = overlap.unwrap_or_else(|| contact(world, &hit, hit.time));
     let pose = match mode {
         ContactMode::Stop => integrate(pose, twist, hit.time * dt),
         ContactMode::Slide => {
-            world.grid.options().origin * slide::slide(&mut footprint, world, path, hit, 1.0).map_err(too_long)?
+            world.grid.options().origin * slide::slide(&mut footprint, world, path, hit, 1.0).map_err(in_words)?
         }
         ContactMode::Report => free,
     };

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::approach::{Footprint, Hit, TooLong};
+use super::approach::{Failure, Footprint, Hit};
 use super::path::Path;
 use crate::motion::Twist;
 use crate::pose::{Pose, rotate};
@@ -17,7 +17,7 @@ const MAX_CONTACTS: usize = 8;
 ///
 /// # Errors
 /// That of [`Footprint::first_contact`].
-pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, TooLong> {
+pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, Failure> {
     let mut pose = path.pose_at(first.time);
     let wanted = Twist { linear: rotate(path.twist().linear, pose.yaw), angular: path.twist().angular };
     let (mut hits, mut elapsed) = (vec![first], first.time);

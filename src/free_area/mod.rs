@@ -278,6 +278,7 @@ pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bo
         if f64::from_bits(bound) <= best + PRECISION || level == MAX_LEVEL {
             break;
         }
+        queue.try_reserve(4).map_err(|_| memory::missing::<(u64, usize, Square)>(PLACES, 2 * queue.len()))?;
         for quarter in square.quarters() {
             let found = clearance(quarter, level + 1);
             best = best.max(found);

@@ -88,7 +88,11 @@ impl FreeBoxes {
         let shape = Self { lengths: Pages::empty(), width, height };
         let free = FreeCells::new(cells, width, (0..width, 0..height), blocks, by_column);
         let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
-        if batch::for_each_chunk(threads, &mut lengths, plane, fill).is_err() {
+        let work = |sector: usize, lengths: &mut [u8]| {
+            fill(sector, lengths);
+            Ok(())
+        };
+        if batch::for_each_chunk(threads, &mut lengths, plane, work).is_err() {
             // The system cannot start threads, so the calling thread does the work.
             lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
         }

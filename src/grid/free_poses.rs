@@ -1,7 +1,6 @@
 //! Random poses in the free area of a grid.
 
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec2;
 use rand::RngExt;
@@ -93,7 +92,6 @@ impl OccupancyGrid {
             let cell = self.cell_at(position);
             cell.is_some_and(|Cell { col, row }| is_known_free(row * self.width + col)) && self.is_free(position, radius)
         };
-        let failed = AtomicBool::new(false);
         for_each_chunk(threads, poses, CHUNK, |chunk, poses| {
             let mut index = first_index.wrapping_add((chunk * CHUNK) as u64);
             for poses in poses.chunks_mut(AT_A_TIME) {
@@ -104,14 +102,14 @@ impl OccupancyGrid {
                 });
                 for (pose, (pick, mut stream)) in poses.iter_mut().zip(started) {
                     let Some(at) = area.draw(&distances, pick, &mut stream, is_free) else {
-                        return failed.store(true, Ordering::Relaxed);
+                        return Err(no_place());
                     };
                     let (position, yaw) = (to_map(at), (stream.random::<f64>() - 0.5) * TAU);
                     *pose = [position.x, position.y, yaw];
                 }
             }
-        })?;
-        if failed.into_inner() { Err(no_place()) } else { Ok(()) }
+            Ok(())
+        })
     }
 
     /// Returns a bound \[cells\] on the rounding error of a point that is converted to the map frame and back.

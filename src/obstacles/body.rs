@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::error::Error;
+use crate::memory;
 use crate::pose::Pose;
 use crate::shape::{Shape, edges, encloses};
 
@@ -20,16 +22,21 @@ pub struct Body {
 }
 
 impl Body {
-    pub fn new(shape: &Shape, pose: Pose) -> Self {
+    /// Returns a shape at a pose.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn new(shape: &Shape, pose: Pose) -> Result<Self, Error> {
         let (corners, radius) = shape.skeleton();
         let (sin, cos) = libm::sincos(pose.yaw);
         let heading = DVec2::new(cos, sin);
-        let corners: Vec<DVec2> = corners.iter().map(|&corner| pose.position + heading.rotate(corner)).collect();
+        let placed = corners.iter().map(|&corner| pose.position + heading.rotate(corner));
+        let corners = memory::collected(super::OBSTACLES, placed)?;
         let low = corners.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let center = low.midpoint(high);
         let reach = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max) + radius;
-        Self { corners, radius, bounds: (center, reach) }
+        Ok(Self { corners, radius, bounds: (center, reach) })
     }
 
     /// Radius of a disc \[m\], 0 for a polygon.

@@ -9,8 +9,12 @@ pub(crate) use body::Body;
 pub(crate) use view::{Spread, View};
 
 use crate::error::Error;
+use crate::memory;
 use crate::pose::Pose;
 use crate::shape::Shape;
+
+/// Name of the obstacles in an error.
+const OBSTACLES: &str = "the obstacles";
 
 /// A set of obstacles, each a [`Shape`] at a [`Pose`] in the map frame.
 ///
@@ -48,10 +52,14 @@ impl Obstacles {
     /// The index of an obstacle, as in [`Contact::obstacle`](crate::Contact::obstacle), is its position in `shapes`.
     ///
     /// # Errors
-    /// [`Error::Number`] if a pose is not finite.
+    /// - [`Error::Number`]: a pose is not finite.
+    /// - [`Error::Memory`]: there is not enough memory.
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Shape, Pose)>) -> Result<Self, Error> {
-        let place = |(shape, pose): (&Shape, Pose)| Ok(Body::new(shape, pose.checked()?));
-        Ok(Self { bodies: shapes.into_iter().map(place).collect::<Result<_, Error>>()? })
+        let mut bodies = Vec::new();
+        for (shape, pose) in shapes {
+            memory::push(OBSTACLES, &mut bodies, Body::new(shape, pose.checked()?)?)?;
+        }
+        Ok(Self { bodies })
     }
 
     /// Returns the number of obstacles.

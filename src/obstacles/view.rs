@@ -16,7 +16,9 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::{Body, Obstacles};
+use super::{Body, OBSTACLES, Obstacles};
+use crate::error::Error;
+use crate::memory;
 use crate::pose::Pose;
 
 /// Extra angle \[rad\] on both sides of an obstacle, far larger than the rounding error of its bearing.
@@ -51,7 +53,10 @@ struct Seen<'a> {
 
 impl<'a> View<'a> {
     /// Returns the obstacles within `max_range` of a laser at `map_from_laser`. Allocates only if there is at least one.
-    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, spread: Spread, max_range: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, spread: Spread, max_range: f64) -> Result<Self, Error> {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
         let mut seen = Vec::new();
@@ -71,14 +76,14 @@ impl<'a> View<'a> {
                 for turn in [-TAU, 0.0, TAU] {
                     let beams = spread.beams_within(bearing + turn - half_angle, bearing + turn + half_angle);
                     if beams.0 < beams.1 {
-                        seen.push(Seen { body, inside, beams });
+                        memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams })?;
                     }
                 }
             } else {
-                seen.push(Seen { body, inside, beams: (0, spread.beam_count) });
+                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, spread.beam_count) })?;
             }
         }
-        Self { origin, heading, max_range, seen }
+        Ok(Self { origin, heading, max_range, seen })
     }
 
     /// Returns true if the scan can see no obstacle.

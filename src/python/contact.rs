@@ -4,11 +4,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use super::arrays::{fill, rows};
 use super::grid::GridArgument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::shape::Shape;
-use super::{Recipe, recipe, whole_number};
+use super::{Recipe, recipe, thread_count, whole_number};
 use crate::ContactMode;
 
 /// Where and when a robot touched a wall or an obstacle. `advance` returns it.
@@ -163,6 +164,57 @@ pub fn clearance(
 ) -> PyResult<f64> {
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
     Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
+}
+
+/// Returns the clearance of a footprint at each of many poses: `clearance` of each row.
+///
+/// Args:
+///     grid: Map that the robot moves in. Outside the grid is free.
+///     footprint: Outline of the robot in its own frame.
+///     poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]. Anything that NumPy can convert
+///         to float64 without loss. More than 100,000 poses are read in place, without a copy, so no other thread may write
+///         to them during the call.
+///     limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
+///     obstacles: Pairs (Shape, pose), with poses in the map frame.
+///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+///
+/// Returns:
+///     (N,) float64, the distances [m]: 0 where the footprint touches something, `limit` where there is nothing within
+///         `limit`.
+///
+/// Raises:
+///     ValueError: A shape is wrong, a pose is not finite, `limit` is not positive and finite, or `threads` is out of range.
+///     TypeError: An argument has the wrong type or dtype.
+///     OSError: The threads could not be started.
+///
+/// Examples:
+///     The only wall covers x from 2 m to 3 m:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+///     >>> mrs.clearance_batch(grid, mrs.Shape.disc(0.5), [(0.5, 0.5, 0.0), (1.0, 0.5, 0.0)], limit=9.0)
+///     array([1. , 0.5])
+#[pyfunction]
+#[pyo3(
+    text_signature = "(grid, footprint, poses, *, limit, obstacles=(), threads=None)",
+    signature = (grid, footprint, poses, *, limit, obstacles = ObstaclesArgument::none(), threads = None)
+)]
+pub fn clearance_batch<'py>(
+    py: Python<'py>,
+    grid: GridArgument<'py>,
+    footprint: &Bound<'py, Shape>,
+    poses: &Bound<'py, PyAny>,
+    limit: f64,
+    obstacles: ObstaclesArgument,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (poses, threads) = (rows("poses", poses, None)?, thread_count(threads)?);
+    let poses: &[[f64; 3]] = &poses;
+    fill(py, None, &[poses.len()], |distances| {
+        crate::clearance_batch((&*grid, &obstacles.0), footprint, poses, limit, threads, distances)
+    })
 }
 
 /// Returns the pose of a robot after `dt` seconds at a constant twist, and its first contact on the way.

@@ -76,7 +76,7 @@ mod _core {
     #[pymodule_export]
     use super::beam_model::BeamModel;
     #[pymodule_export]
-    use super::contact::{Contact, advance, clearance, touches};
+    use super::contact::{Contact, advance, clearance, clearance_batch, touches};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
     #[pymodule_export]

@@ -15,6 +15,7 @@ use super::source::{RayGroup, Source};
 use crate::batch::{check_rows, for_each_chunk};
 use crate::error::{Error, check_number};
 use crate::grid::OccupancyGrid;
+use crate::memory;
 use crate::numeric::elementary::directions;
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::Obstacles;
@@ -103,9 +104,13 @@ impl<'grid> Caster<'grid> {
     ///
     /// # Panics
     /// If the sink itself starts a cast, or if several fans together do not fit into a block.
-    pub(crate) fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub(crate) fn cast_fans(&self, fans: Fans<'_>, mut sink: impl Sink) -> Result<(), Error> {
         if fans.are_on_grid() && fans.are_alike(self.grid, self.kernel.break_even_length()) {
-            return self.cast(fans, sink);
+            self.cast(fans, sink);
+            return Ok(());
         }
         let mut groups = Vec::new();
         for (number, start) in fans.starts.iter().enumerate() {
@@ -117,6 +122,9 @@ impl<'grid> Caster<'grid> {
                 continue;
             }
             groups.clear();
+            if groups.capacity() == 0 {
+                groups = memory::with_room("the beams", fan.cos.len())?;
+            }
             groups.resize(fan.cos.len(), RayColumns::MISSES);
             for (group, columns) in groups.iter_mut().enumerate() {
                 let rays = fan.group(0, group);
@@ -127,6 +135,7 @@ impl<'grid> Caster<'grid> {
             }
             self.cast(Rays { groups: &groups, count: fan.count, upcoming: &[] }, sink);
         }
+        Ok(())
     }
 
     /// Casts unrelated rays, each `[x, y, yaw]` in the map frame; stores the ranges \[m\] to the nearest of grid and
@@ -159,12 +168,12 @@ impl<'grid> Caster<'grid> {
                 let upcoming = &upcoming[..upcoming.len().min(CHUNK)];
                 self.cast(Rays { groups, count: rays.len(), upcoming }, StoreRanges { max_range: self.max_range, ranges });
             });
-            if obstacles.is_empty() {
-                return;
+            if !obstacles.is_empty() {
+                for (range, ray) in ranges.iter_mut().zip(rays) {
+                    *range = range.min(obstacles.cast_pose(Pose::from(*ray), f64::from(*range)) as f32);
+                }
             }
-            for (range, ray) in ranges.iter_mut().zip(rays) {
-                *range = range.min(obstacles.cast_pose(Pose::from(*ray), f64::from(*range)) as f32);
-            }
+            Ok(())
         })
     }
 

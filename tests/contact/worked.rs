@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec2;
 use mobile_robot_simulator::{
-    CONTACT_TOLERANCE, Contact, ContactMode, Obstacles, OccupancyGrid, Pose, Shape, Twist, advance, clearance, integrate,
-    touches,
+    CONTACT_TOLERANCE, Contact, ContactMode, Obstacles, OccupancyGrid, Pose, Shape, Twist, advance, clearance,
+    clearance_batch, integrate, touches,
 };
 
 use crate::oracle::grid;
@@ -227,4 +227,31 @@ fn the_error_names_the_bad_argument() {
     assert!(error(Pose::default(), [1.0, 0.0, 0.0], 1e8).starts_with("dt must be short enough"));
     assert_eq!(clearance(&grid, &disc, Pose::default(), 0.0).unwrap_err().to_string(), "limit must be positive, got 0");
     assert!(touches(&grid, &disc, Pose::new(0.0, 0.0, f64::INFINITY)).is_err());
+}
+
+#[test]
+fn a_batch_of_clearances_equals_a_loop() {
+    let (grid, obstacle) = (walled(), Shape::disc(0.4).unwrap());
+    let obstacles = Obstacles::new([(&obstacle, Pose::new(3.0, 3.0, 0.0))]).unwrap();
+    let footprint = Shape::rectangle(0.7, 0.4).unwrap();
+    let poses: Vec<[f64; 3]> =
+        (0..5000).map(f64::from).map(|nth| [nth * 0.013 % 13.0 - 2.0, nth * 0.0071 % 9.0, nth]).collect();
+    let world = (&grid, &obstacles);
+    let one = |pose: &[f64; 3]| clearance(world, &footprint, Pose::from(*pose), 2.0).unwrap();
+    let expected: Vec<f64> = poses.iter().map(one).collect();
+    assert!([0.0, 2.0].iter().all(|limit| expected.contains(limit)));
+    for threads in [None, Some(1), Some(3)] {
+        let mut found = vec![-1.0; poses.len()];
+        clearance_batch(world, &footprint, &poses, 2.0, threads, &mut found).unwrap();
+        assert_eq!(found, expected, "{threads:?}");
+    }
+    let error = |poses: &[[f64; 3]], limit, found: &mut [f64]| {
+        clearance_batch(&grid, &footprint, poses, limit, None, found).unwrap_err().to_string()
+    };
+    assert_eq!(
+        error(&[[0.0; 3], [0.0, f64::NAN, 0.0]], 1.0, &mut [0.0; 2]),
+        "poses must be finite, got [0.0, NaN, 0.0] in row 1"
+    );
+    assert_eq!(error(&[[0.0; 3]], 0.0, &mut [0.0]), "limit must be positive, got 0");
+    assert_eq!(error(&[[0.0; 3]], 1.0, &mut []), "out must have 1 elements, got 0");
 }

@@ -14,9 +14,11 @@ import resource
 import numpy as np
 import mobile_robot_simulator as mrs
 
+def vm_size():
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmSize:")) * 1024
+
 def limit(megabytes):
-    used = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmSize:")) * 1024
-    resource.setrlimit(resource.RLIMIT_AS, (used + megabytes * 10**6,) * 2)
+    resource.setrlimit(resource.RLIMIT_AS, (vm_size() + megabytes * 10**6,) * 2)
 
 def needs(bytes, call):
     try:
@@ -25,6 +27,17 @@ def needs(bytes, call):
         assert f"need {bytes} bytes" in str(error), error
     else:
         raise AssertionError("there was enough memory")
+
+def needs_for(what, call):
+    try:
+        call()
+    except MemoryError as error:
+        assert f"not enough memory for {what}, which need " in str(error), error
+    else:
+        raise AssertionError("there was enough memory")
+
+def runs_out(call):
+    needs_for("the obstacles", call)
 
 def view(shape, dtype):  # It takes no memory, however large it is.
     return np.broadcast_to(np.zeros((), dtype), shape)
@@ -87,6 +100,44 @@ needs(24 * 10**8, lambda: mrs.integrate_twist(view((10**8, 3), np.float64), few,
 limit(100)
 needs(8 * 10**9, lambda: mrs.BeamModel().likelihood(view((10**9,), np.float32), view((10**9,), np.float32), 5.0))
 needs(4 * 10**9, lambda: laser.end_points((0.0, 0.0, 0.0), view((10**9,), np.float32)))
+""",
+    "obstacles": """
+disc, square = mrs.Shape.disc(0.2), mrs.Shape.rectangle(0.2, 0.2)
+discs, squares = [(disc, (3.0, 3.0, 0.0))] * 300000, [(square, (3.0, 3.0, 0.0))] * 300000
+limit(30)
+runs_out(lambda: laser.scan(small, (0.5, 0.5, 0.0), obstacles=discs))
+runs_out(lambda: mrs.cast_rays(small, [(0.5, 0.5, 0.0)], 5.0, obstacles=discs))
+runs_out(lambda: mrs.touches(small, disc, (0.5, 0.5, 0.0), obstacles=squares))
+""",
+    "obstacles in view": """
+discs = [(mrs.Shape.disc(0.2), (3.0, 3.0, 0.0))] * 100000
+hard, used = resource.RLIM_INFINITY, vm_size()
+for megabytes in range(1, 80, 2):
+    resource.setrlimit(resource.RLIMIT_AS, (used + megabytes * 10**6, hard))
+    try:
+        laser.scan(small, (0.5, 0.5, 0.0), obstacles=discs)
+        break
+    except MemoryError as error:
+        assert "not enough memory for the obstacles" in str(error), error
+assert megabytes > 9
+""",
+    "walls near a footprint": """
+cells = np.zeros((1000, 1000), np.int8)
+cells[::2, ::2] = 100
+grid = mrs.OccupancyGrid(cells, resolution=1.0)
+huge, here = mrs.Shape.rectangle(9000.0, 1.0), (0.0, -1.0, 0.0)
+limit(20)
+needs_for("the walls and obstacles near a footprint", lambda: mrs.touches(grid, huge, here))
+needs_for("the walls and obstacles near a footprint", lambda: mrs.advance(grid, huge, here, (0.0, 1.0, 0.0), 1.0))
+needs_for("the walls and obstacles near a footprint", lambda: mrs.clearance(grid, huge, here, limit=1.0))
+needs_for("the walls and obstacles near a footprint", lambda: mrs.clearance_batch(grid, huge, [here] * 5000, limit=1.0))
+""",
+    "beams from off the grid": """
+fine = mrs.LaserScanner(beam_count=1000000)
+out = np.zeros((1, 1000000), np.float32)
+fine.scan_batch(small, [(1.0, 1.0, 0.0)], threads=1, out=out)
+limit(20)
+needs_for("the beams", lambda: fine.scan_batch(small, [(-9.0, 1.0, 0.0)], threads=1, out=out))
 """,
     "beams": """
 limit(4)
