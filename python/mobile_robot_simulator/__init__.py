@@ -21,6 +21,7 @@ from ._core import (
     advance,
     cast_rays,
     clearance,
+    clearance_batch,
     integrate_twist,
     touches,
 )
@@ -56,6 +57,7 @@ __all__ = [
     "advance",
     "cast_rays",
     "clearance",
+    "clearance_batch",
     "floor_plan",
     "integrate_twist",
     "load_map",

@@ -21,6 +21,7 @@ __all__ = [
     "advance",
     "cast_rays",
     "clearance",
+    "clearance_batch",
     "integrate_twist",
     "touches",
 ]
@@ -1188,6 +1189,46 @@ def clearance(grid: OccupancyGrid, footprint: Shape, pose: _PoseLike, *, limit: 
         >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
         >>> mrs.clearance(grid, mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), limit=9.0)
         1.0
+    """
+
+def clearance_batch(
+    grid: OccupancyGrid,
+    footprint: Shape,
+    poses: ArrayLike,
+    *,
+    limit: float,
+    obstacles: _Obstacles = (),
+    threads: int | None = None,
+) -> NDArray[np.float64]:
+    """Returns the clearance of a footprint at each of many poses: `clearance` of each row.
+
+    Args:
+        grid: Map that the robot moves in. Outside the grid is free.
+        footprint: Outline of the robot in its own frame.
+        poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]. Anything that NumPy can convert
+            to float64 without loss. More than 100,000 poses are read in place, without a copy, so no other thread may write
+            to them during the call.
+        limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
+        obstacles: Pairs (Shape, pose), with poses in the map frame.
+        threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+
+    Returns:
+        (N,) float64, the distances [m]: 0 where the footprint touches something, `limit` where there is nothing within
+            `limit`.
+
+    Raises:
+        ValueError: A shape is wrong, a pose is not finite, `limit` is not positive and finite, or `threads` is out of range.
+        TypeError: An argument has the wrong type or dtype.
+        OSError: The threads could not be started.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> mrs.clearance_batch(grid, mrs.Shape.disc(0.5), [(0.5, 0.5, 0.0), (1.0, 0.5, 0.0)], limit=9.0)
+        array([1. , 0.5])
     """
 
 def advance(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
@@ -54,6 +55,24 @@ def test_clearance_and_touches_agree_with_hand_derived_distances(post: mrs.Occup
     assert mrs.clearance(post, DISC, (0.0, 2.5, 0.0), limit=9.0, obstacles=[(DISC, (-1.5, 2.5, 0.0))]) == pytest.approx(0.5)
     assert mrs.touches(post, DISC, (1.6, 2.5, 0.0))
     assert not mrs.touches(post, DISC, (1.4, 2.5, 0.0))
+
+
+def test_a_batch_of_clearances_equals_single_ones(post: mrs.OccupancyGrid) -> None:
+    poses = np.column_stack([np.linspace(-4.0, 9.0, 6000), np.linspace(1.0, 4.0, 6000), np.linspace(0.0, 9.0, 6000)])
+    box, obstacles = mrs.Shape.rectangle(0.7, 0.4), [(DISC, (6.0, 3.0, 0.0))]
+    single = [mrs.clearance(post, box, tuple(pose), limit=3.0, obstacles=obstacles) for pose in poses]
+    for threads in (None, 1, 2):
+        batch = mrs.clearance_batch(post, box, poses, limit=3.0, obstacles=obstacles, threads=threads)
+        assert batch.dtype == np.float64 and batch.tolist() == single
+    assert mrs.clearance_batch(post, DISC, np.zeros((0, 3)), limit=1.0).shape == (0,)
+    with pytest.raises(ValueError, match=r"poses must have shape \(N, 3\), got \(3,\)"):
+        mrs.clearance_batch(post, DISC, (0.0, 0.0, 0.0), limit=1.0)
+    with pytest.raises(ValueError, match=r"poses must be finite, got \[0.0, inf, 0.0\] in row 1"):
+        mrs.clearance_batch(post, DISC, [(0.0, 0.0, 0.0), (0.0, math.inf, 0.0)], limit=1.0)
+    with pytest.raises(ValueError, match="limit must be positive, got -1"):
+        mrs.clearance_batch(post, DISC, [(0.0, 0.0, 0.0)], limit=-1.0)
+    with pytest.raises(ValueError, match=r"threads must be in 1\.\.1024, got 0"):
+        mrs.clearance_batch(post, DISC, [(0.0, 0.0, 0.0)], limit=1.0, threads=0)
 
 
 def test_invalid_steps_are_rejected(post: mrs.OccupancyGrid) -> None:

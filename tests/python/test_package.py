@@ -44,6 +44,7 @@ BUILT_WITH = [
     "advance",
     "cast_rays",
     "clearance",
+    "clearance_batch",
     "floor_plan",
     "integrate_twist",
     "load_map",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Pose, Shape, clearance
+from .._core import Pose, Shape, clearance, clearance_batch
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..quoting import quoted
@@ -88,10 +89,16 @@ class GroundTruth(Handle):
 
         Without a footprint, the distance is measured from the robot's origin.
         """
-        return self._clearance(self.pose, self._world.now_ns(), FARTHEST)
+        grid, now = self._world.grid, self._world.now_ns()
+        if grid is None:
+            return FARTHEST
+        others = self._world.around_at(self._robot, now)
+        return clearance(grid, self._footprint, self.pose, limit=FARTHEST, obstacles=others)
 
     def clearances(self, path: NDArray[np.float64], limit: float = FARTHEST) -> NDArray[np.float64]:
         """Returns the clearance at each point of a path, with obstacles and other robots where they were at that time.
+
+        The map is the present one, also for points in the past.
 
         Args:
             path: (N, 4) float64, rows of time [s], x [m], y [m], yaw [rad], as returned by `path`.
@@ -100,7 +107,17 @@ class GroundTruth(Handle):
         Returns:
             (N,) float64, distance to the nearest wall, obstacle or robot [m], at most `limit`.
         """
-        return np.array([self._clearance(Pose(*row[1:]), round(row[0] * NANOSECONDS), limit) for row in path])
+        grid = self._world.grid
+        if grid is None:
+            return np.full(len(path), limit)
+        around = [self._world.around_at(self._robot, round(time * NANOSECONDS)) for time in path[:, 0]]
+        # One call for all points in a row with the same surroundings: for the whole path if nothing moves but the robot.
+        parts, start = [], 0
+        for others, group in groupby(around):
+            end = start + len(list(group))
+            parts.append(clearance_batch(grid, self._footprint, path[start:end, 1:], limit=limit, obstacles=others))
+            start = end
+        return np.concatenate(parts) if parts else np.zeros(0)
 
     def pose_at(self, time: float) -> Pose:
         """Returns the pose in the map frame at a past time.
@@ -134,14 +151,13 @@ class GroundTruth(Handle):
                 rows.append((time_ns / NANOSECONDS, *segment.pose_at(time_ns)))
         return np.array(rows)
 
+    @property
+    def _footprint(self) -> Shape:
+        return self._robot.footprint or POINT
+
     def _past_ns(self, time: float) -> int:
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()
         time_ns = round(time * NANOSECONDS) if math.isfinite(time) else -1
         if not first <= time_ns <= now:
             raise ValueError(f"the time must be in {first / NANOSECONDS:g}..{now / NANOSECONDS:g} s, got {quoted(time)}")
         return time_ns
-
-    def _clearance(self, pose: Pose, time_ns: int, limit: float) -> float:
-        others = self._world.around_at(self._robot, time_ns)
-        grid, footprint = self._world.grid, self._robot.footprint or POINT
-        return limit if grid is None else clearance(grid, footprint, pose, limit=limit, obstacles=others)

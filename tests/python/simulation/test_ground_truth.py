@@ -55,6 +55,28 @@ def test_clearances_are_limited_to_ten_metres():
     assert sim.truth.clearance == 10.0
 
 
+def test_clearances_know_where_everything_was():
+    sim = mrs.Simulation(hall(), parameters={"velocity_timeout": 0, "robot_radius": 0.3}, start=(4.0, 4.0, 0.0))
+    disc, start = mrs.Shape.disc(0.3), sim.time
+    sim.add_obstacle(disc, (16.0, 4.0, 0.0))
+    sim.add_obstacle(disc, [(1.0, 4.0, 8.0, 0.0), (2.0, 7.0, 8.0, 0.0)], name="cart")
+    drive(sim, 1.0)
+    sim.run_for(3.0)
+    path = sim.truth.path
+    assert len(path) > 30 and start == 0.0
+
+    def expected(time: float, x: float, y: float, yaw: float) -> float:
+        cart = (4.0 + 3.0 * min(1.0, max(0.0, time - 1.0)), 8.0, 0.0)
+        around = [(disc, (16.0, 4.0, 0.0)), (disc, cart)]
+        return mrs.clearance(sim.grid, disc, (x, y, yaw), limit=3.5, obstacles=around)
+
+    found = sim.truth.clearances(path, limit=3.5)
+    assert found == pytest.approx([expected(*row) for row in path], abs=1e-9)
+    assert found[0] == pytest.approx(3.4) and 3.4 < found[15] <= 3.5
+    assert sim.truth.clearances(path[:0]).shape == (0,)
+    assert sim.truth.clearances(path[-1:])[0] == sim.truth.clearance
+
+
 @pytest.mark.parametrize("time", [-0.1, 0.5, math.inf, math.nan])
 def test_the_pose_is_known_until_now_only(sim, time):
     with pytest.raises(ValueError, match=rf"the time must be in 0\.\.0 s, got {time}"):
