@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import sqlite3
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
@@ -95,7 +96,9 @@ class RecordingFolder:
         return new
 
     def keep(self) -> None:
-        """Gives the folder back and keeps what was written."""
+        """Gives the folder back and keeps what was written. Removes what a failed recovery has rebuilt."""
+        with suppress(OSError):
+            self._remove(REBUILT)
         self._lock.release()
 
     def discard(self) -> None:
@@ -109,6 +112,12 @@ class RecordingFolder:
             (self.unfinished / _LOCK).unlink()
             self.unfinished.rmdir()
         self._lock.release()
+
+    def error(self, error: OSError | sqlite3.Error, kept: str) -> OSError:
+        """Returns an error of the disk with the path `unfinished` and a text that says what is kept."""
+        number = error.errno if isinstance(error, OSError) and error.errno else errno.EIO
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        return OSError(number, f"{reason}. {kept}", str(self.unfinished))
 
     def _check(self, *, overwrite: bool) -> None:
         """Checks that only recordings would be replaced, and only if the caller wants that."""

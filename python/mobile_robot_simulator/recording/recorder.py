@@ -5,7 +5,6 @@ The same messages in the same order give the same files, byte for byte, with the
 
 from __future__ import annotations
 
-import errno
 import os
 import sqlite3
 from collections import deque
@@ -81,8 +80,10 @@ class Recorder:
             self._folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions)
             try:
                 self._thread.run(lambda: self._begin(format))
-            except BaseException:
+            except BaseException as error:
                 self._folder.discard()
+                if isinstance(error, (OSError, sqlite3.Error)):
+                    raise self._folder.error(error, "No recording was begun; an older one is kept") from error
                 raise
         except BaseException:
             self._thread.stop()
@@ -107,7 +108,7 @@ class Recorder:
             ValueError: The time is out of range, the topic carries another type, the ROS message cannot hold a value, or the
                 recording is closed.
             TypeError: An array has another element type than the ROS message.
-            OSError: The disk is full.
+            OSError: The disk is full, or the folder was removed. The message says where the written messages are.
         """
         if self._closed:
             raise ValueError(f"the recording {self.path} is closed")
@@ -148,6 +149,7 @@ class Recorder:
         try:
             self._write_pending()
             self._bag.flush()
+            self._bag.path.stat()  # A file of a removed folder can still be written, in vain.
         except BaseException as error:
             self._break_off(error)
 
@@ -176,11 +178,9 @@ class Recorder:
         self._folder.keep()
         if not isinstance(error, (OSError, sqlite3.Error)):
             raise error
-        number = error.errno if isinstance(error, OSError) and error.errno else errno.EIO
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         unfinished = self._folder.unfinished
         if unfinished.is_dir():
             kept = f"messages written before are kept, `{RECOVER} {unfinished.parent}` recovers them"
         else:
             kept = "the folder is gone, nothing is kept"
-        raise OSError(number, f"{reason}. The recording was broken off; {kept}", str(unfinished)) from error
+        raise self._folder.error(error, f"The recording was broken off; {kept}") from error

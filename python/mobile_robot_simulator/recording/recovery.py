@@ -60,8 +60,10 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
         if not count:
             raise ValueError(f"{folder.unfinished} has no complete message")
         return folder.finish(bag.path), count
-    except BaseException:
+    except BaseException as error:
         folder.keep()
+        if isinstance(error, sqlite3.Error) or (isinstance(error, OSError) and not isinstance(error, FileNotFoundError)):
+            raise folder.error(error, "Nothing was recovered; what was written is kept") from error
         raise
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from rosbags.interfaces import Connection
@@ -29,7 +30,12 @@ class Ros1Bag:
     def __init__(self, folder: Path) -> None:
         self.path = folder / f"{NAME}.bag"
         self._writer = Writer(self.path)
-        self._writer.open()
+        try:
+            self._writer.open()
+        except BaseException:
+            with suppress(OSError):
+                self._writer.abort()
+            raise
         self.close, self.abort = self._writer.close, self._writer.abort
 
     def flush(self) -> None:

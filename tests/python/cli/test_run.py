@@ -12,6 +12,8 @@ pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
 pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed")
 from rosbags.highlevel import AnyReader
 
+from disks import small_disk
+
 pytestmark = pytest.mark.slow
 
 
@@ -144,6 +146,16 @@ def test_an_older_summary_and_picture_never_lie_beside_a_new_recording(command, 
     done = subprocess.run([sys.executable, "-c", script, *map(str, words)], capture_output=True, text=True, timeout=60)
     assert done.returncode == status and "Traceback" not in done.stderr
     assert [item.name for item in out.iterdir()] == ["recording.bag" if form == "bag" else "recording"]
+
+
+@pytest.mark.parametrize("form", ["mcap", "bag", "sqlite3"])
+def test_a_full_disk_ends_a_run_with_one_sentence(command, room, form):
+    with small_disk(kilobytes=4096) as disk:
+        done = command("run", room, "--duration", 1000, "--out", disk / "out", "--format", form)
+        assert done.returncode == 1
+        (line,) = done.stderr.strip().splitlines()
+        assert line.startswith("error: ") and f"`mobile-robot-simulator recover {disk / 'out'}` recovers them" in line
+        assert [item.name for item in (disk / "out").iterdir()] == ["recording.unfinished"]
 
 
 def test_run_keeps_other_files_of_its_names(command, room, tmp_path):

@@ -7,8 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from disks import read_only_folder, small_disk
+from mobile_robot_simulator import messages as ros
 from mobile_robot_simulator.recording.recorder import Format, Recorder, recover
 from recordings import FORMATS, contents, drive, read, record
 
@@ -67,6 +70,54 @@ def test_a_full_disk_keeps_what_was_written(tmp_path: Path, format: Format) -> N
     assert str(tmp_path / "recording.unfinished") in last
     path, count = recover(tmp_path)
     assert_beginning(path, count, at_least=1024)
+
+
+def fill(folder: Path, format: Format) -> None:
+    """Records until the disk is full."""
+    with Recorder(folder, format=format) as recorder:
+        for number in range(1, MESSAGES + 1):
+            recorder.write("/scan", ros.LaserScan(ranges=np.full(541, number, np.float32)), number)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_full_disk_keeps_what_was_written_also_if_recovery_has_no_space(tmp_path: Path, format: Format) -> None:
+    with small_disk(kilobytes=6144) as folder:
+        with pytest.raises(OSError, match="messages written before are kept") as raised:
+            fill(folder, format)
+        assert raised.value.filename == str(folder / "recording.unfinished")
+        with pytest.raises(OSError, match="Nothing was recovered; what was written is kept") as raised:
+            recover(folder)
+        assert raised.value.filename == str(folder / "recording.unfinished")
+        assert not (folder / "recording.unfinished" / "rebuilt").exists()
+        shutil.copytree(folder, tmp_path / "copy")
+    path, count = recover(tmp_path / "copy")
+    assert_beginning(path, count, at_least=1024)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_disk_that_is_full_from_the_beginning_is_an_os_error(format: Format) -> None:
+    with small_disk(kilobytes=64) as folder:
+        (folder / "more").write_bytes(bytes(1024 * 64))
+        with pytest.raises(OSError, match=r"No recording was begun|was broken off") as raised:
+            fill(folder, format)
+        assert raised.value.filename == str(folder / "recording.unfinished")
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_read_only_folder_is_an_error_with_its_path(tmp_path: Path, format: Format) -> None:
+    with read_only_folder(tmp_path), pytest.raises(OSError, match=r"(Read-only|Permission).*recording\.unfinished"):
+        Recorder(tmp_path, format=format)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_removed_folder_ends_a_long_recording(tmp_path: Path, format: Format) -> None:
+    recorder = Recorder(tmp_path / "out", format=format)
+    shutil.rmtree(tmp_path / "out")
+    with pytest.raises(OSError, match="the folder is gone, nothing is kept"):
+        for number in range(1024):
+            recorder.write("/clock", ros.Clock(), number)
+    recorder.close()
 
 
 @pytest.mark.parametrize("format", FORMATS)
