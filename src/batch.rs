@@ -1,12 +1,14 @@
 //! Batches: sharing the work between threads, and checking that all rows are finite.
 
 use std::num::NonZero;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::Arc;
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::fork::Lock;
+use crate::lazy::Lazy;
 
 /// Largest number of threads that a caller may ask for.
 pub const MAX_THREADS: usize = 1024;
@@ -15,7 +17,7 @@ pub const MAX_THREADS: usize = 1024;
 const MAX_POOLS: usize = 4;
 
 /// The thread pools that were used last, each with another number of threads.
-static POOLS: Mutex<Pools> = Mutex::new(Pools { process: 0, last_used: Vec::new() });
+static POOLS: Lock<Pools> = Lock::new(Pools { process: 0, last_used: Vec::new() });
 
 struct Pools {
     /// The process that started the threads. A forked process inherits the memory of its parent, but none of its threads.
@@ -89,12 +91,16 @@ pub fn check_rows(name: &'static str, rows: &[[f64; 3]], threads: Option<usize>)
 /// [`Error::Count`]: `threads` is 0 or more than 1024.
 pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Error> {
     /// Number of cores. Determined once, because the system reads several files for it.
-    static CORES: LazyLock<usize> =
-        LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
+    static CORES: Lazy<usize> = Lazy::new();
     if let Some(count @ (0 | 1025..)) = threads {
         return Err(Error::Count { name: "threads", value: count, needed: "in 1..1024" });
     }
-    Ok(if elements < MIN_SHARED { 1 } else { threads.unwrap_or_else(|| *CORES) })
+    let cores = || Ok(std::thread::available_parallelism().map_or(1, NonZero::get).min(MAX_THREADS));
+    match threads {
+        _ if elements < MIN_SHARED => Ok(1),
+        Some(threads) => Ok(threads),
+        None => CORES.get_or_build(cores).copied(),
+    }
 }
 
 /// Returns true if the calling thread belongs to a pool.
@@ -115,7 +121,7 @@ fn pool_for(threads: Option<usize>, elements: usize) -> Result<Option<Arc<Thread
 
 /// Returns a pool of this many threads. A pool that is not kept any longer ends with the last call that uses it.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
-    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut pools = POOLS.lock();
     let process = std::process::id();
     if pools.process != process {
         // To end a pool is to talk to its threads, which do not exist here.
@@ -128,6 +134,11 @@ fn pool(threads: usize) -> Result<Arc<ThreadPool>, Error> {
     } else {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = builder.build().map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
+        if !is_pool_thread() {
+            // Waits until all threads have started, so that no fork cuts what they set up once for each process. A pool
+            // thread would run other tasks meanwhile. For its pool, all this is set up.
+            pool.broadcast(|_| ());
+        }
         if pools.len() == MAX_POOLS {
             pools.remove(0);
         }

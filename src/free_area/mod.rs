@@ -7,12 +7,13 @@ mod runs;
 
 use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec2;
 use rand::Rng;
 
 use crate::error::Error;
+use crate::fork::Lock;
 use crate::memory;
 
 pub use distances::Distances;
@@ -80,7 +81,7 @@ pub struct Pick {
 
 /// The distances of a grid and the free area of the radius asked for last. Both are built when first needed.
 #[derive(Debug, Default)]
-pub struct FreeAreas(Mutex<Built>);
+pub struct FreeAreas(Lock<Built>);
 
 #[derive(Debug, Default, Clone)]
 struct Built {
@@ -117,17 +118,17 @@ impl FreeAreas {
     }
 
     fn built(&self) -> Built {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0.lock().clone()
     }
 
     fn change(&self, set: impl FnOnce(&mut Built)) {
-        set(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        set(&mut self.0.lock());
     }
 }
 
 impl Clone for FreeAreas {
     fn clone(&self) -> Self {
-        Self(Mutex::new(self.built()))
+        Self(Lock::new(self.built()))
     }
 }
 

@@ -3,7 +3,6 @@
 mod free_poses;
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
 use glam::DVec2;
 
@@ -11,6 +10,7 @@ use crate::batch::is_pool_thread;
 use crate::error::{Error, check_finite, check_number};
 use crate::free_area::FreeAreas;
 use crate::free_boxes::{FreeBoxes, Room};
+use crate::lazy::Lazy;
 use crate::memory;
 use crate::pose::Pose;
 
@@ -88,7 +88,7 @@ pub struct OccupancyGrid {
     options: GridOptions,
     /// Cosine and sine of the rotation from the map frame to the frame of the grid.
     grid_from_map: DVec2,
-    free_boxes: OnceLock<FreeBoxes>,
+    free_boxes: Lazy<FreeBoxes>,
     free_areas: FreeAreas,
 }
 
@@ -145,7 +145,7 @@ impl OccupancyGrid {
             height,
             options,
             grid_from_map: DVec2::new(cos, sin),
-            free_boxes: OnceLock::new(),
+            free_boxes: Lazy::new(),
             free_areas: FreeAreas::default(),
         })
     }
@@ -196,10 +196,10 @@ impl OccupancyGrid {
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
     pub fn try_clone(&self) -> Result<Self, Error> {
-        let free_boxes = OnceLock::new();
-        if let Some(built) = self.free_boxes.get() {
-            let _ = free_boxes.set(built.try_clone()?);
-        }
+        let free_boxes = match self.free_boxes.get() {
+            Some(built) => Lazy::from(built.try_clone()?),
+            None => Lazy::new(),
+        };
         let cells = memory::collected("the cells of the grid", self.cells.iter().copied())?;
         Ok(Self { cells, free_boxes, free_areas: self.free_areas.clone(), ..*self })
     }
@@ -213,15 +213,14 @@ impl OccupancyGrid {
     }
 
     fn free_boxes_by(&self, threads: Option<usize>) -> Result<&FreeBoxes, Error> {
-        if let Some(built) = self.free_boxes.get() {
-            return Ok(built);
-        }
-        let room = Room::new(self.cells.len(), self.width)?;
-        let blocks = |&value: &i8| self.options.blocks(value);
         // A pool thread must not wait for other threads here. While it waits, it could start a task that needs these free
         // boxes: a deadlock.
-        let threads = if is_pool_thread() { Some(1) } else { threads };
-        Ok(self.free_boxes.get_or_init(|| FreeBoxes::new(room, &self.cells, threads, blocks)))
+        let threads = || if is_pool_thread() { Some(1) } else { threads };
+        let blocks = |&value: &i8| self.options.blocks(value);
+        self.free_boxes.get_or_build(|| {
+            let room = Room::new(self.cells.len(), self.width)?;
+            Ok(FreeBoxes::new(room, &self.cells, threads(), blocks))
+        })
     }
 
     /// Returns true if the free boxes exist.
@@ -261,7 +260,7 @@ impl OccupancyGrid {
             let region = (corner.col..corner.col + width, corner.row..corner.row + height);
             if free_boxes.update(&self.cells, region, |&value| self.options.blocks(value)).is_err() {
                 // There is not enough memory to update them. The next cast builds them again.
-                self.free_boxes = OnceLock::new();
+                self.free_boxes = Lazy::new();
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! The Python class `OccupancyGrid`.
 
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec2;
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
@@ -13,6 +13,7 @@ use super::arrays::{check_out, fill, shape, type_name, typed, vector};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
+use crate::fork::Lock;
 use crate::memory;
 use crate::{Cell, GridOptions, Unknown};
 
@@ -44,16 +45,15 @@ use crate::{Cell, GridOptions, Unknown};
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct OccupancyGrid {
     /// The grid itself. A cast keeps the grid that it started with, even if cells change during the cast.
-    core: Mutex<Arc<crate::OccupancyGrid>>,
+    core: Lock<Arc<crate::OccupancyGrid>>,
     /// The array that `cells` returns, cached until cells change.
-    cells: Mutex<Option<Py<PyArray2<i8>>>>,
+    cells: Lock<Option<Py<PyArray2<i8>>>>,
 }
 
 impl OccupancyGrid {
     /// Returns the current grid.
     pub fn core(&self) -> Arc<crate::OccupancyGrid> {
-        // A panic cannot leave the grid half changed, so a poisoned lock is safe to use.
-        Arc::clone(&self.core.lock().unwrap_or_else(PoisonError::into_inner))
+        Arc::clone(&self.core.lock())
     }
 }
 
@@ -96,7 +96,7 @@ impl OccupancyGrid {
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells = memory::collected("the cells of the grid", cells.as_array().iter().copied())?;
         let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
-        Ok(Self { core: Mutex::new(Arc::new(core)), cells: Mutex::new(None) })
+        Ok(Self { core: Lock::new(Arc::new(core)), cells: Lock::new(None) })
     }
 
     /// Values of the cells: (H, W) int8, row 0 at the bottom, read-only.
@@ -104,8 +104,7 @@ impl OccupancyGrid {
     /// The array does not change when `set_cells` changes the grid.
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
-        let cached = || self.cells.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(array) = &*cached() {
+        if let Some(array) = &*self.cells.lock() {
             return Ok(array.bind(py).clone());
         }
         let core = self.core();
@@ -114,7 +113,7 @@ impl OccupancyGrid {
         // Done before the reshape: a view of a writeable array could be made writeable again.
         flat.readwrite().make_nonwriteable();
         let array = flat.reshape([core.height(), core.width()])?;
-        Ok(cached().get_or_insert(array.unbind()).bind(py).clone())
+        Ok(self.cells.lock().get_or_insert(array.unbind()).bind(py).clone())
     }
 
     /// Sets the cells of a rectangle.
@@ -154,13 +153,15 @@ impl OccupancyGrid {
         };
         let values = memory::collected("the cells", values.as_array().iter().copied())?;
         py.detach(|| {
-            let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut core = self.core.lock();
             if Arc::get_mut(&mut core).is_none() {
                 *core = Arc::new(core.try_clone()?);
             }
             Arc::get_mut(&mut core).expect("the only reference").set_cells(corner, width, &values)
         })?;
-        *self.cells.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        // Dropped without the lock: a weak reference to the array may call back.
+        let old = self.cells.lock().take();
+        drop(old);
         Ok(())
     }
 
@@ -199,7 +200,7 @@ impl OccupancyGrid {
 
     fn __copy__(&self) -> Self {
         // Both grids share their cells until one of them changes.
-        Self { core: Mutex::new(self.core()), cells: Mutex::new(None) }
+        Self { core: Lock::new(self.core()), cells: Lock::new(None) }
     }
 
     fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {

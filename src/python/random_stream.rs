@@ -1,13 +1,12 @@
 //! The Python class `RandomStream`.
 
-use std::sync::{Mutex, PoisonError};
-
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::type_name;
 use super::{Recipe, recipe, stream_number, whole_number};
+use crate::fork::Lock;
 
 /// A seed that counts what has been drawn with it, so that no two calls draw the same noise.
 ///
@@ -38,7 +37,7 @@ use super::{Recipe, recipe, stream_number, whole_number};
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct RandomStream {
     seed: u64,
-    next_index: Mutex<u64>,
+    next_index: Lock<u64>,
 }
 
 #[pymethods]
@@ -47,7 +46,7 @@ impl RandomStream {
     #[pyo3(signature = (seed, *, next_index = None), text_signature = "(seed, *, next_index=0)")]
     fn new(seed: &Bound<'_, PyAny>, next_index: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let next_index = stream_number("next_index", next_index)?;
-        Ok(Self { seed: stream_number("seed", Some(seed))?, next_index: Mutex::new(next_index) })
+        Ok(Self { seed: stream_number("seed", Some(seed))?, next_index: Lock::new(next_index) })
     }
 
     /// The seed.
@@ -59,7 +58,7 @@ impl RandomStream {
     /// Index of the next draw.
     #[getter]
     fn next_index(&self) -> u64 {
-        *self.next_index.lock().unwrap_or_else(PoisonError::into_inner)
+        *self.next_index.lock()
     }
 
     /// Takes indices for draws of your own.
@@ -95,7 +94,7 @@ impl RandomStream {
 
 impl RandomStream {
     fn reserve(&self, count: u64) -> PyResult<u64> {
-        let mut next_index = self.next_index.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut next_index = self.next_index.lock();
         let first = *next_index;
         *next_index = first.checked_add(count).ok_or_else(|| {
             PyValueError::new_err(format!("the random stream must have {count} indices left, got {}", u64::MAX - first))

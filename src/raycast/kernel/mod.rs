@@ -13,8 +13,6 @@ mod portable;
 mod prefetch;
 mod scalar;
 
-use std::sync::LazyLock;
-
 use super::Ray;
 use super::block::{Block, fits};
 use super::sink::Sink;
@@ -22,6 +20,7 @@ use super::source::{RayGroup, Source};
 use super::traversal::traverse;
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
+use crate::lazy::Lazy;
 use crate::numeric::GROUP;
 use lanes::Lanes;
 pub use lanes::Work;
@@ -53,14 +52,15 @@ impl Kernel {
     /// # Errors
     /// [`Error::Kernel`]: the name is unknown, or this machine cannot run that kernel.
     pub fn chosen() -> Result<Self, Error> {
-        static CHOSEN: LazyLock<Result<Kernel, Error>> = LazyLock::new(|| match std::env::var(KERNEL_VARIABLE) {
+        static CHOSEN: Lazy<Kernel> = Lazy::new();
+        let choose = || match std::env::var(KERNEL_VARIABLE) {
             Ok(name) => Kernel::named(&name),
             Err(std::env::VarError::NotPresent) => {
                 Ok(Kernel::ALL.into_iter().rfind(|kernel| kernel.is_available()).unwrap_or(Kernel::Portable))
             }
             Err(std::env::VarError::NotUnicode(name)) => Kernel::named(&name.to_string_lossy()),
-        });
-        CHOSEN.clone()
+        };
+        CHOSEN.get_or_build(choose).copied()
     }
 
     /// Returns the kernel with this name.
