@@ -12,7 +12,7 @@ import numpy as np
 import mobile_robot_simulator as mrs
 from scenes import record_drive
 from test_nodes import ODOM, QUIET, SCAN, TWIST, twist
-from worlds import wait_until
+from worlds import find, wait_until
 
 
 def test_rostopic_echo_and_hz_work(world: Any, map_file: Path) -> None:
@@ -91,6 +91,26 @@ def test_roslaunch_starts_the_map_server_the_robot_and_the_laser(world: Any, map
     launch.interrupt()
     assert "Traceback" not in launch.output
     assert "unknown parameter" not in launch.output
+
+
+def test_tf2_transforms_scans_as_they_arrive(world: Any, map_file: Path) -> None:
+    import rospy
+    import tf2_ros
+
+    buffer, found = tf2_ros.Buffer(debug=False), list[bool]()
+    listener = tf2_ros.TransformListener(buffer, tcp_nodelay=True)
+
+    def look_up(scan: Any) -> None:
+        # Transforms and scans arrive on connections of their own, so a scan may be ahead by the switch of a thread.
+        found.append(buffer.can_transform("odom", scan.header.frame_id, scan.header.stamp, rospy.Duration(0.02)))
+
+    world.start("all", map_file=map_file)
+    scans = world.subscribe("/scan", SCAN)
+    scans.wait_for(10)
+    world.inboxes.append(rospy.Subscriber("/scan", find(SCAN), look_up))
+    wait_until(lambda: len(found) >= 40, "scans")
+    listener.unregister()
+    assert np.mean(found) >= 0.95
 
 
 def test_with_use_sim_time_the_laser_follows_the_clock_of_the_robot(world: Any, map_file: Path) -> None:

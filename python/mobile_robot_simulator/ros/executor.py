@@ -6,17 +6,13 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from fractions import Fraction
 from typing import Any, TypeVar
 
-from ..instant import NANOSECONDS
 from ..nodes.interface import Clock
+from .event_clock import EventClock, EventTimer
 from .paced_clock import PacedClock
 
 Returned = TypeVar("Returned")
-
-POLL_PERIOD = 0.002
-"""Largest time between two readings of a clock that ROS controls [s]. Such a clock may change its speed or jump."""
 
 LONGEST_WAIT = 3600.0
 """Largest time for which the executor sleeps [s]. Python cannot wait for centuries, as a very low rate would ask for."""
@@ -25,10 +21,15 @@ LONGEST_WAIT = 3600.0
 class Executor:
     """Runs callbacks one at a time, so that all of them form one mutually exclusive callback group.
 
-    Timer callbacks run on a thread of the executor. All other callbacks run on the thread that calls them, which belongs to
-    rospy or rclpy. That thread waits until the previous callback has returned.
+    Callbacks run on the thread that calls them, which belongs to rospy or rclpy. That thread waits until the previous
+    callback has returned. Before each callback, all timers that are due fire. A thread of the executor fires them when no
+    callback comes. So all events are handled in the order of their times, and clocks show the time of the event (see
+    `EventClock`).
 
     An exception in a callback shuts the executor down, and `wait` raises it.
+
+    Attributes:
+        wall_clock: Wall time.
     """
 
     def __init__(self) -> None:
@@ -37,7 +38,9 @@ class Executor:
         self._has_ended = threading.Event()
         self._is_signalled = False
         self._error: BaseException | None = None
-        self._timers: list[ExecutorTimer] = []
+        self._is_in_callback = False
+        self._clocks: tuple[EventClock, ...] = ()
+        self.wall_clock = self.follow(PacedClock())
         threading.Thread(target=self._run_timers, name="timers", daemon=True).start()
 
     def serialized(self, callback: Callable[..., Returned]) -> Callable[..., Returned]:
@@ -50,34 +53,36 @@ class Executor:
         """
 
         def call(*arguments: Any) -> Returned:
-            with self._callback_lock:
-                try:
-                    return callback(*arguments)
-                except BaseException as error:
-                    self.shutdown(error)
-                    raise
+            with self._event():
+                return callback(*arguments)
 
         return call
 
-    def create_timer(self, clock: Clock, period: float, callback: Callable[[], None]) -> ExecutorTimer:
+    def follow(self, source: Clock) -> EventClock:
+        """Returns a clock that follows `source` from event to event. Only callbacks of this executor may read it."""
+        clock = EventClock(source)
+        # The wall clock stays the last one. Its timers watch the other clocks, so these must show the present.
+        self._clocks = (clock, *self._clocks)
+        return clock
+
+    def create_timer(self, clock: EventClock, period: float, callback: Callable[[], None]) -> EventTimer:
         """Calls the callback at every multiple of `period` on the clock, serialized.
 
         Args:
-            clock: Clock that the timer follows.
+            clock: Clock that the timer follows, from `follow`.
             period: Time between two calls on that clock [s].
             callback: Function to call.
         """
-        timer = ExecutorTimer(clock, period, self.serialized(callback))
         with self._timers_changed:
-            self._timers.append(timer)
+            timer = clock.create_timer(period, callback)
             self._timers_changed.notify()
         return timer
 
-    def destroy_timer(self, timer: ExecutorTimer) -> None:
+    def destroy_timer(self, timer: EventTimer) -> None:
         """Cancels a timer and removes it."""
         timer.cancel()
         with self._timers_changed:
-            self._timers.remove(timer)
+            timer.clock.timers.remove(timer)
 
     def wake(self) -> None:
         """Recomputes when timers are due. Must be called after a `PacedClock` has changed its speed."""
@@ -125,66 +130,32 @@ class Executor:
         if self._error is not None:
             raise self._error
 
+    @contextmanager
+    def _event(self) -> Iterator[None]:
+        """In this block no other thread runs a callback. All timers that are due have fired before. Blocks may be nested."""
+        with self._callback_lock:
+            is_outermost, self._is_in_callback = not self._is_in_callback, True
+            try:
+                if is_outermost and not self._has_ended.is_set():
+                    for clock in self._clocks:
+                        clock.advance()
+                yield
+            except BaseException as error:
+                self.shutdown(error)
+                raise
+            finally:
+                self._is_in_callback = not is_outermost
+
     def _run_timers(self) -> None:
+        fire_due_timers = self.serialized(lambda: None)
         try:
             while not self._has_ended.is_set():
                 with self._timers_changed:
-                    waits = [(timer.due_in(), timer) for timer in self._timers]
-                    due = [timer for due_in, timer in waits if due_in <= 0.0]
-                    if not due:
-                        self._timers_changed.wait(min([LONGEST_WAIT, *(due_in for due_in, _ in waits)]))
+                    due_in = min(clock.due_in() for clock in self._clocks)
+                    if due_in > 0.0:
+                        self._timers_changed.wait(min(LONGEST_WAIT, due_in))
                         continue
-                for timer in due:
-                    timer.fire()
+                fire_due_timers()
         except Exception as error:
             # Without this thread no timer fires any more, so the process must end.
             self.shutdown(error)
-
-
-class ExecutorTimer:
-    """Timer that fires at each multiple of its period on a clock. If it has missed several multiples, it fires only once.
-
-    Timers are due at the same time whenever their multiples coincide. For example, periods of 10 ms and 20 ms coincide every
-    20 ms. The executor's thread then wakes up once and runs all of them, in the order of their creation. This saves time,
-    because at the rates of the nodes, waking up costs more than the callbacks.
-
-    Args:
-        clock: Clock that the timer follows.
-        period: Period on that clock [s].
-        callback: Function to call.
-    """
-
-    def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:
-        self._clock, self._callback = clock, callback
-        # A ratio of integers, so that the multiples of 1/30 s include every full second, at any time of the clock.
-        self._period = Fraction(period).limit_denominator(NANOSECONDS) * NANOSECONDS
-        self._is_cancelled = False
-        self._next = self._first_multiple_after(self._now())
-
-    def cancel(self) -> None:
-        """Never fires again."""
-        self._is_cancelled = True
-
-    def due_in(self) -> float:
-        """Returns the wall time until the timer is due [s]. If ROS controls the clock: at most `POLL_PERIOD`."""
-        now = self._now()
-        left = self._next - now
-        if left > self._period:
-            # The clock has jumped back.
-            self._next = self._first_multiple_after(now)
-            left = self._next - now
-        if isinstance(self._clock, PacedClock):
-            return left / self._clock.speed / NANOSECONDS
-        return 0.0 if left <= 0 else min(left / NANOSECONDS, POLL_PERIOD)
-
-    def fire(self) -> None:
-        """Calls the callback, unless the timer was cancelled."""
-        self._next = self._first_multiple_after(self._now())
-        if not self._is_cancelled:
-            self._callback()
-
-    def _first_multiple_after(self, now: int) -> int:
-        return round((now // self._period + 1) * self._period)
-
-    def _now(self) -> int:
-        return self._clock.now().nanoseconds

@@ -12,13 +12,14 @@ from ..nodes.steady_time import SteadyTime
 from ..parameters import Parameters
 from ..physics.world import World
 from .conversion import MessageConverter
-from .executor import Executor, ExecutorTimer
+from .event_clock import EventClock, EventTimer
+from .executor import Executor
 from .intra_process import IntraProcessSubscription, IntraProcessTopics
 from .paced_clock import PacedClock
 
 
 class RosProcess:
-    """The executor, the topics, the paced clock and the world that all nodes of a process share.
+    """The executor, the topics, the clocks and the world that all nodes of a process share.
 
     Attributes:
         executor: Runs the callbacks of all nodes, one at a time.
@@ -30,7 +31,8 @@ class RosProcess:
         self.executor = Executor()
         self.topics = IntraProcessTopics()
         self.robot: MobileRobotSimulator | None = None
-        self._paced_clock: PacedClock | None = None
+        self._paced_clock: EventClock | None = None
+        self._ros_clock: EventClock | None = None
         self._world: World | None = None
 
     def world_for(self, node: Node) -> World:
@@ -38,19 +40,23 @@ class RosProcess:
         self._world = self._world or World(SteadyTime(node.get_clock()))
         return self._world
 
-    def clock_for(self, parameters: Parameters, *, use_sim_time: bool) -> PacedClock | None:
-        """Returns the clock for a new node: the paced clock of the process, or None for the clock of ROS.
+    def clock_for(self, parameters: Parameters, ros_clock: Clock, *, use_sim_time: bool) -> EventClock:
+        """Returns the clock for a new node: the paced clock of the process, or the clock of ROS of its first node.
 
         A node that publishes /clock uses the paced clock, because it cannot also follow /clock. Without `use_sim_time`,
         every node uses the paced clock. Once one node of the process uses it, all nodes created later use it too.
 
         Args:
             parameters: Parameters of the node.
+            ros_clock: The node's clock of ROS.
             use_sim_time: True if the clock of ROS follows /clock.
         """
         if getattr(parameters, "publish_clock", False) or not use_sim_time:
-            self._paced_clock = self._paced_clock or PacedClock()
-        return self._paced_clock
+            self._paced_clock = self._paced_clock or self.executor.follow(PacedClock())
+        if self._paced_clock is not None:
+            return self._paced_clock
+        self._ros_clock = self._ros_clock or self.executor.follow(ros_clock)
+        return self._ros_clock
 
 
 class RosNode(ABC):
@@ -58,23 +64,23 @@ class RosNode(ABC):
 
     Args:
         process: What all nodes of the process share.
-        clock: Clock that the node uses instead of the clock of ROS, or None.
+        clock: Clock of the node, from `RosProcess.clock_for`.
     """
 
     converter: ClassVar[MessageConverter]
 
-    def __init__(self, process: RosProcess, clock: PacedClock | None = None) -> None:
+    def __init__(self, process: RosProcess, clock: EventClock) -> None:
         self._executor, self._topics = process.executor, process.topics
         self._clock = clock
 
     def get_clock(self) -> Clock:
         """Returns the clock that message stamps are taken from."""
-        return self._clock or self._ros_clock()
+        return self._clock
 
     def set_speed(self, factor: float) -> None:
         """Sets the simulated seconds per wall second from now on. Has no effect on a node that follows the clock of ROS."""
-        if self._clock is not None:
-            self._clock.set_speed(factor)
+        if isinstance(self._clock.source, PacedClock):
+            self._clock.source.set_speed(factor)
             self._executor.wake()
 
     @abstractmethod
@@ -100,15 +106,15 @@ class RosNode(ABC):
         """Destroys a subscription."""
         subscription.topic.unsubscribe(subscription)
 
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> ExecutorTimer:
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> EventTimer:
         """Calls a callback at every multiple of the period [s] on the node's clock."""
-        return self._executor.create_timer(self.get_clock(), timer_period_sec, callback)
+        return self._executor.create_timer(self._clock, timer_period_sec, callback)
 
-    def create_wall_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> ExecutorTimer:
+    def create_wall_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> EventTimer:
         """Calls a callback at every multiple of the period [s] of wall time."""
-        return self._executor.create_timer(PacedClock(), timer_period_sec, callback)
+        return self._executor.create_timer(self._executor.wall_clock, timer_period_sec, callback)
 
-    def destroy_timer(self, timer: ExecutorTimer) -> None:
+    def destroy_timer(self, timer: EventTimer) -> None:
         """Destroys a timer."""
         self._executor.destroy_timer(timer)
 
@@ -126,10 +132,6 @@ class RosNode(ABC):
             return self.converter.fill(ros_response, response)
 
         return self._offer_service(ros_type, srv_name, answer)
-
-    @abstractmethod
-    def _ros_clock(self) -> Clock:
-        """Returns the clock of ROS."""
 
     @abstractmethod
     def _resolve_topic_name(self, topic: str) -> str:

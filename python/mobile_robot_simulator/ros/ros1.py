@@ -19,7 +19,7 @@ from ..instant import Instant
 from ..messages import Message
 from ..nav2_loopback_names import SYNONYMS
 from ..nodes.future import Future
-from ..nodes.interface import Clock, Logger, M, QoS
+from ..nodes.interface import Logger, M, QoS
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
     Behaviour,
@@ -69,7 +69,7 @@ class Ros1Node(RosNode):
 
     Args:
         process: What all nodes of the process share.
-        clock: Clock that the node uses instead of rospy's time, or None.
+        clock: Clock of the node.
     """
 
     converter = ROS1
@@ -103,9 +103,6 @@ class Ros1Node(RosNode):
     def destroy_client(self, client: _Client) -> None:
         """Destroys a client."""
         client.proxy.close()
-
-    def _ros_clock(self) -> Clock:
-        return _RosClock()
 
     def _resolve_topic_name(self, topic: str) -> str:
         return str(rospy.resolve_name(topic))
@@ -225,7 +222,7 @@ def _create_behaviours(
     for model in models:
         parameters = resolver.resolve(model, given, _logger())
         if parameters is not None:
-            clock = process.clock_for(parameters, use_sim_time=rospy.get_param("/use_sim_time", False))
+            clock = process.clock_for(parameters, _RosClock(), use_sim_time=rospy.get_param("/use_sim_time", False))
             create = process.executor.serialized(create_behaviour)
             behaviours.append(create(parameters, Ros1Node(process, clock), process))
     return behaviours

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..messages import Message
 from ..nodes.future import Future
-from ..nodes.interface import Clock, Logger, M, QoS
+from ..nodes.interface import Logger, M, QoS
 from ..parameter_files import is_for_ros
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
@@ -23,10 +23,10 @@ from .configuration import (
     warn_about_unknown,
 )
 from .conversion import MessageConverter
+from .event_clock import EventClock
 from .executor import Executor
 from .intra_process import IntraProcessTopic
 from .node import RosNode, RosProcess
-from .paced_clock import PacedClock
 
 try:
     import rclpy
@@ -67,12 +67,12 @@ class Ros2Node(RosNode):
     Args:
         node: The rclpy node.
         process: What all nodes of the process share.
-        clock: Clock that the node uses instead of the clock of its rclpy node, or None.
+        clock: Clock of the node.
     """
 
     converter = ROS2
 
-    def __init__(self, node: Any, process: RosProcess, clock: PacedClock | None = None) -> None:
+    def __init__(self, node: Any, process: RosProcess, clock: EventClock) -> None:
         super().__init__(process, clock)
         self._node = node
 
@@ -106,10 +106,6 @@ class Ros2Node(RosNode):
     def destroy_client(self, client: _Client) -> None:
         """Destroys a client."""
         self._node.destroy_client(client.client)
-
-    def _ros_clock(self) -> Clock:
-        clock: Clock = self._node.get_clock()
-        return clock
 
     def _resolve_topic_name(self, topic: str) -> str:
         return str(self._node.resolve_topic_name(topic))
@@ -217,7 +213,7 @@ def run(name: str, arguments: list[str]) -> None:
                 spinning.append(_SpinningNode(node, process.executor))
             has_other_publishers = partial(_has_other_publishers, spinning[0].node)
             check_publishers = partial(process.topics.update_routes, has_other_publishers)
-            process.executor.create_timer(PacedClock(), POLL_PERIOD, check_publishers)
+            process.executor.create_timer(process.executor.wall_clock, POLL_PERIOD, check_publishers)
             process.executor.wait()
     finally:
         rclpy.try_shutdown()
@@ -252,7 +248,7 @@ def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterR
 
 
 def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess) -> None:
-    clock = process.clock_for(parameters, use_sim_time=node.get_parameter("use_sim_time").value)
+    clock = process.clock_for(parameters, node.get_clock(), use_sim_time=node.get_parameter("use_sim_time").value)
 
     def start() -> None:
         behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process)

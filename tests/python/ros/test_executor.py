@@ -11,13 +11,13 @@ from contextlib import suppress
 import pytest
 
 from mobile_robot_simulator.instant import Instant
-from mobile_robot_simulator.ros.executor import Executor, ExecutorTimer
+from mobile_robot_simulator.ros.executor import Executor
 from mobile_robot_simulator.ros.paced_clock import PacedClock
 
 
 def test_timers_follow_the_speed_of_their_clock() -> None:
     executor, clock, fired = Executor(), PacedClock(), list[float]()
-    executor.create_timer(clock, 0.1, lambda: fired.append(time.monotonic()))
+    executor.create_timer(executor.follow(clock), 0.1, lambda: fired.append(time.monotonic()))
     clock.set_speed(10.0)
     executor.wake()
     time.sleep(0.5)
@@ -27,16 +27,16 @@ def test_timers_follow_the_speed_of_their_clock() -> None:
 
 def test_timers_fire_together_at_multiples_of_their_periods() -> None:
     wall, fired = [1_007_000_000], list[str]()
-    executor, clock = Executor(), PacedClock(lambda: wall[0])
-    time.sleep(0.003)
+    executor = Executor()
+    clock = executor.follow(PacedClock(lambda: wall[0]))
     for name, period in (("fast", 0.01), ("slow", 0.02), ("other", 0.025)):
         executor.create_timer(clock, period, lambda name=name: fired.append(name))
     for wall[0], expected in (
         (1_009_999_999, []),
         (1_010_000_000, ["fast"]),
         (1_020_000_001, ["fast", "slow"]),
-        # Several multiples were missed: each timer fires once.
-        (1_050_000_000, ["fast", "slow", "other"]),
+        # Several multiples were missed: each timer fires once, in the order of the last ones: 1.04, 1.05 and 1.05.
+        (1_050_000_000, ["slow", "fast", "other"]),
         (1_060_000_000, ["fast", "slow"]),
         # The clock jumps back.
         (505_000_000, []),
@@ -49,28 +49,38 @@ def test_timers_fire_together_at_multiples_of_their_periods() -> None:
     executor.shutdown()
 
 
-def test_a_timer_of_a_thirtieth_of_a_second_fires_at_every_full_second_of_the_clock() -> None:
-    """An hour at wall time: with a period rounded to nanoseconds, the timer would be 36 microseconds early."""
+def test_a_callback_runs_after_the_timers_that_were_due_before_it() -> None:
+    """Otherwise it would move the robot to a time that is later than that of the timers."""
+    wall, seen = [1_000_000_000], list[tuple[str, int]]()
+    executor = Executor()
+    clock = executor.follow(PacedClock(lambda: wall[0]))
 
-    class Stopped:
-        nanoseconds = 1_700_000_000 * 10**9
+    def see(name: str) -> None:
+        seen.append((name, clock.now().nanoseconds))
+        # Time passes while a callback runs, but it does not see that.
+        wall[0] += 1_000_000
+        seen.append((name, clock.now().nanoseconds))
 
-        def now(self) -> Instant:
-            return Instant(self.nanoseconds)
+    def set_wall_and_call_twice() -> None:
+        wall[0] = 1_100_200_000
+        inner = executor.serialized(see)
+        executor.serialized(lambda: [inner("message"), inner("nested")])()
 
-    clock = Stopped()
-    timer = ExecutorTimer(clock, 1 / 30, lambda: None)
-    for second in (0, 3600):
-        clock.nanoseconds = (1_700_000_000 + second) * 10**9 - 1_000_000
-        timer.fire()
-        assert timer._next == (1_700_000_000 + second) * 10**9
+    # Nothing fires the timers in the meantime.
+    with executor._callback_lock:
+        executor.create_timer(clock, 0.1, lambda: see("robot"))
+        executor.create_timer(clock, 0.05, lambda: see("laser"))
+        set_wall_and_call_twice()
+    executor.shutdown()
+    timers = [(name, 1_100_000_000) for name in ("robot", "laser") for _ in range(2)]
+    assert seen == timers + [(name, 1_100_200_000) for name in ("message", "nested") for _ in range(2)]
 
 
 def test_a_timer_of_many_centuries_does_not_stop_the_others() -> None:
     executor, fired = Executor(), threading.Event()
-    executor.create_timer(PacedClock(), 1e12, lambda: None)
+    executor.create_timer(executor.wall_clock, 1e12, lambda: None)
     time.sleep(0.05)
-    executor.create_timer(PacedClock(), 0.01, fired.set)
+    executor.create_timer(executor.wall_clock, 0.01, fired.set)
     assert fired.wait(5.0)
     executor.shutdown()
 
@@ -81,12 +91,12 @@ def test_a_clock_that_fails_ends_the_executor() -> None:
 
         def now(self) -> Instant:
             self.readings += 1
-            if self.readings > 1:
+            if self.readings > 2:
                 raise RuntimeError("the clock is broken")
             return Instant(0)
 
     executor = Executor()
-    executor.create_timer(Broken(), 0.01, lambda: None)
+    executor.create_timer(executor.follow(Broken()), 0.01, lambda: None)
     with pytest.raises(RuntimeError, match="the clock is broken"):
         executor.wait()
 
@@ -101,7 +111,7 @@ def test_callbacks_run_one_at_a_time() -> None:
         running[0] -= 1
 
     threads = [threading.Thread(target=lambda: [executor.serialized(work)() for _ in range(20)]) for _ in range(4)]
-    executor.create_timer(PacedClock(), 0.001, work)
+    executor.create_timer(executor.wall_clock, 0.001, work)
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -116,7 +126,7 @@ def test_wait_raises_what_a_timer_raised() -> None:
     def fail() -> None:
         raise ZeroDivisionError
 
-    executor.create_timer(PacedClock(), 0.01, fail)
+    executor.create_timer(executor.wall_clock, 0.01, fail)
     with pytest.raises(ZeroDivisionError):
         executor.wait()
 
@@ -161,8 +171,8 @@ def test_a_serialized_callback_may_call_another_one() -> None:
 
 def test_a_destroyed_timer_does_not_fire() -> None:
     executor, fired = Executor(), list[str]()
-    destroyed = executor.create_timer(PacedClock(), 0.05, lambda: fired.append("destroyed"))
-    executor.create_timer(PacedClock(), 0.05, lambda: fired.append("other"))
+    destroyed = executor.create_timer(executor.wall_clock, 0.05, lambda: fired.append("destroyed"))
+    executor.create_timer(executor.wall_clock, 0.05, lambda: fired.append("other"))
     executor.destroy_timer(destroyed)
     time.sleep(0.2)
     executor.shutdown()

@@ -7,12 +7,20 @@ from typing import Any
 
 import pytest
 
+from mobile_robot_simulator.instant import Instant
 from mobile_robot_simulator.messages import String, Trigger
-from mobile_robot_simulator.nodes.interface import QoS
+from mobile_robot_simulator.nodes.interface import Clock, QoS
 from mobile_robot_simulator.parameters import LaserParameters, RobotParameters
 from mobile_robot_simulator.ros.conversion import MessageConverter
 from mobile_robot_simulator.ros.node import RosNode, RosProcess
 from mobile_robot_simulator.ros.paced_clock import PacedClock
+
+
+class Noon:
+    """A clock of ROS that stands still."""
+
+    def now(self) -> Instant:
+        return Instant(12)
 
 
 class FakeRosNode(RosNode):
@@ -20,8 +28,8 @@ class FakeRosNode(RosNode):
 
     converter = MessageConverter(lambda values, _: values)
 
-    def __init__(self, process: RosProcess, clock: PacedClock | None = None, **service_types: Any) -> None:
-        super().__init__(process, clock)
+    def __init__(self, process: RosProcess, clock: Clock | None = None, **service_types: Any) -> None:
+        super().__init__(process, process.executor.follow(clock or PacedClock()))
         self.log: list[str] = []
         self.receivers: dict[str, Callable[[Any], None]] = {}
         self.service_types = service_types
@@ -31,9 +39,6 @@ class FakeRosNode(RosNode):
 
     def info(self, message: str) -> None:
         self.log.append(message)
-
-    def _ros_clock(self) -> Any:
-        return "the clock of ROS"
 
     def _resolve_topic_name(self, topic: str) -> str:
         return f"/robot/{topic}"
@@ -62,15 +67,22 @@ class FakeRosNode(RosNode):
     ],
 )
 def test_a_node_is_paced_unless_it_follows_the_clock_of_ros(parameters: Any, use_sim_time: bool, is_paced: bool) -> None:
-    clock = RosProcess().clock_for(parameters, use_sim_time=use_sim_time)
-    assert isinstance(clock, PacedClock) == is_paced
+    clock = RosProcess().clock_for(parameters, Noon(), use_sim_time=use_sim_time)
+    assert isinstance(clock.source, PacedClock if is_paced else Noon)
 
 
 def test_nodes_created_after_one_that_publishes_the_clock_share_its_clock() -> None:
     process = RosProcess()
-    clock = process.clock_for(RobotParameters(publish_clock=True), use_sim_time=True)
+    clock = process.clock_for(RobotParameters(publish_clock=True), Noon(), use_sim_time=True)
     for use_sim_time in (True, False):
-        assert process.clock_for(LaserParameters(), use_sim_time=use_sim_time) is clock
+        assert process.clock_for(LaserParameters(), Noon(), use_sim_time=use_sim_time) is clock
+
+
+def test_nodes_that_follow_ros_share_one_clock() -> None:
+    """On ROS 2 each node receives /clock on its own. A scan would be measured at another time than that of the robot."""
+    process = RosProcess()
+    clock = process.clock_for(RobotParameters(publish_clock=False), Noon(), use_sim_time=True)
+    assert process.clock_for(LaserParameters(), Noon(), use_sim_time=True) is clock
 
 
 def test_all_robots_of_a_process_move_in_one_world_on_the_clock_of_the_first() -> None:
@@ -84,11 +96,11 @@ def test_all_robots_of_a_process_move_in_one_world_on_the_clock_of_the_first() -
 
 def test_set_speed_changes_only_a_paced_clock() -> None:
     clock = PacedClock()
-    paced, following = FakeRosNode(RosProcess(), clock), FakeRosNode(RosProcess())
+    paced, following = FakeRosNode(RosProcess(), clock), FakeRosNode(RosProcess(), Noon())
     paced.set_speed(3.0)
     following.set_speed(3.0)
-    assert (paced.get_clock(), clock.speed) == (clock, 3.0)
-    assert following.get_clock() == "the clock of ROS"
+    assert clock.speed == 3.0
+    assert following.get_clock().now() == Noon().now()
 
 
 def test_a_subscription_receives_converted_messages_until_it_is_destroyed() -> None:
