@@ -262,7 +262,7 @@ class _MasterMonitor:
     def __init__(
         self, behaviours: list[Behaviour], resolver: ParameterResolver, given: dict[str, Any], process: RosProcess
     ) -> None:
-        self._behaviours, self._resolver, self._last_given = behaviours, resolver, given
+        self._behaviours, self._resolver, self._last_given = behaviours, resolver, dict(given)
         self._executor, self._topics = process.executor, process.topics
         Thread(target=self._run, name="master", daemon=True).start()
 
@@ -295,11 +295,11 @@ class _MasterMonitor:
             warn_about_unknown(changed, _logger())
             change = self._executor.serialized(self._change)
             for name, value in changed.items():
+                self._last_given[name] = value
                 change(name, lambda _, value=value: value)
             for name in deleted:
+                del self._last_given[name]
                 change(name, lambda model, name=name: self._resolver.defaults_of(model)[name])
-            given = _private_parameters()
-        self._last_given = given
 
     def _change(self, name: str, value_for: Callable[[type[Parameters]], Any]) -> None:
         refusal = change_everywhere(self._behaviours, name, value_for)
@@ -310,9 +310,11 @@ class _MasterMonitor:
             value = getattr(behaviour.parameters, name, None)
             if value is not None:
                 rospy.set_param(f"~{name}", value)
+                self._last_given[name] = value
                 return
         if rospy.has_param(f"~{name}"):
             rospy.delete_param(f"~{name}")
+        self._last_given.pop(name, None)
 
 
 _ABSENT = object()
