@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from functools import cache
 from numbers import Integral, Real
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,15 +91,41 @@ def copied(value: T) -> T:
 def check_fields(message: Message) -> None:
     """Checks that the fields of a message, and of the messages in it, hold values of their types.
 
+    A number can be NaN or infinite. An array can be a NumPy array, a list or a tuple of numbers. Each item of a list of
+    messages is checked too.
+
     Raises:
         TypeError: A field holds something else. The text names the field.
     """
     for name, kind in _field_kinds(type(message)).items():  # type: ignore[arg-type]
-        value = getattr(message, name)
-        if not isinstance(value, _ACCEPTED.get(kind, kind)):
-            raise TypeError(f"{type(message).__name__}.{name} must be a {kind.__name__}, got {quoted(value)}")
-        if isinstance(value, Message):
-            check_fields(value)
+        value, where = getattr(message, name), f"{type(message).__name__}.{name}"
+        if kind is np.ndarray:
+            _check_numbers(value, where)
+        elif get_origin(kind) is list:
+            (item_kind,) = get_args(kind)
+            _need(isinstance(value, (list, tuple)), where, f"a list of {item_kind.__name__}", value)
+            for index, item in enumerate(value):
+                _need(isinstance(item, item_kind), f"{where}[{index}]", f"a {item_kind.__name__}", item)
+                check_fields(item)
+        else:
+            _need(isinstance(value, _ACCEPTED.get(kind, kind)), where, f"a {kind.__name__}", value)
+            if isinstance(value, Message):
+                check_fields(value)
+
+
+def _check_numbers(value: object, where: str) -> None:
+    if isinstance(value, np.ndarray):
+        _need(value.dtype.kind in "iuf", where, "an array of numbers", value)
+    elif isinstance(value, (list, tuple)):
+        for index, item in enumerate(value):
+            _need(isinstance(item, Real), f"{where}[{index}]", "a number", item)
+    else:
+        _need(False, where, "an array of numbers", value)
+
+
+def _need(is_met: bool, where: str, needed: str, value: object) -> None:
+    if not is_met:
+        raise TypeError(f"{where} must be {needed}, got {quoted(value)}")
 
 
 _ACCEPTED: dict[type, type] = {float: Real, int: Integral}
@@ -107,10 +133,20 @@ _ACCEPTED: dict[type, type] = {float: Real, int: Integral}
 
 
 @cache
-def _field_kinds(kind: type[Message]) -> dict[str, type]:
-    """Returns the types of the fields that hold numbers, texts or messages."""
-    kinds = {name: type(getattr(kind(), name)) for name in _field_names(kind)}  # type: ignore[arg-type]
-    return {name: found for name, found in kinds.items() if found in (float, int, str) or issubclass(found, Message)}
+def _field_kinds(kind: type[Message]) -> dict[str, Any]:
+    """Returns the types of the fields that hold numbers, texts, messages, arrays, or lists of messages."""
+    kinds: dict[str, Any] = {}
+    for name in _field_names(kind):  # type: ignore[arg-type]
+        found = type(getattr(kind(), name))
+        if found in (float, int, str, np.ndarray) or issubclass(found, Message):
+            kinds[name] = found
+        elif found is list and (item_kinds := [item for item in get_args(get_type_hints(kind)[name]) if _is_message(item)]):
+            kinds[name] = list[item_kinds[0]]  # type: ignore[valid-type]
+    return kinds
+
+
+def _is_message(kind: object) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Message)
 
 
 @cache

@@ -52,6 +52,32 @@ def test_a_late_subscriber_receives_the_last_message_of_a_latched_topic(bus: Bus
     assert seen == [at(2)]
 
 
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        (mrs.messages.LaserScan(ranges="abc"), r"LaserScan\.ranges must be an array of numbers, got 'abc'"),  # type: ignore
+        (mrs.messages.LaserScan(ranges=[1.0, "a"]), r"LaserScan\.ranges\[1\] must be a number, got 'a'"),  # type: ignore
+        (mrs.messages.LaserScan(ranges=np.array(["a"])), r"LaserScan\.ranges must be an array of numbers, got array"),
+        (mrs.messages.TFMessage([1]), r"TFMessage\.transforms\[0\] must be a TransformStamped, got 1"),  # type: ignore
+        (mrs.messages.TFMessage(3), r"TFMessage\.transforms must be a list of TransformStamped, got 3"),  # type: ignore
+        (
+            mrs.messages.TFMessage([mrs.messages.TransformStamped(child_frame_id=3)]),  # type: ignore
+            r"TransformStamped\.child_frame_id must be a str, got 3",
+        ),
+    ],
+)
+def test_items_of_lists_and_arrays_are_checked(bus: Bus, message: Any, words: str) -> None:
+    with pytest.raises(TypeError, match=words):
+        BusNode(bus, "clerk").create_publisher(type(message), "/a").publish(message)
+    assert bus.topics()[0].latest is None
+
+
+def test_numbers_that_are_not_finite_may_be_sent(bus: Bus) -> None:
+    scan = mrs.messages.LaserScan(ranges=[np.nan, np.inf, 1], range_max=np.inf)  # type: ignore
+    BusNode(bus, "clerk").create_publisher(mrs.messages.LaserScan, "/a").publish(scan)
+    assert str(bus.latest("/a").ranges) == "[nan, inf, 1]"
+
+
 def test_a_late_subscriber_receives_nothing_from_other_topics(bus: Bus, node: BusNode) -> None:
     seen: list[Any] = []
     node.create_publisher(mrs.messages.Clock, "/a").publish(at(1))
