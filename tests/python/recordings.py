@@ -14,7 +14,10 @@ from mobile_robot_simulator import messages as ros
 from mobile_robot_simulator.recording.recorder import Format, Recorder
 
 FORMATS: tuple[Format, ...] = ("mcap", "sqlite3", "bag")
-KINDS = sorted((kind for kind in ros.Message.__subclasses__() if "/msg/" in kind.ros_type), key=lambda kind: kind.ros_type)
+KINDS = sorted(
+    (kind for kind in ros.Message.__subclasses__() if "/msg/" in getattr(kind, "ros_type", "")),
+    key=lambda kind: kind.ros_type,
+)
 SPECIAL = np.array([np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-45, 3.4e38, 1.1], np.float32)
 
 

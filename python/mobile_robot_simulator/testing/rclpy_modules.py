@@ -23,6 +23,7 @@ from .tf2 import (
     do_transform_point,
     do_transform_pose,
     do_transform_pose_stamped,
+    do_transform_vector3,
 )
 
 
@@ -92,7 +93,8 @@ RCLPY: dict[str, dict[str, object]] = {
     "tf2_ros.transform_listener": TF2,
     "tf2_ros.static_transform_broadcaster": {"StaticTransformBroadcaster": StaticTransformBroadcaster},
     "tf2_geometry_msgs": {
-        kind.__name__: kind for kind in (do_transform_pose, do_transform_pose_stamped, do_transform_point)
+        kind.__name__: kind
+        for kind in (do_transform_pose, do_transform_pose_stamped, do_transform_point, do_transform_vector3)
     },
     "message_filters": {
         kind.__name__: kind for kind in (SimpleFilter, Subscriber, Cache, TimeSynchronizer, ApproximateTimeSynchronizer)

@@ -1,7 +1,4 @@
-"""The interface of tf2_ros and tf2_geometry_msgs on the bus: a buffer with a history, its listener, and broadcasters.
-
-Transforms are planar: x, y and yaw count, and heights, roll and pitch are ignored.
-"""
+"""The interface of tf2_ros and tf2_geometry_msgs on the bus: a buffer with a history, its listener, and broadcasters."""
 
 from __future__ import annotations
 
@@ -12,12 +9,12 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
-from .._core import Pose as PlanarPose
 from ..bus.node import BusNode
 from ..handle import Handle
 from ..instant import NANOSECONDS, Duration, Instant
-from ..messages import Header, Pose, TFMessage, Time, Transform, TransformStamped
+from ..messages import Header, Point, Pose, TFMessage, Time, TransformStamped, Vector3
 from ..nodes.interface import QoS
+from .rigid_transform import RigidTransform
 
 CACHE_TIME = Duration(seconds=10)
 """How long a buffer keeps transforms by default."""
@@ -54,8 +51,8 @@ class Buffer(Handle):
     def clear(self) -> None:
         """Removes all transforms."""
         self._parents: dict[str, str] = {}
-        self._history: dict[str, list[tuple[int, PlanarPose]]] = {}
-        self._static: dict[str, PlanarPose] = {}
+        self._history: dict[str, list[tuple[int, RigidTransform]]] = {}
+        self._static: dict[str, RigidTransform] = {}
 
     def save(self) -> Any:
         """Returns the state that `restore` takes."""
@@ -74,7 +71,7 @@ class Buffer(Handle):
             ValueError: The transform is not finite, or its quaternion is zero.
         """
         child, parent = transform.child_frame_id, transform.header.frame_id
-        stamp, pose = transform.header.stamp.nanoseconds, transform.transform.to_planar()
+        stamp, pose = transform.header.stamp.nanoseconds, _rigid(transform)
         self._static.pop(child, None)
         if self._parents.get(child) != parent:
             self._history[child] = []
@@ -86,7 +83,7 @@ class Buffer(Handle):
 
     def set_transform_static(self, transform: TransformStamped, authority: str = "") -> None:
         """Adds a transform that is valid at all times. Raises the errors of `set_transform`."""
-        self._static[transform.child_frame_id] = transform.transform.to_planar()
+        self._static[transform.child_frame_id] = _rigid(transform)
         self._parents[transform.child_frame_id] = transform.header.frame_id
 
     def lookup_transform(
@@ -121,7 +118,7 @@ class Buffer(Handle):
         time_ns = time.nanoseconds or min((self._history[f][-1][0] for f in up + down if f not in self._static), default=0)
         pose = self._to_ancestor(down, time_ns).inverse() * self._to_ancestor(up, time_ns)
         header = Header(Time.from_nanoseconds(time_ns), target_frame)
-        return TransformStamped(header, source_frame, Transform.from_planar(pose))
+        return TransformStamped(header, source_frame, pose.to_transform())
 
     def can_transform(
         self, target_frame: str, source_frame: str, time: Instant | Time, timeout: Duration | None = None
@@ -134,10 +131,18 @@ class Buffer(Handle):
         return True
 
     def transform(self, object_stamped: Any, target_frame: str, timeout: Duration | None = None) -> Any:
-        """Returns a PoseStamped or PointStamped in another frame. Raises the errors of `lookup_transform`."""
+        """Returns a PoseStamped, PointStamped or Vector3Stamped in another frame.
+
+        Raises:
+            TransformException: As for `lookup_transform`.
+            TypeError: The object is of another type.
+        """
+        kind = type(object_stamped).__name__
+        if kind not in TRANSFORMED:
+            raise TypeError(f"the stand-in transforms {', '.join(TRANSFORMED)}, got {kind}")
         header = object_stamped.header
         found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        return (do_transform_point if hasattr(object_stamped, "point") else do_transform_pose_stamped)(object_stamped, found)
+        return TRANSFORMED[kind](object_stamped, found)
 
     def _up(self, frame: str) -> list[str]:
         """Returns a frame and its ancestors, nearest first."""
@@ -146,14 +151,14 @@ class Buffer(Handle):
             found.append(parent)
         return found
 
-    def _to_ancestor(self, frames: list[str], time_ns: int) -> PlanarPose:
+    def _to_ancestor(self, frames: list[str], time_ns: int) -> RigidTransform:
         """Returns the pose of the first of consecutive frames in the parent of the last one."""
-        pose = PlanarPose()
+        pose = RigidTransform()
         for frame in frames:
             pose = (self._static[frame] if frame in self._static else self._at(frame, time_ns)) * pose
         return pose
 
-    def _at(self, frame: str, time_ns: int) -> PlanarPose:
+    def _at(self, frame: str, time_ns: int) -> RigidTransform:
         history = self._history[frame]
         after = bisect_left(history, time_ns, key=itemgetter(0))
         if after < len(history) and history[after][0] == time_ns:
@@ -237,10 +242,8 @@ class StaticTransformBroadcaster:
 
 
 def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
-    """Returns a pose in the frame of the transform's header. The height stays."""
-    moved = Pose.from_planar(transform.transform.to_planar() * pose.to_planar())
-    moved.position.z = pose.position.z
-    return moved
+    """Returns a pose in the frame of the transform's header."""
+    return (_rigid(transform) * RigidTransform.from_message(pose.position, pose.orientation)).to_pose()
 
 
 def do_transform_pose_stamped(pose: Any, transform: TransformStamped) -> Any:
@@ -249,6 +252,24 @@ def do_transform_pose_stamped(pose: Any, transform: TransformStamped) -> Any:
 
 
 def do_transform_point(point: Any, transform: TransformStamped) -> Any:
-    """Returns a PointStamped in the frame of the transform's header, with the transform's stamp. The height stays."""
-    moved = do_transform_pose(Pose(position=point.point), transform)
-    return type(point)(header=deepcopy(transform.header), point=moved.position)
+    """Returns a PointStamped in the frame of the transform's header, with the transform's stamp."""
+    moved = _rigid(transform).apply((point.point.x, point.point.y, point.point.z))
+    return type(point)(header=deepcopy(transform.header), point=Point(*moved))
+
+
+def do_transform_vector3(vector3: Any, transform: TransformStamped) -> Any:
+    """Returns a Vector3Stamped in the frame of the transform's header, with the transform's stamp. It is only rotated."""
+    turned = _rigid(transform).rotate((vector3.vector.x, vector3.vector.y, vector3.vector.z))
+    return type(vector3)(header=deepcopy(transform.header), vector=Vector3(*turned))
+
+
+def _rigid(transform: TransformStamped) -> RigidTransform:
+    return RigidTransform.from_message(transform.transform.translation, transform.transform.rotation)
+
+
+TRANSFORMED: dict[str, Callable[[Any, TransformStamped], Any]] = {
+    "PointStamped": do_transform_point,
+    "PoseStamped": do_transform_pose_stamped,
+    "Vector3Stamped": do_transform_vector3,
+}
+"""How `Buffer.transform` transforms messages, by the name of their type."""

@@ -63,6 +63,21 @@ def test_an_executor_runs_the_simulation_until_a_future_is_done(kind):
 
     assert executor.create_task(wait).result() == executor.create_task(wait()).result() == "late"
     assert executor.create_task(max, 1, 2).result() == 2
+    failing, seen = Future(), []
+
+    async def fail():
+        raise OSError(await failing)
+
+    async def watch(task):
+        try:
+            await task
+        except OSError as error:
+            seen.append(str(error))
+
+    executor.create_task(watch(executor.create_task(fail)))
+    failing.set_result("out of coffee")
+    sim.run_for(0.0)
+    assert seen == ["out of coffee"]
     with pytest.raises(RuntimeError, match=r"sim\.run_for"):
         executor.spin()
     executor.remove_node(node)

@@ -8,13 +8,13 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.instant import Duration, Instant
-from mobile_robot_simulator.messages import Header, Time, Transform, TransformStamped
+from mobile_robot_simulator.messages import Header, Quaternion, Time, Transform, TransformStamped, Vector3
 from mobile_robot_simulator.testing import stand_in
 from mobile_robot_simulator.testing.tf2 import Buffer
 from simulations import small_room
 
 with stand_in():
-    from geometry_msgs.msg import Point, PointStamped, Pose, PoseStamped
+    from geometry_msgs.msg import Point, PointStamped, Pose, PoseStamped, Vector3Stamped
     from rclpy.node import Node
     from tf2_geometry_msgs import do_transform_pose
     from tf2_ros import (
@@ -146,3 +146,23 @@ def test_a_late_listener_receives_the_transforms_of_all_static_broadcasters():
     sim.run_for(0.1)
     for name in ("camera", "arm", "antenna"):
         assert watcher.buffer.can_transform("base_link", name, Instant()), name
+
+
+def test_heights_roll_and_pitch_count(buffer):
+    """A camera 0.5 m above the base looks straight down: its x axis points to the floor, as after a pitch of 90 degrees."""
+    half = math.sqrt(0.5)
+    camera = TransformStamped(
+        Header(frame_id="base"), "camera", Transform(Vector3(0.2, 0.0, 0.5), Quaternion(y=half, w=half))
+    )
+    buffer.set_transform_static(camera)
+    seen = PointStamped(header=Header(Time(1, 0), "camera"), point=Point(0.5, 0.1, 0.3))
+    on_floor = buffer.transform(seen, "base").point
+    assert (on_floor.x, on_floor.y, on_floor.z) == pytest.approx((0.5, 0.1, 0.0))
+    in_odom = buffer.transform(seen, "odom").point
+    assert (in_odom.x, in_odom.y, in_odom.z) == pytest.approx((0.9, 0.5, 0.0))
+    pose = buffer.transform(PoseStamped(header=seen.header), "odom").pose
+    assert pose.position.z == 0.5 and pose.orientation.x == pytest.approx(-0.5)
+    down = buffer.transform(Vector3Stamped(header=seen.header, vector=Vector3(2.0, 0.0, 0.0)), "odom").vector
+    assert (down.x, down.y, down.z) == pytest.approx((0.0, 0.0, -2.0))
+    with pytest.raises(TypeError, match=r"transforms PointStamped, PoseStamped, Vector3Stamped, got Twist"):
+        buffer.transform(mrs.messages.Twist(), "odom")
