@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
+from typing import Any, Protocol
 
 from ..handle import Handle
-from ..instant import NANOSECONDS
-from .clock import BusClock
+from ..instant import NANOSECONDS, Instant
+
+
+class LoggerClock(Protocol):
+    """Tells the time, for throttled messages."""
+
+    def now(self) -> Instant:
+        """Returns the current time."""
 
 
 class BusLogger(Handle):
@@ -22,7 +28,7 @@ class BusLogger(Handle):
         name: Name of the node. The name of the logger is `mobile_robot_simulator.<name>`.
     """
 
-    def __init__(self, clock: BusClock, name: str) -> None:
+    def __init__(self, clock: LoggerClock, name: str) -> None:
         self._clock, self._logger = clock, logging.getLogger(f"mobile_robot_simulator.{name}")
         self._last_logged_ns: dict[str, int] = {}
 

@@ -263,30 +263,33 @@ class BusNode(Handle):
 
     # --- parameters ---
 
-    def declare_parameter(self, name: str, value: Any = None, *_: Any, **__: Any) -> Parameter:
+    def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None, *_: Any, **__: Any) -> Parameter:
         """Declares a parameter with a default value. A value passed to the node's constructor replaces the default.
 
         Args:
             name: Name of the parameter.
             value: Default value.
+            descriptor: A `ParameterDescriptor` of `rcl_interfaces`. The bus checks `read_only` and the ranges.
 
         Raises:
             ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
+            InvalidParameterValueException: The value is out of the descriptor's range. It is a ValueError.
         """
-        return self._parameters.declare(name, value)
+        return self._parameters.declare(name, value, descriptor)
 
     def declare_parameters(self, namespace: str, parameters: Sequence[tuple[Any, ...]], **_: Any) -> list[Parameter]:
         """Declares several parameters.
 
         Args:
             namespace: Prefix of the names, followed by a dot. Empty for none.
-            parameters: For each parameter a tuple of its name and its default value. Further items are ignored.
+            parameters: For each parameter a tuple of its name, its default value and its descriptor. The last two can be
+                missing.
 
         Raises:
             ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
         """
         prefix = f"{namespace}." if namespace else ""
-        return [self.declare_parameter(prefix + item[0], *item[1:2]) for item in parameters]
+        return [self.declare_parameter(prefix + item[0], *item[1:3]) for item in parameters]
 
     def has_parameter(self, name: str) -> bool:
         """Returns True if the parameter is declared."""
@@ -300,6 +303,10 @@ class BusNode(Handle):
                 ValueError.
         """
         return self._parameters.get(name)
+
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Returns several parameters. Raises the error of `get_parameter`."""
+        return [self._parameters.get(name) for name in names]
 
     def get_parameter_or(self, name: str, alternative_value: Any = None) -> Any:
         """Returns a parameter, or the alternative if it is not declared."""

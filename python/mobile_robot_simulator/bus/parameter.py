@@ -18,6 +18,10 @@ class ParameterAlreadyDeclaredException(ValueError):
     """A parameter was declared twice."""
 
 
+class InvalidParameterValueException(ValueError):
+    """A parameter was declared with a value that its descriptor excludes."""
+
+
 class ParameterType(Enum):
     """Types of parameter values, numbered as in rclpy. The bus does not check types."""
 
@@ -98,17 +102,28 @@ class ParameterStore:
         self._owner = owner
         self._overrides = dict(overrides)
         self._parameters: dict[str, Parameter] = {}
+        self._descriptors: dict[str, Any] = {}
         self._checks: list[SetParametersCallback] = []
 
-    def declare(self, name: str, default: Any) -> Parameter:
+    def declare(self, name: str, default: Any, descriptor: Any = None) -> Parameter:
         """Adds a parameter. Its value is the override with that name, or else the default.
+
+        Args:
+            name: Name of the parameter.
+            default: Default value.
+            descriptor: A `ParameterDescriptor` of `rcl_interfaces`, or None. `read_only` and the ranges count.
 
         Raises:
             ParameterAlreadyDeclaredException: The parameter is already declared. It is a ValueError.
+            InvalidParameterValueException: The value is out of the descriptor's range. It is a ValueError.
         """
         if name in self._parameters:
             raise ParameterAlreadyDeclaredException(f"parameter {quoted(name)} is already declared")
-        self._parameters[name] = Parameter(name, value=self._overrides.get(name, default))
+        value = self._overrides.get(name, default)
+        if (problem := _range_problem(value, descriptor)) is not None:
+            raise InvalidParameterValueException(f"parameter {quoted(name)} of {self._owner} {problem}")
+        self._descriptors[name] = descriptor
+        self._parameters[name] = Parameter(name, value=value)
         return self._parameters[name]
 
     def has(self, name: str) -> bool:
@@ -129,10 +144,10 @@ class ParameterStore:
         return self._parameters[name]
 
     def set(self, parameters: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Sets each parameter, unless a check refuses it.
+        """Sets each parameter, unless its descriptor or a check refuses it.
 
         Returns:
-            One result per parameter: the refusal of the first check that refuses it, or success.
+            One result per parameter: the first refusal, or success.
 
         Raises:
             ParameterNotDeclaredException: A parameter is not declared. Those before it in the list are set.
@@ -140,6 +155,13 @@ class ParameterStore:
         results = []
         for parameter in parameters:
             self.get(parameter.name)
+            descriptor = self._descriptors[parameter.name]
+            problem = _range_problem(parameter.value, descriptor)
+            if getattr(descriptor, "read_only", False):
+                problem = "is read-only"
+            if problem is not None:
+                results.append(SetParametersResult(False, f"parameter {quoted(parameter.name)} {problem}"))
+                continue
             refusals = (answer for answer in (check([parameter]) for check in self._checks) if not answer.successful)
             result = next(refusals, SetParametersResult())
             if result.successful:
@@ -150,3 +172,12 @@ class ParameterStore:
     def add_check(self, check: SetParametersCallback) -> None:
         """Adds a callback that can refuse new values."""
         self._checks.append(check)
+
+
+def _range_problem(value: Any, descriptor: Any) -> str | None:
+    """Returns why a descriptor's ranges exclude a value, or None if they do not."""
+    for kind in ("floating_point_range", "integer_range"):
+        for bounds in getattr(descriptor, kind, ()):
+            if isinstance(value, (int, float)) and not bounds.from_value <= value <= bounds.to_value:
+                return f"must be from {bounds.from_value} to {bounds.to_value}, got {value}"
+    return None

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
+from enum import Enum
+from time import monotonic_ns
 from typing import Any
 
 from .. import instant, messages
 from ..bus import clock, node, parameter, service, timer, topic
+from ..bus.logger import BusLogger
+from ..bus.task import BusTask
 from ..nodes.future import Future
 from .executors import SPINS, Executor, ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
-from .rclpy_qos import SENSOR_DATA, DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from .parameter_descriptor import FloatingPointRange, IntegerRange, ParameterDescriptor
+from .rclpy_qos import qos_contents
 from .ros_messages import generated_packages
 from .tf2 import (
     Buffer,
@@ -27,16 +34,46 @@ from .tf2 import (
 )
 
 
+class ClockType(Enum):
+    """Kinds of clocks. On the bus, all of them show simulated time."""
+
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3
+
+
+class ROSInterruptException(Exception):
+    """Exception of `rclpy.exceptions`. Nothing on the bus raises it."""
+
+
+class _WallClock:
+    """The clock of loggers that belong to no node."""
+
+    def now(self) -> instant.Instant:
+        return instant.Instant(monotonic_ns())
+
+
+def _get_logger(name: str) -> BusLogger:
+    return BusLogger(_WallClock(), name)
+
+
+def _without_ros_arguments(args: Sequence[str] | None = None) -> list[str]:
+    """Returns the arguments without those between `--ros-args` and `--`, or the end."""
+    kept, is_ros = list[str](), False
+    for argument in sys.argv if args is None else args:
+        if argument == "--ros-args" or (is_ros and argument == "--"):
+            is_ros = argument == "--ros-args"
+        elif not is_ros:
+            kept.append(argument)
+    return kept
+
+
 def _do_nothing(*_: Any, **__: Any) -> None:
     pass
 
 
 def _is_ok(*_: Any, **__: Any) -> bool:
     return True
-
-
-def _describe_parameter(**_: Any) -> None:
-    return None
 
 
 TF2: dict[str, object] = {
@@ -63,30 +100,32 @@ RCLPY: dict[str, dict[str, object]] = {
     },
     "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
     "rclpy.client": {"Client": service.BusClient},
-    "rclpy.clock": {"Clock": clock.BusClock},
+    "rclpy.clock": {"Clock": clock.BusClock, "ROSClock": clock.BusClock, "ClockType": ClockType},
     "rclpy.duration": {"Duration": instant.Duration},
     "rclpy.exceptions": {
+        "ROSInterruptException": ROSInterruptException,
+        "InvalidParameterValueException": parameter.InvalidParameterValueException,
         "ParameterAlreadyDeclaredException": parameter.ParameterAlreadyDeclaredException,
         "ParameterNotDeclaredException": parameter.ParameterNotDeclaredException,
     },
     "rclpy.executors": {
         kind.__name__: kind for kind in (Executor, SingleThreadedExecutor, MultiThreadedExecutor, ExternalShutdownException)
     },
+    "rclpy.logging": {"get_logger": _get_logger},
     "rclpy.node": {"Node": node.Node},
     "rclpy.parameter": {"Parameter": parameter.Parameter},
     "rclpy.publisher": {"Publisher": topic.BusPublisher},
-    "rclpy.qos": {
-        "QoSProfile": QoSProfile,
-        **dict.fromkeys(("ReliabilityPolicy", "QoSReliabilityPolicy"), ReliabilityPolicy),
-        **dict.fromkeys(("DurabilityPolicy", "QoSDurabilityPolicy"), DurabilityPolicy),
-        **dict.fromkeys(("HistoryPolicy", "QoSHistoryPolicy"), HistoryPolicy),
-        "qos_profile_sensor_data": SENSOR_DATA,
-    },
+    "rclpy.qos": qos_contents(),
     "rclpy.service": {"Service": service.BusService},
     "rclpy.subscription": {"Subscription": topic.BusSubscription},
-    "rclpy.task": {"Future": Future},
-    "rclpy.time": {"Time": instant.Instant},
+    "rclpy.task": {"Future": Future, "Task": BusTask},
+    "rclpy.time": {"Time": instant.Instant, "Duration": instant.Duration},
     "rclpy.timer": {"Timer": timer.BusTimer},
+    "rclpy.utilities": {
+        **dict.fromkeys(("shutdown", "try_shutdown"), _do_nothing),
+        "ok": _is_ok,
+        "remove_ros_args": _without_ros_arguments,
+    },
     "tf2_ros": TF2,
     "tf2_ros.buffer": TF2,
     "tf2_ros.transform_broadcaster": TF2,
@@ -99,8 +138,8 @@ RCLPY: dict[str, dict[str, object]] = {
     "message_filters": {
         kind.__name__: kind for kind in (SimpleFilter, Subscriber, Cache, TimeSynchronizer, ApproximateTimeSynchronizer)
     },
-    "rcl_interfaces.msg": {
-        "ParameterDescriptor": _describe_parameter,
+    "rcl_interfaces.msg": {kind.__name__: kind for kind in (ParameterDescriptor, FloatingPointRange, IntegerRange)}
+    | {
         "SetParametersResult": parameter.SetParametersResult,
     },
 }

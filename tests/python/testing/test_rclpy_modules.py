@@ -25,3 +25,13 @@ def test_the_contents_are_those_of_rclpy_and_of_the_message_packages():
         assert names.keys() == set().union(*sources)
     assert contents["rclpy.node"]["Node"] is Node
     assert contents["sensor_msgs.msg"]["LaserScan"] is mrs.messages.LaserScan
+
+
+def test_small_modules_of_rclpy_do_what_they_say(caplog):
+    utilities, logging = RCLPY["rclpy.utilities"], RCLPY["rclpy.logging"]
+    arguments = ["node", "--ros-args", "-p", "speed:=1", "--", "map.yaml"]
+    assert utilities["remove_ros_args"](arguments) == ["node", "map.yaml"]
+    assert utilities["ok"]() and utilities["shutdown"]() is None
+    logger = logging["get_logger"]("helper")
+    assert [logger.warning("careful", throttle_duration_sec=60.0) for _ in range(2)] == [True, False]
+    assert [(it.name, it.message) for it in caplog.records] == [("mobile_robot_simulator.helper", "careful")]

@@ -5,13 +5,15 @@ from __future__ import annotations
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.testing.rclpy_qos import SENSOR_DATA, DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from mobile_robot_simulator.testing.rclpy_qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_contents
 from simulations import small_room
 
 
 def test_the_defaults_are_those_of_rclpy():
     assert QoSProfile() == QoSProfile(10, ReliabilityPolicy.RELIABLE, DurabilityPolicy.VOLATILE)
-    assert (SENSOR_DATA.depth, SENSOR_DATA.reliability) == (5, ReliabilityPolicy.BEST_EFFORT)
+    sensor_data = qos_contents()["qos_profile_sensor_data"]
+    assert (sensor_data.depth, sensor_data.reliability) == (5, ReliabilityPolicy.BEST_EFFORT)
+    assert qos_contents()["QoSPresetProfiles"].SENSOR_DATA.value is sensor_data
 
 
 @pytest.mark.parametrize(("durability", "count"), [(DurabilityPolicy.TRANSIENT_LOCAL, 1), (DurabilityPolicy.VOLATILE, 0)])
