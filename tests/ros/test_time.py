@@ -55,6 +55,11 @@ def test_each_scan_has_a_transform_at_its_stamp(
     check_stamps(world)
 
 
+def test_scans_of_all_have_transforms_at_any_rate(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, publish_rate=10.0, laser_frequency=40.0)
+    check_stamps(world)
+
+
 def check_stamps(world: Any) -> None:
     """Checks that scans have transforms at their stamps, and prints how long one waits for them."""
     scans, transforms = world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)

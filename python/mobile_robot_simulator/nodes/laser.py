@@ -281,6 +281,8 @@ class LaserScannerSimulator(Handle):
         self._update_mount(now_ns)
         scanner = self._scanner
         ranges = self._measure(self._maps.grid, map_from_base)
+        if self._carrier is not None:
+            self._carrier.publish_transforms()
         self._scans.publish(
             LaserScan(
                 Header(Time.from_nanoseconds(now_ns), parameters.frame("laser_frame_id")),

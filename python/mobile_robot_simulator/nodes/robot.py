@@ -93,6 +93,7 @@ class RobotSnapshot:
         slip_share: Share of the commanded motion that is lost, see `MobileRobotSimulator.slip`.
         drift: Noise and seed of the last call of `MobileRobotSimulator.drift`.
         believed_pose: Pose that the odometry last reported, in the odometry frame.
+        transforms_stamp: Stamp of the last transforms, None before the first ones.
         motion: The motion and its saved state.
         odometer: The odometer and its saved state.
         maps: State of the map listener, with the map.
@@ -105,6 +106,7 @@ class RobotSnapshot:
     slip_share: float
     drift: tuple[MotionNoise | None, int]
     believed_pose: Pose
+    transforms_stamp: Time | None
     motion: tuple[Motion, MotionSnapshot]
     odometer: tuple[Odometer, OdometerSnapshot]
     maps: MapListenerSnapshot
@@ -117,7 +119,8 @@ class MobileRobotSimulator(Handle):
         The robot keeps the velocity of a Twist or TwistStamped until the next one arrives or `velocity_timeout` has passed.
         Its motion is integrated exactly, so the pose does not depend on the publishing rate.
     Output:
-        The node publishes odometry and the transform odom -> base_link at `publish_rate`. With
+        The node publishes odometry and the transform odom -> base_link at `publish_rate`. A scanner on the robot has it
+        publish the transforms also at the stamps of its scans. With
         `publish_clock` it publishes the clock at `clock_rate`, or at `publish_rate` if `clock_rate` is 0. With
         `publish_map_transform` it also publishes map -> odom, and each message on `initialpose` moves the robot to that
         pose.
@@ -169,6 +172,7 @@ class MobileRobotSimulator(Handle):
         self._start_pose = start_pose
         self._running: Handles | None = None
         self._publishers: RobotPublishers | None = None
+        self._transforms_stamp: Time | None = None
         self._footprint = self._parameters.shape
         self._slip_share = 0.0
         self._drift: tuple[MotionNoise | None, int] = (None, 0)
@@ -326,6 +330,16 @@ class MobileRobotSimulator(Handle):
             self._running = None
             self._motion.stop(self._world.now_ns())
 
+    def publish_transforms(self) -> None:
+        """Publishes the transforms now, unless they have been published at this stamp. Has no effect while it is stopped.
+
+        A scanner calls this before it publishes a scan. So each scan has a transform at its stamp, at any rate.
+        """
+        if self._running is not None:
+            now_ns = self._world.now_ns()
+            odom_from_base = self._odometer.pose_at(self._motion.wheel_pose(now_ns).wrapped())
+            self._send_transforms(now_ns, self._stamp(), odom_from_base)
+
     def save(self) -> RobotSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
         return RobotSnapshot(
@@ -336,6 +350,7 @@ class MobileRobotSimulator(Handle):
             slip_share=self._slip_share,
             drift=self._drift,
             believed_pose=self._believed_pose,
+            transforms_stamp=self._transforms_stamp,
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
             maps=self._maps.save(),
@@ -345,7 +360,7 @@ class MobileRobotSimulator(Handle):
         """Puts the robot back into a saved state."""
         self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
         self._footprint, self._slip_share, self._drift = state.footprint, state.slip_share, state.drift
-        self._believed_pose = state.believed_pose
+        self._believed_pose, self._transforms_stamp = state.believed_pose, state.transforms_stamp
         self._motion, motion_state = state.motion
         self._motion.restore(motion_state)
         self._odometer, odometer_state = state.odometer
@@ -494,7 +509,7 @@ class MobileRobotSimulator(Handle):
         self._believed_pose = reading.pose
         odometry = self._odometry_message(now_ns, stamp, reading)
         self._publishers.odometry.publish(odometry)
-        self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, odometry)))
+        self._send_transforms(now_ns, stamp, reading.pose)
         if self._publishers.truth is not None:
             self._publishers.truth.publish(self._truth_message(now_ns, stamp))
 
@@ -516,27 +531,29 @@ class MobileRobotSimulator(Handle):
             TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
         )
 
-    def _transform_messages(self, now_ns: int, odometry: Odometry) -> list[TransformStamped]:
-        """Returns map -> odom and the true pose, if they are published, and odom -> base_link as in the odometry message."""
-        parameters = self._parameters
-        position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
-        odom_from_base = Transform(Vector3(position.x, position.y), orientation)
-        transforms = [TransformStamped(odometry.header, odometry.child_frame_id, odom_from_base)]
-        if parameters.publish_map_transform:
-            header = Header(odometry.header.stamp, parameters.map_frame_id)
-            map_from_odom = Transform.from_planar(self._map_from_odom(now_ns))
-            transforms.insert(0, TransformStamped(header, odometry.header.frame_id, map_from_odom))
-        if parameters.ground_truth_frame:
-            header = Header(odometry.header.stamp, parameters.map_frame_id)
-            map_from_base = Transform.from_planar(self._motion.map_pose(now_ns))
-            transforms.append(TransformStamped(header, parameters.frame("ground_truth_frame"), map_from_base))
-        return transforms
+    def _send_transforms(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> None:
+        """Publishes the transforms, unless they have been published at this stamp. tf2 warns about repeated stamps."""
+        if self._publishers is not None and stamp != self._transforms_stamp:
+            self._transforms_stamp = stamp
+            self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, stamp, odom_from_base)))
 
-    def _map_from_odom(self, now_ns: int) -> Pose:
+    def _transform_messages(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> list[TransformStamped]:
+        """Returns odom -> base_link, and map -> odom and the true pose if they are published."""
+        parameters = self._parameters
+        odom, base = parameters.frame("odom_frame_id"), parameters.frame("base_link_frame")
+        links = [(odom, base, odom_from_base)]
+        if parameters.publish_map_transform:
+            links.insert(0, (parameters.map_frame_id, odom, self._map_from_odom(now_ns, odom_from_base)))
+        if parameters.ground_truth_frame:
+            truth = parameters.frame("ground_truth_frame")
+            links.append((parameters.map_frame_id, truth, self._motion.map_pose(now_ns)))
+        return [TransformStamped(Header(stamp, parent), child, Transform.from_planar(pose)) for parent, child, pose in links]
+
+    def _map_from_odom(self, now_ns: int, odom_from_base: Pose) -> Pose:
         """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
         motion = self._motion
         if motion.slipped or not self._odometer.is_exact:
-            return (motion.map_pose(now_ns) * self._believed_pose.inverse()).wrapped()
+            return (motion.map_pose(now_ns) * odom_from_base.inverse()).wrapped()
         return motion.map_from_own
 
     def _publish_clock(self) -> None:

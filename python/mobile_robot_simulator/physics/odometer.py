@@ -108,6 +108,17 @@ class Odometer:
         self._wheels, self._time_ns = wheels, time_ns
         return self._reading
 
+    def pose_at(self, wheels: Pose) -> Pose:
+        """Estimates the pose after the last reading, as if there had been no noise since then. Changes no later reading.
+
+        Args:
+            wheels: Pose of the wheels, without noise.
+
+        """
+        if self.is_exact:
+            return wheels
+        return (self._reading.pose * self._wheels.inverse() * wheels).wrapped()
+
     def _estimate(self, wheels: Pose, dt: float) -> OdometerReading:
         twist, before = self._wheels.twist_to(wheels, dt), self._reading.pose
         noise = NO_NOISE if self._noise is None else self._noise

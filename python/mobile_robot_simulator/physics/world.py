@@ -53,6 +53,9 @@ class Carrier(Protocol):
     def surroundings(self) -> list[Placed]:
         """Obstacles and other robots now; scanners see these in addition to the map."""
 
+    def publish_transforms(self) -> None:
+        """Publishes the transforms of the body now, unless it has done so already. Scanners call it before each scan."""
+
 
 @dataclass(frozen=True, slots=True)
 class WorldSnapshot:

@@ -36,6 +36,16 @@ def test_with_noise_the_estimate_drifts_and_its_covariance_grows() -> None:
     assert odometer.read(Pose(3.0), 3 * SECOND).pose == estimates[-1]
 
 
+def test_between_two_readings_the_estimate_moves_with_the_wheels() -> None:
+    odometer, other = (Odometer(Pose(), 0, noise=NOISE, seed=SEED) for _ in range(2))
+    reading = odometer.read(Pose(1.0), SECOND)
+    other.read(Pose(1.0), SECOND)
+    assert tuple(odometer.pose_at(Pose(1.5))) == pytest.approx(tuple(reading.pose * Pose(0.5)), abs=1e-12)
+    # It takes nothing from the random stream.
+    assert odometer.read(Pose(2.0), 2 * SECOND).pose == other.read(Pose(2.0), 2 * SECOND).pose
+    assert Odometer(Pose(), 0).pose_at(Pose(1.5, 0.1, 0.2)) == Pose(1.5, 0.1, 0.2)
+
+
 def test_without_noise_from_now_on_the_error_stays() -> None:
     odometer = Odometer(Pose(), 0, noise=NOISE, seed=SEED)
     error = odometer.read(Pose(1.0), SECOND).pose.x - 1.0

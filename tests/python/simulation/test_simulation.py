@@ -151,7 +151,8 @@ def test_the_same_run_twice_gives_the_same_messages(room: mrs.OccupancyGrid) -> 
         "/cmd_vel": 4,
         "/clock": 40,
         "/odom": 40,
-        "/tf": 40,
+        # 40 with odometry, 40 at the stamps of other scans.
+        "/tf": 80,
         "/scan": topics.count("/scan"),
     }
     times = [time_ns for _, _, time_ns in first]
@@ -391,3 +392,40 @@ def test_messages_say_what_is_needed(call, error, message):
 def test_spawn_needs_a_class(room: mrs.OccupancyGrid) -> None:
     with pytest.raises(TypeError, match=r"spawn needs a class derived from bus\.Node, .* got 'talker'"):
         mrs.Simulation(room).spawn("talker")  # type: ignore[arg-type]
+
+
+def stamps_of_scans_and_transforms(**rates: float) -> tuple[list[int], list[int]]:
+    """Returns the stamps of the scans and of the transforms of one second [ms], in the order in which they were sent.
+
+    The robot drives with drift and slip, and a scan may only follow a transform at its stamp.
+    """
+    sim = mrs.Simulation(GRID, start=(2.5, 2.5, 0.0), parameters={"odometry_alphas": [0.1] * 6, **rates}, seed=1)
+    sim.robot.slip(0.2)
+    scans, transforms = list[int](), list[int]()
+
+    def take(topic: str, message: Any, _: int) -> None:
+        if topic == "/scan":
+            scans.append(message.header.stamp.nanoseconds // 1_000_000)
+            assert transforms[-1] == scans[-1]
+        elif topic == "/tf":
+            map_from_odom, odom_from_base = (each.transform.to_planar() for each in message.transforms)
+            assert tuple(map_from_odom * odom_from_base) == pytest.approx(tuple(sim.truth.pose), abs=1e-9)
+            transforms.append(message.transforms[0].header.stamp.nanoseconds // 1_000_000)
+
+    sim.record(take)
+    sim.publish("/cmd_vel", twist(0.4))
+    sim.run_for(1.0)
+    return scans, transforms
+
+
+@pytest.mark.parametrize(("publish_rate", "laser_frequency"), [(10.0, 40.0), (50.0, 40.0), (10.0, 3.0)])
+def test_each_scan_has_a_transform_at_its_stamp(publish_rate: float, laser_frequency: float) -> None:
+    scans, transforms = stamps_of_scans_and_transforms(publish_rate=publish_rate, laser_frequency=laser_frequency)
+    every = {round(1000 * index / publish_rate) for index in range(1, round(publish_rate) + 1)}
+    assert len(scans) == laser_frequency
+    assert transforms == sorted({*scans, *every})
+
+
+def test_rates_in_step_need_no_more_transforms() -> None:
+    scans, transforms = stamps_of_scans_and_transforms()
+    assert scans == transforms == list(range(100, 1001, 100))
