@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::fork::Lock;
+use crate::interrupt::{Watch, is_pool_thread};
 use crate::lazy::Lazy;
 
 /// Largest number of threads that a caller may ask for.
@@ -39,17 +40,31 @@ const ROWS_PER_CHECK: usize = 4096;
 /// - [`Error::Count`]: `threads` is 0 or more than 1024.
 /// - [`Error::Threads`]: the system could not start the threads.
 /// - An error of `work`. Some chunks are not worked on then.
+/// - [`Error::Interrupted`]: the call was interrupted. Some chunks are not worked on then.
 pub fn for_each_chunk<T: Send>(
     threads: Option<usize>,
     elements: &mut [T],
     length: usize,
     work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
+    for_each_chunk_watched(&Watch::new(), threads, elements, length, work)
+}
+
+/// The same with a watch of the caller, which `work` may look at if a chunk takes long.
+///
+/// # Errors
+/// Those of [`for_each_chunk`].
+pub fn for_each_chunk_watched<T: Send>(
+    watch: &Watch,
+    threads: Option<usize>,
+    elements: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    let work = |(index, chunk): (usize, &mut [T])| watch.check().and_then(|()| work(index, chunk));
     match pool_for(threads, elements.len())? {
-        None => elements.chunks_mut(length).enumerate().try_for_each(|(index, chunk)| work(index, chunk)),
-        Some(pool) => {
-            pool.install(|| elements.par_chunks_mut(length).enumerate().try_for_each(|(index, chunk)| work(index, chunk)))
-        }
+        None => elements.chunks_mut(length).enumerate().try_for_each(work),
+        Some(pool) => watch.run(&pool, || elements.par_chunks_mut(length).enumerate().try_for_each(work)),
     }
 }
 
@@ -63,10 +78,14 @@ pub fn all_chunks<T: Sync>(
     length: usize,
     holds: impl Fn(&[T]) -> bool + Sync + Send,
 ) -> Result<bool, Error> {
-    Ok(match pool_for(threads, elements.len())? {
-        None => holds(elements),
-        Some(pool) => pool.install(|| elements.par_chunks(length).all(holds)),
-    })
+    let watch = Watch::new();
+    let holds = |chunk: &[T]| watch.is_interrupted() || holds(chunk);
+    let all = match pool_for(threads, elements.len())? {
+        None => elements.chunks(length).all(holds),
+        Some(pool) => watch.run(&pool, || elements.par_chunks(length).all(holds)),
+    };
+    watch.end()?;
+    Ok(all)
 }
 
 /// Checks that every row is finite, on `threads` threads (default: all cores).
@@ -101,14 +120,6 @@ pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Er
         Some(threads) => Ok(threads),
         None => CORES.get_or_build(cores).copied(),
     }
-}
-
-/// Returns true if the calling thread belongs to a pool.
-///
-/// While a pool thread waits for other threads, it may run another task of its pool. If that task needs the result that the
-/// thread is still computing, neither can continue: a deadlock.
-pub fn is_pool_thread() -> bool {
-    rayon::current_thread_index().is_some()
 }
 
 /// Returns the pool that works on a batch of this many elements; `None` if the calling thread does the work.

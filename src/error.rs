@@ -142,6 +142,9 @@ pub enum Error {
         /// Number of bytes needed.
         bytes: usize,
     },
+    /// A call that was ended early, for example by Ctrl-C.
+    #[error("the call was interrupted")]
+    Interrupted,
     /// Threads that the operating system did not start.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

@@ -1,5 +1,6 @@
 //! Values that are built when they are first needed, and then kept.
 
+use std::cell::Cell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::thread;
@@ -7,6 +8,7 @@ use std::time::Duration;
 
 use crate::error::Error;
 use crate::fork::{Section, generation};
+use crate::interrupt::Watch;
 
 /// A value that is built when it is first needed.
 ///
@@ -42,7 +44,8 @@ impl<T> Lazy<T> {
     /// Returns the value; builds it if it is not built yet. After an error, the next call tries again.
     ///
     /// # Errors
-    /// Those of `build`.
+    /// - Those of `build`.
+    /// - [`Error::Interrupted`]: the call was interrupted while it waited for another thread.
     #[inline]
     pub fn get_or_build(&self, build: impl FnOnce() -> Result<T, Error>) -> Result<&T, Error> {
         self.get().map_or_else(|| self.build(build), Ok)
@@ -50,24 +53,30 @@ impl<T> Lazy<T> {
 
     #[cold]
     fn build(&self, build: impl FnOnce() -> Result<T, Error>) -> Result<&T, Error> {
-        let Some(_claim) = self.claim() else { return Ok(self.value.get().expect("a value that is built")) };
+        let Some(_claim) = self.claim()? else { return Ok(self.value.get().expect("a value that is built")) };
         let value = build()?;
         let _section = Section::enter();
         Ok(self.value.get_or_init(|| value))
     }
 
     /// Waits until the value is built or this thread may build it. Returns `None` if it is built.
-    fn claim(&self) -> Option<Claim<'_>> {
+    ///
+    /// A thread that is building a value already does not wait. It can come here again if its build is interrupted by code
+    /// that goes on with it afterwards, and it must not wait for itself.
+    fn claim(&self) -> Result<Option<Claim<'_>>, Error> {
+        let watch = Watch::new();
         loop {
             if self.value.get().is_some() {
-                return None;
+                return Ok(None);
             }
             let (builder, own) = (self.builder.load(SeqCst), generation());
-            if builder != own && self.builder.compare_exchange(builder, own, SeqCst, SeqCst).is_ok() {
-                let claim = Claim(&self.builder);
+            let is_free = builder != own && self.builder.compare_exchange(builder, own, SeqCst, SeqCst).is_ok();
+            if is_free || CLAIMS.get() > 0 {
+                let claim = Claim::new(is_free.then_some(&self.builder));
                 // Another thread may have finished just before.
-                return self.value.get().is_none().then_some(claim);
+                return Ok(self.value.get().is_none().then_some(claim));
             }
+            watch.check()?;
             thread::sleep(PAUSE);
         }
     }
@@ -80,11 +89,29 @@ impl<T> From<T> for Lazy<T> {
 }
 
 /// The right of one thread to build a value, until this is dropped.
-struct Claim<'a>(&'a AtomicUsize);
+struct Claim<'a> {
+    /// The builder to reset at the end.
+    builder: Option<&'a AtomicUsize>,
+}
+
+thread_local! {
+    /// Number of claims of this thread.
+    static CLAIMS: Cell<usize> = const { Cell::new(0) };
+}
+
+impl<'a> Claim<'a> {
+    fn new(builder: Option<&'a AtomicUsize>) -> Self {
+        CLAIMS.set(CLAIMS.get() + 1);
+        Self { builder }
+    }
+}
 
 impl Drop for Claim<'_> {
     fn drop(&mut self) {
-        self.0.store(0, SeqCst);
+        CLAIMS.set(CLAIMS.get() - 1);
+        if let Some(builder) = self.builder {
+            builder.store(0, SeqCst);
+        }
     }
 }
 
@@ -118,6 +145,13 @@ mod tests {
         thread::scope(|scope| assert!(scope.spawn(|| lazy.get_or_build(|| panic!("a bug"))).join().is_err()));
         assert_eq!(lazy.get(), None);
         assert_eq!((lazy.get_or_build(|| Ok(7)), lazy.get()), (Ok(&7), Some(&7)));
+    }
+
+    #[test]
+    fn a_build_does_not_wait_for_itself() {
+        let lazy = Lazy::new();
+        let built = lazy.get_or_build(|| lazy.get_or_build(|| Ok(7)).map(|value| value + 1));
+        assert_eq!((built, CLAIMS.get()), (Ok(&7), 0));
     }
 
     #[test]

@@ -54,6 +54,7 @@ mod fork;
 mod free_area;
 mod free_boxes;
 mod grid;
+mod interrupt;
 mod lazy;
 mod memory;
 mod motion;

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::error::Error;
+use crate::interrupt::Watch;
 use crate::memory;
 
 /// Marks a row without blocking cells to that side. A side of a grid is shorter than this.
@@ -29,11 +30,14 @@ impl Distances {
     /// for each column the lower envelope of one parabola per row.
     ///
     /// # Errors
-    /// [`Error::Memory`]: there is not enough memory.
+    /// - [`Error::Memory`]: there is not enough memory.
+    /// - [`Error::Interrupted`]: the call was interrupted.
     pub fn new<T>(cells: &[T], width: usize, blocks: impl Fn(&T) -> bool) -> Result<Self, Error> {
         const TABLE: &str = "the distances of the grid";
+        let watch = Watch::new();
         let mut in_row = memory::filled(TABLE, [NONE; 2], cells.len())?;
         for (cells, in_row) in cells.chunks_exact(width).zip(in_row.chunks_exact_mut(width)) {
+            watch.check()?;
             fill_row(cells, in_row, &blocks);
         }
         let height = cells.len() / width;
@@ -41,6 +45,7 @@ impl Distances {
         let mut columns = memory::filled(TABLE, 0.0, COLUMNS * height)?;
         let mut envelope = memory::with_room(TABLE, height)?;
         for first in (0..width).step_by(COLUMNS) {
+            watch.check()?;
             let count = COLUMNS.min(width - first);
             for (row, in_row) in in_row.chunks_exact(width).enumerate() {
                 for (column, &[left, right]) in in_row[first..first + count].iter().enumerate() {

@@ -14,6 +14,7 @@ use rand::Rng;
 
 use crate::error::Error;
 use crate::fork::Lock;
+use crate::interrupt::Watch;
 use crate::memory;
 
 pub use distances::Distances;
@@ -30,6 +31,9 @@ const TESTED_SHARE: f64 = 0.125;
 
 /// Largest number of squares to split further, or the number of cells if that is larger.
 const MAX_SPLIT: usize = 1 << 20;
+
+/// Number of cells between two looks at whether the call was interrupted.
+const CELLS_PER_CHECK: usize = 1024;
 
 /// Number of points that are tried before a draw is given up.
 const ATTEMPTS: usize = 1 << 20;
@@ -147,7 +151,7 @@ impl FreeArea {
         is_known_free: impl Fn(usize) -> bool,
     ) -> Result<Option<Self>, Error> {
         let (width, centers) = (distances.width(), distances.between_centers());
-        let (mut split, mut stored) = (Vec::new(), Ok(()));
+        let (watch, mut split, mut stored) = (Watch::new(), Vec::new(), Ok(()));
         let is_whole = |&(index, &between): &(usize, &f32)| {
             let between = f64::from(between);
             // No point of a cell is farther from a blocking cell than the two centres are.
@@ -160,7 +164,10 @@ impl FreeArea {
             }
             is_free
         };
-        let cells = Runs::new(centers.iter().enumerate().filter(is_whole).map(|(index, _)| index as u32))?;
+        let goes_on = |&(index, _): &(usize, &f32)| !index.is_multiple_of(CELLS_PER_CHECK) || !watch.is_interrupted();
+        let whole = centers.iter().enumerate().take_while(goes_on).filter(is_whole);
+        let cells = Runs::new(whole.map(|(index, _)| index as u32))?;
+        watch.end()?;
         stored?;
         let (mut squares, mut level, mut area) = (Vec::new(), 0, f64::from(cells.len()));
         let max_split = MAX_SPLIT.max(centers.len());
@@ -173,6 +180,7 @@ impl FreeArea {
             let half_diagonal = FRAC_1_SQRT_2 * 0.5 * side;
             let (mut whole, mut partly) = (Vec::new(), Vec::new());
             for square in split.iter().flat_map(|square| square.quarters()) {
+                watch.check()?;
                 let far = radius + half_diagonal + slack;
                 let clearance = distances.clearance(square.center(level), far);
                 if clearance >= far {
@@ -274,7 +282,9 @@ pub fn largest_radius(distances: &Distances, is_known_free: impl Fn(usize) -> bo
         memory::push(PLACES, &mut queue, (f64::from(centers[index]).to_bits(), 0, cell(index)))?;
     }
     let mut queue = BinaryHeap::from(queue);
+    let watch = Watch::new();
     for _ in 0..MAX_SQUARES {
+        watch.check()?;
         let Some((bound, level, square)) = queue.pop() else { break };
         if f64::from_bits(bound) <= best + PRECISION || level == MAX_LEVEL {
             break;

@@ -11,6 +11,7 @@ use crate::batch;
 use pages::Pages;
 
 use crate::error::Error;
+use crate::interrupt::Watch;
 
 /// Length of the free box of each cell of a grid, for each [`Sector`] of directions.
 ///
@@ -80,23 +81,30 @@ impl FreeBoxes {
     /// Returns the free boxes of a grid with these cells, row by row; `blocks` says which of them block.
     ///
     /// Built on `threads` threads (default: all cores), after a first, single-threaded pass.
-    #[must_use]
-    pub fn new<T: Sync>(room: Room, cells: &[T], threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`]: the call was interrupted.
+    pub fn new<T: Sync>(
+        room: Room,
+        cells: &[T],
+        threads: Option<usize>,
+        blocks: impl Fn(&T) -> bool + Sync,
+    ) -> Result<Self, Error> {
         let Room { mut lengths, by_column, width } = room;
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
         let shape = Self { lengths: Pages::empty(), width, height };
-        let free = FreeCells::new(cells, width, (0..width, 0..height), blocks, by_column);
-        let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free);
-        let work = |sector: usize, lengths: &mut [u8]| {
-            fill(sector, lengths);
-            Ok(())
-        };
-        if batch::for_each_chunk(threads, &mut lengths, plane, work).is_err() {
+        let watch = Watch::new();
+        let free = FreeCells::new(cells, width, (0..width, 0..height), blocks, by_column, &watch)?;
+        let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free, &watch);
+        match batch::for_each_chunk_watched(&watch, threads, &mut lengths, plane, fill) {
             // The system cannot start threads, so the calling thread does the work.
-            lengths.chunks_exact_mut(plane).enumerate().for_each(|(sector, lengths)| fill(sector, lengths));
+            Err(Error::Threads { .. }) => {
+                lengths.chunks_exact_mut(plane).enumerate().try_for_each(|(sector, lengths)| fill(sector, lengths))?;
+            }
+            filled => filled?,
         }
-        Self { lengths, ..shape }
+        Ok(Self { lengths, ..shape })
     }
 
     /// Returns a copy.
@@ -117,15 +125,22 @@ impl FreeBoxes {
     pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) -> Result<(), Error> {
         let shape = Self { lengths: Pages::empty(), ..*self };
         let by_column = Pages::zeroed(TABLE, region.0.len() * region.1.len())?;
-        let free = FreeCells::new(cells, self.width, region, blocks, by_column);
+        let watch = Watch::never();
+        let free = FreeCells::new(cells, self.width, region, blocks, by_column, &watch)?;
         for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
-            shape.fill(sector, lengths, &free);
+            shape.fill(sector, lengths, &free, &watch)?;
         }
         Ok(())
     }
 
     /// Fills the part of a sector's plane that depends on the cells of a region.
-    fn fill<T>(&self, sector: Sector, lengths: &mut [u8], free: &FreeCells<'_, T, impl Fn(&T) -> bool>) {
+    fn fill<T>(
+        &self,
+        sector: Sector,
+        lengths: &mut [u8],
+        free: &FreeCells<'_, T, impl Fn(&T) -> bool>,
+        watch: &Watch,
+    ) -> Result<(), Error> {
         let (cols, rows) = &free.region;
         let (major, minor) = sector.order(sector.x(), sector.y());
         let (major_region, minor_region) = sector.order(cols, rows);
@@ -136,6 +151,7 @@ impl FreeBoxes {
         let reaching = along.start.saturating_sub(MAX_LENGTH.into())..along.end;
         let mut filler = RowFiller::default();
         for row in (across.start.saturating_sub(MAX_LENGTH.into())..across.end).rev() {
+            watch.check()?;
             let (line, next_row) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
             if across.contains(&row) {
                 let index = minor.cell(row as i32, minor_size as i32) as usize - minor_region.start;
@@ -147,6 +163,7 @@ impl FreeBoxes {
             }
             filler.fill(&mut line[1 + reaching.start..], &next_row[1 + reaching.start..], reaching.len());
         }
+        Ok(())
     }
 
     /// Returns the number of columns, without the border.
@@ -212,12 +229,20 @@ struct FreeCells<'a, T, F> {
 }
 
 impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
-    fn new(cells: &'a [T], width: usize, region: Region, blocks: F, mut by_column: Pages) -> Self {
+    fn new(
+        cells: &'a [T],
+        width: usize,
+        region: Region,
+        blocks: F,
+        mut by_column: Pages,
+        watch: &Watch,
+    ) -> Result<Self, Error> {
         // A square of this side fits in the cache, whether it is read by row or by column.
         const TILE: usize = 64;
         let height = region.1.len();
         for first_row in (0..height).step_by(TILE) {
             for first_col in region.0.clone().step_by(TILE) {
+                watch.check()?;
                 for col in first_col..(first_col + TILE).min(region.0.end) {
                     let end = (first_row + TILE).min(height);
                     let column = cells[(region.1.start + first_row) * width + col..].iter().step_by(width);
@@ -226,7 +251,7 @@ impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
                 }
             }
         }
-        Self { cells, width, region, blocks, by_column }
+        Ok(Self { cells, width, region, blocks, by_column })
     }
 
     /// Writes 1 for each free cell and 0 for the others, of one column or one row of the region.
@@ -300,6 +325,7 @@ mod tests {
 
     fn built<T: Sync>(cells: &[T], width: usize, threads: Option<usize>, blocks: impl Fn(&T) -> bool + Sync) -> FreeBoxes {
         FreeBoxes::new(Room::new(cells.len(), width).expect("enough memory"), cells, threads, blocks)
+            .expect("no interruption")
     }
     use crate::random;
     use rand::Rng;

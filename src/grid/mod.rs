@@ -6,10 +6,10 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use crate::batch::is_pool_thread;
 use crate::error::{Error, check_finite, check_number};
 use crate::free_area::FreeAreas;
 use crate::free_boxes::{FreeBoxes, Room};
+use crate::interrupt::is_pool_thread;
 use crate::lazy::Lazy;
 use crate::memory;
 use crate::pose::Pose;
@@ -186,7 +186,8 @@ impl OccupancyGrid {
     /// per cell.
     ///
     /// # Errors
-    /// [`Error::Memory`]: there is not enough memory.
+    /// - [`Error::Memory`]: there is not enough memory.
+    /// - [`Error::Interrupted`]: the call was interrupted.
     pub fn prepare(&self, threads: Option<usize>) -> Result<(), Error> {
         self.free_boxes_by(threads).map(|_| ())
     }
@@ -219,7 +220,7 @@ impl OccupancyGrid {
         let blocks = |&value: &i8| self.options.blocks(value);
         self.free_boxes.get_or_build(|| {
             let room = Room::new(self.cells.len(), self.width)?;
-            Ok(FreeBoxes::new(room, &self.cells, threads(), blocks))
+            FreeBoxes::new(room, &self.cells, threads(), blocks)
         })
     }
 

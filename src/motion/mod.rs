@@ -11,6 +11,7 @@ pub use noise::MotionNoise;
 
 use crate::batch::check_rows;
 use crate::error::{Error, check_finite};
+use crate::interrupt::Watch;
 use crate::memory;
 use crate::pose::{Pose, rotate, wrap_angle};
 
@@ -107,7 +108,10 @@ pub(crate) fn arc(linear: DVec2, angular: f64, duration: f64) -> (DVec2, DVec2) 
 /// - [`Error::Length`]: `poses` and `twists` have different lengths.
 /// - [`Error::Row`]: a pose, a twist or a resulting pose is not finite.
 /// - [`Error::Number`]: `duration` is not finite.
+/// - [`Error::Interrupted`]: the call was interrupted.
 pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -> Result<Vec<[f64; 3]>, Error> {
+    /// Number of rows between two looks at whether the call was interrupted.
+    const ROWS_PER_CHECK: usize = 1024;
     if poses.len() != twists.len() {
         return Err(Error::Length { name: "twists", value: twists.len(), needed: poses.len() });
     }
@@ -115,7 +119,12 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     check_rows("twists", twists, Some(1))?;
     check_finite("dt", duration)?;
     let step = |(pose, twist): (&[f64; 3], &[f64; 3])| integrate((*pose).into(), (*twist).into(), duration).to_array();
-    let reached = memory::collected("the resulting poses", poses.iter().zip(twists).map(step))?;
+    let mut reached = memory::with_room("the resulting poses", poses.len())?;
+    let watch = Watch::new();
+    for (poses, twists) in poses.chunks(ROWS_PER_CHECK).zip(twists.chunks(ROWS_PER_CHECK)) {
+        watch.check()?;
+        reached.extend(poses.iter().zip(twists).map(step));
+    }
     check_rows("the resulting poses", &reached, Some(1))?;
     Ok(reached)
 }

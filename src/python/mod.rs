@@ -9,6 +9,7 @@ mod arrays;
 mod beam_model;
 mod contact;
 mod grid;
+mod interrupt;
 mod limits;
 mod motion;
 mod motion_noise;
@@ -30,6 +31,7 @@ impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
         match error {
             Error::Threads { .. } => PyOSError::new_err(error.to_string()),
+            Error::Interrupted => interrupt::exception(),
             Error::Memory { .. } => PyMemoryError::new_err(error.to_string()),
             _ => PyValueError::new_err(error.to_string()),
         }
@@ -98,6 +100,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::interrupt::set_hook(super::interrupt::handle_signals);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }
