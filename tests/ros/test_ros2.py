@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 import time
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -160,7 +161,12 @@ def test_a_workspace_installs_the_package(tmp_path: Path) -> None:
         done = subprocess.run(["cmake", *step], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
     share = tmp_path / "share" / "mobile_robot_simulator"
-    assert (share / "launch" / "simulator.launch.py").is_file()
+    ours = (ROOT / "launch" / "simulator.launch.py").read_text()
+    # The second name is that of the original 2.x.
+    assert {path.name: path.read_text() for path in (share / "launch").iterdir()} == {
+        "simulator.launch.py": ours,
+        "simulator.launch": ours,
+    }
     assert (share / "package.xml").is_file()
     assert (tmp_path / "share/ament_index/resource_index/packages/mobile_robot_simulator").is_file()
     node = tmp_path / "lib" / "mobile_robot_simulator" / "laser_scanner_simulator_node"
@@ -168,33 +174,54 @@ def test_a_workspace_installs_the_package(tmp_path: Path) -> None:
     assert "laser_fov must be greater than 0" in done.stderr
 
 
-def test_the_launch_file_describes_three_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+def load_launch_file() -> Any:
+    loader = SourceFileLoader("simulator_launch", str(ROOT / "launch" / "simulator.launch.py"))
+    module = ModuleType(loader.name)
+    loader.exec_module(module)
+    return module
+
+
+def test_the_launch_file_starts_the_nodes_that_its_arguments_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """PyPI has no launch_ros, so this test replaces the classes that the launch file uses."""
+    values = {"map_file": "", "params_file": ""}
 
     def stand_in(*arguments: Any, **options: Any) -> Any:
-        return SimpleNamespace(arguments=arguments, **options)
+        return SimpleNamespace(arguments=arguments, perform=lambda _: values[arguments[0]], **options)
 
-    for name in (
-        "launch",
-        "launch.actions",
-        "launch.conditions",
-        "launch.substitutions",
-        "launch_ros",
-        "launch_ros.actions",
-    ):
+    for name in ("launch", "launch.actions", "launch.substitutions", "launch_ros", "launch_ros.actions"):
         module: Any = ModuleType(name)
-        module.LaunchDescription = list
-        for item in ("DeclareLaunchArgument", "IfCondition", "LaunchConfiguration", "PythonExpression", "Node"):
+        module.LaunchContext, module.LaunchDescription = object, list
+        for item in ("DeclareLaunchArgument", "LaunchConfiguration", "Node", "OpaqueFunction"):
             setattr(module, item, stand_in)
         monkeypatch.setitem(sys.modules, name, module)
-    spec = spec_from_file_location("simulator_launch", ROOT / "launch" / "simulator.launch.py")
-    assert spec is not None and spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    nodes = [item for item in module.generate_launch_description() if hasattr(item, "executable")]
+    described = load_launch_file().generate_launch_description()
+    defaults = {item.arguments[0]: item.default_value for item in described if hasattr(item, "default_value")}
+    assert defaults == {"map_file": "", "params_file": "", "use_sim_time": "true", "speed_factor": "1.0"}
+    (create_nodes,) = (item.function for item in described if hasattr(item, "function"))
+
+    # Without a file, no empty name is given to ROS, which would warn about it.
+    nodes = create_nodes(None)
+    assert all(isinstance(part, dict) for node in nodes for part in node.parameters)
+    assert "map_server" not in {node.executable for node in nodes}
+
+    values.update(map_file="/map.yaml", params_file="/parameters.yaml")
+    nodes = create_nodes(None)
     assert {node.executable for node in nodes} == {path.name for path in (ROOT / "scripts").iterdir()}
-    known = {name for model in _models() for name in model.model_fields} | {"use_sim_time"}
-    assert {name for node in nodes for part in node.parameters if isinstance(part, dict) for name in part} <= known
+    assert [node.executable for node in nodes if "/parameters.yaml" not in node.parameters] == ["map_server"]
+    given = {name for node in nodes for part in node.parameters if isinstance(part, dict) for name in part}
+    assert given <= {name for model in _models() for name in model.model_fields} | {"use_sim_time"}
+
+
+def test_ros_2_loads_the_launch_file_under_both_names(tmp_path: Path) -> None:
+    """Runs where ROS 2 has launch_ros: in a distribution, not from PyPI."""
+    launch = pytest.importorskip("launch")
+    pytest.importorskip("launch_ros.actions")
+    sources = pytest.importorskip("launch.launch_description_sources")
+    for name in ("simulator.launch", "simulator.launch.py"):
+        shutil.copy(ROOT / "launch" / "simulator.launch.py", tmp_path / name)
+        description = sources.AnyLaunchDescriptionSource(str(tmp_path / name)).get_launch_description(launch.LaunchContext())
+        names = [argument.name for argument in description.get_launch_arguments()]
+        assert names == ["map_file", "params_file", "use_sim_time", "speed_factor"]
 
 
 def _models() -> Any:
