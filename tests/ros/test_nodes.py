@@ -420,7 +420,7 @@ def test_rates_are_kept_at_a_low_cpu_load(world: Any, map_file: Path) -> None:
         (["robot", "map.yaml"], "unexpected argument 'map.yaml'"),
         (["map"], "map needs a map file"),
         (["map", "absent.yaml"], "absent.yaml"),
-        (["all", "-p", "x"], "unexpected argument '-p'; all takes a map file and ROS arguments ("),
+        (["all", "-p", "x:=1"], "-p needs --ros-args before it" if VERSION == "2" else "unexpected argument '-p'"),
     ],
 )
 def test_invalid_arguments_are_errors(world: Any, arguments: list[str], message: str) -> None:

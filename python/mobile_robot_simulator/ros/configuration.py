@@ -85,6 +85,23 @@ def split_arguments(
     return (own[0] if own else None), for_ros
 
 
+def check_options_follow(marker: str, options: Iterable[str], arguments: Iterable[str]) -> None:
+    """Checks that no option of ROS comes before the argument that begins those for ROS.
+
+    Args:
+        marker: Argument that begins those for ROS.
+        options: Options that ROS reads after it only.
+        arguments: The command line.
+
+    Raises:
+        ValueError: An option comes before the marker. The message names both.
+    """
+    options = frozenset(options)
+    first = next((argument for argument in arguments if argument == marker or argument in options), marker)
+    if first != marker:
+        raise ValueError(f"{first} needs {marker} before it")
+
+
 class ParameterResolver:
     """Turns the values that ROS has for a node into checked parameters. One resolver serves all nodes of a process.
 

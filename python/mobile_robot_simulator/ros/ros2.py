@@ -17,6 +17,7 @@ from .configuration import (
     Behaviour,
     ParameterResolver,
     change_parameters,
+    check_options_follow,
     create_behaviour,
     models_of,
     split_arguments,
@@ -44,8 +45,14 @@ except ImportError as error:
 DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"cmd_vel_stamped": True, "clock_rate": 100.0}}
 """Defaults that differ on ROS 2."""
 
-FORM = "--ros-args -p NAME:=VALUE -r FROM:=TO"
+MARKER = "--ros-args"
+"""Argument that begins the arguments for ROS 2."""
+
+FORM = f"{MARKER} -p NAME:=VALUE -r FROM:=TO"
 """What ROS 2 arguments look like."""
+
+OPTIONS = ("-p", "--param", "-r", "--remap", "--params-file", "-e", "--enclave", "--log-level")
+"""Options that ROS 2 reads after `MARKER` only."""
 
 POLL_PERIOD = 0.2
 """Seconds between checks for other publishers."""
@@ -192,7 +199,8 @@ def run(name: str, arguments: list[str]) -> None:
         ValueError: An argument or a parameter is invalid.
         OSError: The map file cannot be read.
     """
-    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: argument == "--ros-args", FORM)
+    check_options_follow(MARKER, OPTIONS, arguments)
+    map_file, ros_arguments = split_arguments(name, arguments, lambda argument: argument == MARKER, FORM)
     try:
         rclpy.init(args=["mobile-robot-simulator", *ros_arguments], signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:

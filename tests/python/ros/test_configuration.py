@@ -16,6 +16,7 @@ from mobile_robot_simulator.ros.configuration import (
     ParameterResolver,
     change_everywhere,
     change_parameters,
+    check_options_follow,
     create_behaviour,
     models_of,
     split_arguments,
@@ -89,6 +90,14 @@ def test_arguments_are_split(name: str, arguments: list[str], expected: Any) -> 
 def test_unexpected_arguments_are_refused(name: str, arguments: list[str], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         split_arguments(name, arguments, is_ros_argument, "_NAME:=VALUE")
+
+
+def test_an_option_of_ros_before_its_marker_is_refused() -> None:
+    for arguments in ([], ["map.yaml"], ["--ros-args", "-p", "x:=1"], ["map.yaml", "--ros-args", "-r", "a:=b"], ["--other"]):
+        check_options_follow("--ros-args", ["-p", "-r"], arguments)
+    for arguments in (["-p", "x:=1"], ["map.yaml", "-p", "x:=1", "--ros-args", "-r", "a:=b"]):
+        with pytest.raises(ValueError, match=r"^-p needs --ros-args before it$"):
+            check_options_follow("--ros-args", ["-p", "-r"], arguments)
 
 
 def test_given_values_override_the_defaults_of_ros() -> None:
