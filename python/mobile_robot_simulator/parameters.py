@@ -161,8 +161,8 @@ class RobotParameters(Parameters):
     clock_rate: Annotated[Number, Field(ge=0.0, le=1e6)] = Field(
         0.0, description="rate of /clock [Hz]; 0 uses publish_rate (default 100 in ROS)"
     )
-    velocity_topic: Topic = Field("/cmd_vel", description="topic of the velocity commands")
-    odometry_topic: Topic = Field("/odom", description="topic of the odometry")
+    velocity_topic: Topic = Field("cmd_vel", description="topic of the velocity commands")
+    odometry_topic: Topic = Field("odom", description="topic of the odometry")
     base_link_frame: Name = Field("base_link", description="frame of the robot; child frame of the odometry")
     odom_frame_id: Name = Field("odom", description="frame of the odometry")
     map_frame_id: Name = Field("map", description="frame of the map")
@@ -178,7 +178,9 @@ class RobotParameters(Parameters):
         "", description="child frame of a transform from map_frame_id that is the true pose; empty for none"
     )
     cmd_vel_stamped: bool = Field(
-        True, description="subscribe to TwistStamped instead of Twist (default false in Simulation and run)"
+        True,
+        description="expect TwistStamped instead of Twist (default false in ROS 1, Simulation and run); "
+        "on ROS, the other type is taken while only that is published",
     )
     speed_factor: Annotated[Rate, Field(le=1e3)] = Field(
         1.0, description="simulated seconds per second of wall time, when the simulation follows the wall clock"
@@ -196,10 +198,10 @@ class RobotParameters(Parameters):
         "stop", description="effect of contact with walls, obstacles and other robots: stop, slide or report"
     )
     map_service: Topic = Field(
-        "/static_map", description="name of the GetMap service, for the map of a robot with a footprint (not in Simulation)"
+        "static_map", description="name of the GetMap service, for the map of a robot with a footprint (not in Simulation)"
     )
     map_topic: OptionalTopic = Field(
-        "/map", description="topic of maps that replace the current one; empty for none (not in Simulation)"
+        "map", description="topic of maps that replace the current one; empty for none (not in Simulation)"
     )
     unknown: Literal["free", "occupied"] = Field(
         "free", description="treatment of unknown cells: free, or occupied, which a footprint collides with"
@@ -262,12 +264,12 @@ class LaserParameters(Parameters):
 
     node_name = "laser_scanner_simulator_node"
 
-    laser_topic: Topic = Field("/scan", description="topic of the scans")
+    laser_topic: Topic = Field("scan", description="topic of the scans")
     odometry_topic: Topic = Field(
-        "/odom", description="topic of the odometry; its twist extrapolates the pose of the robot between transforms"
+        "odom", description="topic of the odometry; its twist extrapolates the pose of the robot between transforms"
     )
-    map_service: Topic = Field("/static_map", description="name of the GetMap service")
-    map_topic: OptionalTopic = Field("/map", description="topic of maps that replace the current one; empty for none")
+    map_service: Topic = Field("static_map", description="name of the GetMap service")
+    map_topic: OptionalTopic = Field("map", description="topic of maps that replace the current one; empty for none")
     laser_frame_id: Name = Field(
         "base_link", description="frame of the scanner; its pose on the robot is read from tf if tf has one"
     )
@@ -360,8 +362,8 @@ class MapParameters(Parameters):
     node_name = "map_server"
 
     yaml_filename: Name = Field(description="path of the map_server YAML file of the map")
-    topic_name: Topic = Field("/map", description="topic of the map")
-    service_name: Topic = Field("/static_map", description="name of the GetMap service")
+    topic_name: Topic = Field("map", description="topic of the map")
+    service_name: Topic = Field("static_map", description="name of the GetMap service")
     frame_id: Name = Field("map", description="frame of the map")
 
 

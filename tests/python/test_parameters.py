@@ -22,16 +22,16 @@ from mobile_robot_simulator.parameters import (
 ROBOT = {
     "publish_map_transform": False,
     "publish_rate": 10.0,
-    "velocity_topic": "/cmd_vel",
-    "odometry_topic": "/odom",
+    "velocity_topic": "cmd_vel",
+    "odometry_topic": "odom",
     "base_link_frame": "base_link",
     "cmd_vel_stamped": True,
     "speed_factor": 1.0,
     "velocity_timeout": 0.5,
 }
 LASER = {
-    "laser_topic": "/scan",
-    "map_service": "/static_map",
+    "laser_topic": "scan",
+    "map_service": "static_map",
     "laser_frame_id": "base_link",
     "laser_fov": 4.71,
     "laser_beam_count": 541,

@@ -21,6 +21,7 @@ ODOM, SCAN, TF, MAP = (
     "nav_msgs/msg/OccupancyGrid",
 )
 TWIST, POSE = "geometry_msgs/msg/Twist", "geometry_msgs/msg/PoseWithCovarianceStamped"
+TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 SET_POSE = {"1": "robot_localization/srv/SetPose", "2": "nav2_msgs/srv/SetInitialPose"}.get(VERSION, "")
 NAME = "mobile_robot_simulator" if VERSION == "1" else "mobile_robot_simulator_node"
 LASER = "mobile_robot_simulator" if VERSION == "1" else "laser_scanner_simulator_node"
@@ -77,6 +78,51 @@ def test_topics_have_the_right_types_frames_stamps_and_rates(world: Any, map_fil
     assert len(last.ranges) == 181
     assert last.angle_max == pytest.approx(last.angle_min + 180 * last.angle_increment, abs=1e-5)
     assert (last.range_min, last.range_max) == (pytest.approx(0.05), 30.0)
+
+
+@pytest.mark.parametrize("stamped", [False, True])
+@pytest.mark.parametrize("node", ["robot", "all"])
+def test_without_parameters_commands_of_both_types_move_the_robot(
+    world: Any, map_file: Path, node: str, stamped: bool
+) -> None:
+    process = world.start(node, map_file=map_file if node == "all" else None)
+    odom = world.subscribe("/odom", ODOM)
+    odom.wait_for(1)
+    command = twist(0.5, 0.0)
+    if stamped:
+        command = find(TWIST_STAMPED)()
+        command.twist.linear.x = 0.5
+    publish = world.publisher("/cmd_vel", TWIST_STAMPED if stamped else TWIST, wait=False)
+
+    def moved() -> bool:
+        publish(command)
+        return odom[-1].pose.pose.position.x > 0.05
+
+    wait_until(moved, "motion")
+    changed = "topic /cmd_vel is published as geometry_msgs/msg/" in process.output
+    assert changed == (stamped if VERSION == "1" else not stamped)
+
+
+def test_two_robots_in_namespaces_share_nothing_but_tf(world: Any, map_file: Path) -> None:
+    for nth, name in enumerate(("robot1", "robot2")):
+        place = {"initial_pose": f"[{nth}.0, 0.5, 0.0]", "frame_prefix": f"{name}/", "publish_map_transform": True}
+        world.start("all", map_file=map_file, remap=world.in_namespace(name), **place)
+    truths = [world.subscribe(f"/{name}/ground_truth", ODOM) for name in ("robot1", "robot2")]
+    scans = [world.subscribe(f"/{name}/scan", SCAN) for name in ("robot1", "robot2")]
+    tf = world.subscribe("/tf", TF)
+    for inbox in scans:
+        inbox.wait_for(2)
+    assert [inbox[-1].header.frame_id for inbox in scans] == ["robot1/base_link", "robot2/base_link"]
+    publish = world.publisher("/robot1/cmd_vel", TWIST, wait=False)
+
+    def moved() -> bool:
+        publish(twist(0.5, 0.0))
+        return truths[0][-1].pose.pose.position.x > 0.1
+
+    wait_until(moved, "motion")
+    assert truths[1][-1].pose.pose.position.x == 1.0
+    children = {link.child_frame_id for message in tf for link in message.transforms}
+    assert children == {"robot1/odom", "robot1/base_link", "robot2/odom", "robot2/base_link"}
 
 
 def test_a_command_moves_the_robot_as_the_closed_form_says(world: Any) -> None:

@@ -174,16 +174,21 @@ class Ros1World(World):
     def arguments(self, parameters: dict[str, Any], remap: tuple[str, ...]) -> list[str]:
         return [*(f"_{name}:={value}" for name, value in parameters.items()), *remap]
 
+    @staticmethod
+    def in_namespace(name: str) -> tuple[str, ...]:
+        """Returns the remapping that puts a node into a namespace."""
+        return (f"__ns:=/{name}",)
+
     def subscribe(self, topic: str, ros_type: str, **_: Any) -> Inbox:
         inbox = Inbox()
         subscriber = self.rospy.Subscriber(topic, find(ros_type), inbox.take, buff_size=2**24, tcp_nodelay=True)
         self.inboxes.append(subscriber)
         return inbox
 
-    def publisher(self, topic: str, ros_type: str, *, latched: bool = False) -> Callable[[Any], None]:
+    def publisher(self, topic: str, ros_type: str, *, latched: bool = False, wait: bool = True) -> Callable[[Any], None]:
         publisher = self.rospy.Publisher(topic, find(ros_type), queue_size=10, latch=latched)
         self.inboxes.append(publisher)
-        if not latched:
+        if wait and not latched:
             wait_until(publisher.get_num_connections, f"a subscriber to {topic}")
         return publisher.publish
 
@@ -251,6 +256,11 @@ class Ros2World(World):
         pairs = [("-p", f"{name}:={value}") for name, value in parameters.items()] + [("-r", item) for item in remap]
         return ["--ros-args", *(word for pair in pairs for word in pair)]
 
+    @staticmethod
+    def in_namespace(name: str) -> tuple[str, ...]:
+        """Returns the remapping that puts a node into a namespace."""
+        return (f"__ns:=/{name}",)
+
     def subscribe(self, topic: str, ros_type: str, *, latched: bool = False, best_effort: bool = False) -> Inbox:
         inbox = Inbox()
         self.node.create_subscription(find(ros_type), topic, inbox.take, self.qos(latched, best_effort))
@@ -266,9 +276,9 @@ class Ros2World(World):
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
 
-    def publisher(self, topic: str, ros_type: str, *, latched: bool = False) -> Callable[[Any], None]:
+    def publisher(self, topic: str, ros_type: str, *, latched: bool = False, wait: bool = True) -> Callable[[Any], None]:
         publisher = self.node.create_publisher(find(ros_type), topic, self.qos(latched))
-        if not latched:
+        if wait and not latched:
             wait_until(publisher.get_subscription_count, f"a subscriber to {topic}")
         publish: Callable[[Any], None] = publisher.publish
         return publish

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 from ..handle import Handle, check_callback
+from ..messages import Message
 from ..nodes.interface import M, QoS
 from ..quoting import quoted
 from .bus import Bus
@@ -75,6 +76,18 @@ class BusNode(Handle):
 
     # --- names and time ---
 
+    def resolve_topic_name(self, topic: str) -> str:
+        """Returns the absolute name of a topic. An empty name stays empty."""
+        if topic.startswith("/"):
+            return topic
+        if topic.startswith("~/"):
+            return f"{self.get_fully_qualified_name()}/{topic[2:]}"
+        return f"{self._namespace.rstrip('/')}/{topic}" if topic.strip("/") else topic
+
+    def resolve_service_name(self, service: str) -> str:
+        """Returns the absolute name of a service. An empty name stays empty."""
+        return self.resolve_topic_name(service)
+
     def get_name(self) -> str:
         """Returns the node's name."""
         return self._name
@@ -112,7 +125,7 @@ class BusNode(Handle):
             TypeError: The type is not a message class, or the existing topic has another type.
             ValueError: The name is empty.
         """
-        found = self._bus.topic(self._resolve(topic), msg_type)
+        found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
         publisher = self.publisher_class(self._bus.publish, found, _is_latched(qos_profile))
         if publisher.latched:
             found.latched = True
@@ -136,13 +149,20 @@ class BusNode(Handle):
             TypeError: The callback is not callable, the type is not a message class, or the existing topic has another type.
             ValueError: The name is empty.
         """
-        found = self._bus.topic(self._resolve(topic), msg_type)
+        found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
         check_callback(callback)
         subscription = found.subscribe(plain_callback(self._bus, callback))
         for message, _time_ns in found.kept.values():
             self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, message))
         self._handles[subscription] = partial(self.destroy_subscription, subscription)
         return subscription
+
+    def create_subscription_of_either(
+        self, callbacks: Mapping[type[Message], Callable[[Any], None]], topic: str, qos_profile: Any = QoS.DEFAULT
+    ) -> BusSubscription[Any]:
+        """Subscribes to a topic with the first of several types. On the bus, a topic has one type."""
+        msg_type, callback = next(iter(callbacks.items()))
+        return self.create_subscription(msg_type, topic, callback, qos_profile)
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[[], object], *_: Any, autostart: bool = True, **__: Any
@@ -189,7 +209,7 @@ class BusNode(Handle):
             TypeError: The callback is not callable, or the existing service has another type.
             ValueError: A node already offers the service, or the name is empty.
         """
-        service = self._bus.service(self._resolve(srv_name), srv_type)
+        service = self._bus.service(self.resolve_service_name(srv_name), srv_type)
         check_callback(callback)
         if service.handler is not None:
             raise ValueError(f"{service.name} is already offered by a node")
@@ -208,7 +228,7 @@ class BusNode(Handle):
             TypeError: The existing service has another type.
             ValueError: The name is empty.
         """
-        return BusClient(self._bus.call, self._bus.service(self._resolve(srv_name), srv_type), self._bus.waiting)
+        return BusClient(self._bus.call, self._bus.service(self.resolve_service_name(srv_name), srv_type), self._bus.waiting)
 
     def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
         """Destroys a publisher. Later subscriptions no longer receive its last message. Returns True, as rclpy does."""
@@ -349,14 +369,6 @@ class BusNode(Handle):
         vars(self).clear()
         vars(self).update(copy.deepcopy(state.attributes))
         self._logger.restore(state.logger)
-
-    def _resolve(self, name: str) -> str:
-        """Returns the absolute name of a topic or service. An empty name stays empty."""
-        if name.startswith("/"):
-            return name
-        if name.startswith("~/"):
-            return f"{self.get_fully_qualified_name()}/{name[2:]}"
-        return f"{self._namespace.rstrip('/')}/{name}" if name.strip("/") else name
 
 
 class NoCopyNode(BusNode):

@@ -1,12 +1,13 @@
 """The node interface: the few methods of rclpy's Node that the simulator's nodes use.
 
 The in-process bus, ROS 1 and ROS 2 each implement it, so each node's behaviour is written only once. All protocols keep the
-names and the argument order of rclpy. `set_speed` and `create_wall_timer` are additions.
+names and the argument order of rclpy. `set_speed`, `create_wall_timer` and `create_subscription_of_either` are
+additions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any, Protocol, TypeVar
 
@@ -88,6 +89,15 @@ class Node(Protocol):
     def create_subscription(self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS, /) -> Any:
         """Calls the callback with every message on a topic. Returns a handle for `destroy_subscription`."""
 
+    def create_subscription_of_either(
+        self, callbacks: Mapping[type[Message], Callable[[Any], None]], topic: str, qos_profile: QoS, /
+    ) -> Any:
+        """Calls one of the callbacks with every message on a topic that may be of several types.
+
+        The subscription has the first type, or another one while others publish only that. On the bus, where a topic has one
+        type, it has the first type. Returns a handle for `destroy_subscription`.
+        """
+
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None], /) -> Timer:
         """Calls the callback once per period [s], for the first time after one period."""
 
@@ -102,6 +112,12 @@ class Node(Protocol):
 
     def create_client(self, srv_type: Any, srv_name: str, /) -> Client:
         """Creates a client for a service."""
+
+    def resolve_topic_name(self, topic: str, /) -> str:
+        """Returns the full name of a topic, after namespaces and remapping."""
+
+    def resolve_service_name(self, service: str, /) -> str:
+        """Returns the full name of a service, after namespaces and remapping."""
 
     def destroy_publisher(self, publisher: Any, /) -> Any:
         """Destroys a publisher."""

@@ -79,7 +79,9 @@ class MapListener:
             handles: Takes what has to be released to stop.
         """
         node, self._requested_ns, self._failure = self._node, None, ""
-        self._source = f"on topic {topic} or from service {service}" if topic else f"from service {service}"
+        self._source = f"from service {node.resolve_service_name(service)}"
+        if topic:
+            self._source = f"on topic {node.resolve_topic_name(topic)} or {self._source}"
         if topic:
             maps = node.create_subscription(messages.OccupancyGrid, topic, self._take, QoS.LATCHED)
             handles.add(node.destroy_subscription, maps)

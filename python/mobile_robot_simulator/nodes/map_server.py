@@ -45,8 +45,8 @@ class MapServer(Handle):
         node: Node,
         grid: OccupancyGrid,
         *,
-        topic: str = "/map",
-        service: str = "/static_map",
+        topic: str = "map",
+        service: str = "static_map",
         frame_id: str = "map",
     ) -> None:
         self._node, self._topic, self._service = node, topic, service

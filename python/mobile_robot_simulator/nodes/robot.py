@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from ..handle import Handle, Handles
 from ..messages import (
     Clock,
     Header,
+    Message,
     Odometry,
     PoseWithCovariance,
     PoseWithCovarianceStamped,
@@ -440,11 +442,10 @@ class MobileRobotSimulator(Handle):
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
         node, topic = self._node, self._parameters.velocity_topic
-        if self._parameters.cmd_vel_stamped:
-            commands = node.create_subscription(messages.TwistStamped, topic, self._take_stamped_command, QoS.DEFAULT)
-        else:
-            commands = node.create_subscription(TwistMessage, topic, self._take_command, QoS.DEFAULT)
-        handles.add(node.destroy_subscription, commands)
+        types: dict[type[Message], Callable[[Any], None]] = {TwistMessage: self._take_command}
+        stamped: dict[type[Message], Callable[[Any], None]] = {messages.TwistStamped: self._take_stamped_command}
+        callbacks = {**stamped, **types} if self._parameters.cmd_vel_stamped else {**types, **stamped}
+        handles.add(node.destroy_subscription, node.create_subscription_of_either(callbacks, topic, QoS.DEFAULT))
         if self._parameters.publish_map_transform:
             poses = node.create_subscription(PoseWithCovarianceStamped, "initialpose", self._take_pose, QoS.DEFAULT)
             handles.add(node.destroy_subscription, poses)

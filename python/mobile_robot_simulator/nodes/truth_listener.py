@@ -45,7 +45,7 @@ class TruthListener:
             topic: Name of the topic.
             handles: Takes what has to be released to stop.
         """
-        self._topic = topic
+        self._topic = self._node.resolve_topic_name(topic)
         handles.add(
             self._node.destroy_subscription, self._node.create_subscription(Odometry, topic, self._take, QoS.DEFAULT)
         )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 from ..messages import Message
 from ..nodes.interface import QoS
+from .either_subscription import EitherSubscription
 
 SubscribeThroughRos = Callable[[], Callable[[], object]]
 """Function that subscribes through ROS and returns a function that ends this subscription."""
@@ -24,6 +25,8 @@ class IntraProcessTopics:
 
     def __init__(self) -> None:
         self._topics: dict[tuple[str, type[Message]], IntraProcessTopic] = {}
+        self.either: list[EitherSubscription] = []
+        """Subscriptions whose type depends on what others publish."""
 
     @property
     def names(self) -> set[str]:
@@ -45,13 +48,20 @@ class IntraProcessTopics:
         topic.publisher_count += 1
         return topic
 
-    def update_routes(self, has_other_publishers: Callable[[IntraProcessTopic], bool]) -> None:
-        """Chooses the route of every topic again. Must be called regularly, because publishers come and go.
+    def update(
+        self, has_other_publishers: Callable[[IntraProcessTopic], bool], published_types: Callable[[str], Collection[str]]
+    ) -> None:
+        """Chooses the route of every topic and the type of every `either` again.
+
+        Must be called regularly, because publishers come and go.
 
         Args:
             has_other_publishers: Returns True if another process publishes the topic. Only called for topics with a
                 publisher in this process.
+            published_types: Returns the ROS types with which others publish the topic of a name.
         """
+        for subscription in self.either:
+            subscription.update(published_types(subscription.topic))
         for topic in self._topics.values():
             if topic.subscriptions:
                 topic.set_route(direct=topic.publisher_count > 0 and not has_other_publishers(topic))

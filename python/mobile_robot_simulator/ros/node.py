@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
+from ..messages import Message
 from ..nodes.interface import Clock, Logger, M, Node, QoS
 from ..nodes.robot import MobileRobotSimulator
 from ..nodes.steady_time import SteadyTime
 from ..parameters import Parameters
 from ..physics.world import World
 from .conversion import MessageConverter
+from .either_subscription import EitherSubscription
 from .event_clock import EventClock, EventTimer
 from .executor import Executor
 from .intra_process import IntraProcessSubscription, IntraProcessTopics
@@ -99,12 +101,30 @@ class RosNode(ABC):
         def subscribe_through_ros() -> Callable[[], object]:
             return self._subscribe_through_ros(msg_type, topic, receive, qos_profile)
 
-        own_topic = self._topics.topic(self._resolve_topic_name(topic), msg_type)
+        own_topic = self._topics.topic(self.resolve_topic_name(topic), msg_type)
         return own_topic.subscribe(qos_profile, serialized, subscribe_through_ros)
 
-    def destroy_subscription(self, subscription: IntraProcessSubscription) -> None:
+    def create_subscription_of_either(
+        self, callbacks: Mapping[type[Message], Callable[[Any], None]], topic: str, qos_profile: QoS
+    ) -> EitherSubscription:
+        """Calls a callback with every message of a topic, of whichever type others publish."""
+        subscription = EitherSubscription(
+            self.resolve_topic_name(topic),
+            callbacks,
+            lambda kind, callback: self.create_subscription(kind, topic, callback, qos_profile),
+            self.destroy_subscription,
+            self.get_logger(),
+        )
+        self._topics.either.append(subscription)
+        return subscription
+
+    def destroy_subscription(self, subscription: IntraProcessSubscription | EitherSubscription) -> None:
         """Destroys a subscription."""
-        subscription.topic.unsubscribe(subscription)
+        if isinstance(subscription, EitherSubscription):
+            self._topics.either.remove(subscription)
+            subscription.destroy()
+        else:
+            subscription.topic.unsubscribe(subscription)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> EventTimer:
         """Calls a callback at every multiple of the period [s] on the node's clock."""
@@ -134,8 +154,12 @@ class RosNode(ABC):
         return self._offer_service(ros_type, srv_name, answer)
 
     @abstractmethod
-    def _resolve_topic_name(self, topic: str) -> str:
+    def resolve_topic_name(self, topic: str) -> str:
         """Returns the full name of a topic, after namespaces and remapping."""
+
+    @abstractmethod
+    def resolve_service_name(self, service: str) -> str:
+        """Returns the full name of a service, after namespaces and remapping."""
 
     @abstractmethod
     def _subscribe_through_ros(

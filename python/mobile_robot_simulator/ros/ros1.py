@@ -45,8 +45,10 @@ except ImportError as error:
         "(CPython 3.10 or later); docs/guides/ros.md explains how to install ROS 1 from Debian"
     ) from error
 
-DEFAULTS: dict[type[Parameters], dict[str, Any]] = {RobotParameters: {"publish_clock": False, "clock_rate": 100.0}}
-"""Defaults that differ on ROS 1. There, /clock usually does not exist, or another node publishes it."""
+DEFAULTS: dict[type[Parameters], dict[str, Any]] = {
+    RobotParameters: {"publish_clock": False, "clock_rate": 100.0, "cmd_vel_stamped": False}
+}
+"""Defaults that differ on ROS 1. There, /clock usually does not exist, or another node publishes it; commands are Twists."""
 
 POLL_PERIOD = 1.0
 """Seconds between two queries to the master for changed parameters and for other publishers."""
@@ -104,8 +106,13 @@ class Ros1Node(RosNode):
         """Destroys a client."""
         client.proxy.close()
 
-    def _resolve_topic_name(self, topic: str) -> str:
+    def resolve_topic_name(self, topic: str) -> str:
+        """Returns the full name of a topic, after namespaces and remapping."""
         return str(rospy.resolve_name(topic))
+
+    def resolve_service_name(self, service: str) -> str:
+        """Returns the full name of a service, after namespaces and remapping."""
+        return str(rospy.resolve_name(service))
 
     def _subscribe_through_ros(
         self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
@@ -281,11 +288,19 @@ class _MasterMonitor:
                 return
 
     def _check_publishers(self) -> None:
-        published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        master = rosgraph.Master(rospy.get_name())
+        published, _, _ = master.getSystemState()
+        types = dict(master.getTopicTypes()) if self._topics.either else {}
         names = self._topics.names
         others = {topic: set(nodes) - {rospy.get_name()} for topic, nodes in published if topic in names}
         shared = {topic for topic, nodes in others.items() if any(map(_is_reachable, nodes))}
-        self._executor.serialized(self._topics.update_routes)(lambda topic: topic.name in shared)
+        publishers = dict(published)
+
+        def published_types(topic: str) -> set[str]:
+            # The master keeps the type of the last publisher. Its names have no section: geometry_msgs/Twist.
+            return {types.get(topic, "").replace("/", "/msg/")} if publishers.get(topic) else set()
+
+        self._executor.serialized(self._topics.update)(lambda topic: topic.name in shared, published_types)
 
     def _check_parameters(self) -> None:
         given = _private_parameters()

@@ -114,8 +114,13 @@ class Ros2Node(RosNode):
         """Destroys a client."""
         self._node.destroy_client(client.client)
 
-    def _resolve_topic_name(self, topic: str) -> str:
+    def resolve_topic_name(self, topic: str) -> str:
+        """Returns the full name of a topic, after namespaces and remapping."""
         return str(self._node.resolve_topic_name(topic))
+
+    def resolve_service_name(self, service: str) -> str:
+        """Returns the full name of a service, after namespaces and remapping."""
+        return str(self._node.resolve_service_name(service))
 
     def _subscribe_through_ros(
         self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
@@ -219,8 +224,10 @@ def run(name: str, arguments: list[str]) -> None:
                     continue
                 _start_behaviour(node, parameters, process)
                 spinning.append(_SpinningNode(node, process.executor))
-            has_other_publishers = partial(_has_other_publishers, spinning[0].node)
-            check_publishers = partial(process.topics.update_routes, has_other_publishers)
+            first = spinning[0].node
+            check_publishers = partial(
+                process.topics.update, partial(_has_other_publishers, first), partial(_published_types, first)
+            )
             process.executor.create_timer(process.executor.wall_clock, POLL_PERIOD, check_publishers)
             process.executor.wait()
     finally:
@@ -273,6 +280,10 @@ def _change_parameters(behaviour: Behaviour, changes: list[Any]) -> Any:
 
 def _has_other_publishers(node: Any, topic: IntraProcessTopic) -> bool:
     return bool(node.count_publishers(topic.name) > topic.publisher_count)
+
+
+def _published_types(node: Any, topic: str) -> set[str]:
+    return {publisher.topic_type for publisher in node.get_publishers_info_by_topic(topic)}
 
 
 class _SpinningNode:

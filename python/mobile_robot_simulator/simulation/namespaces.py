@@ -11,6 +11,9 @@ from ..parameters import NODES
 TOPICS = ("velocity_topic", "odometry_topic", "laser_topic")
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
 
+SHARED = ("map_service", "map_topic")
+"""Parameters that hold the names of what all robots share; they get no prefix."""
+
 FRAME_PREFIX = "frame_prefix"
 """Parameter that holds the prefix of all frames; it becomes `<robot>/`, followed by the given value."""
 
@@ -43,6 +46,8 @@ def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
         parameter = key.rpartition(":")[2]
         if parameter in TOPICS:
             own[key] = f"/{name}/{value.lstrip('/')}"
+        elif parameter in SHARED:
+            own[key] = value and f"/{value.lstrip('/')}"
         elif parameter == FRAME_PREFIX:
             own[key] = f"{name}/{value}"
         elif parameter in SEEDS:

@@ -97,7 +97,7 @@ def test_if_the_true_pose_ends_there_are_no_scans_and_the_log_says_so(
     with caplog.at_level(logging.WARNING):
         rig.drive(6.0)
     assert rig.scans[-1].header.stamp.nanoseconds <= 2.1 * SECOND
-    assert "the laser waits for the robot's pose (on topic ground_truth, where the last one is" in caplog.text
+    assert "the laser waits for the robot's pose (on topic /ground_truth, where the last one is" in caplog.text
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])

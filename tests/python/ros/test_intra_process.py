@@ -29,10 +29,10 @@ def test_messages_are_delivered_directly_until_another_process_publishes_the_top
     topics.topic("/tf", String).subscribe(QoS.DEFAULT, seen.append, ros)
     topic.deliver(String("direct"))
     assert (seen, ros.count) == ([String("direct")], 0)
-    topics.update_routes(lambda topic: topic.name == "/tf")
+    topics.update(lambda topic: topic.name == "/tf", lambda name: ())
     topic.deliver(String("not twice"))
     assert (seen, ros.count) == ([String("direct")], 1)
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     topic.deliver(String("direct again"))
     assert (seen[1:], ros.count) == ([String("direct again")], 0)
 
@@ -40,14 +40,14 @@ def test_messages_are_delivered_directly_until_another_process_publishes_the_top
 def test_messages_come_through_ros_while_this_process_has_no_publisher() -> None:
     topics, seen, ros = IntraProcessTopics(), list[String](), RosSubscriptions()
     topics.topic("/tf", String).subscribe(QoS.DEFAULT, seen.append, ros)
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     assert ros.count == 1
     topic = topics.advertise("/tf", String)
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     topic.deliver(String("direct"))
     assert (seen, ros.count) == ([String("direct")], 0)
     topic.publisher_count -= 1
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     assert ros.count == 1
 
 
@@ -56,7 +56,7 @@ def test_latched_topics_and_topics_of_another_type_come_through_ros() -> None:
     topic = topics.advertise("/map", String)
     topics.topic("/map", String).subscribe(QoS.LATCHED, seen.append, ros)
     topics.topic("/map", Clock).subscribe(QoS.DEFAULT, seen.append, ros)
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     topic.deliver(String("the map"))
     assert (seen, ros.count) == ([], 2)
 
@@ -66,8 +66,8 @@ def test_no_message_arrives_on_either_route_after_unsubscribing() -> None:
     topic = topics.advertise("/tf", String)
     for is_shared in (False, True):
         subscription = topic.subscribe(QoS.DEFAULT, seen.append, ros)
-        topics.update_routes(lambda topic, is_shared=is_shared: is_shared)
+        topics.update(lambda topic, is_shared=is_shared: is_shared, lambda name: ())
         topic.unsubscribe(subscription)
         topic.deliver(String("not received"))
-    topics.update_routes(lambda topic: False)
+    topics.update(lambda topic: False, lambda name: ())
     assert (seen, ros.count) == ([], 0)

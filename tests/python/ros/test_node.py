@@ -40,7 +40,10 @@ class FakeRosNode(RosNode):
     def info(self, message: str) -> None:
         self.log.append(message)
 
-    def _resolve_topic_name(self, topic: str) -> str:
+    def resolve_service_name(self, service: str) -> str:
+        return f"/{service}"
+
+    def resolve_topic_name(self, topic: str) -> str:
         return f"/robot/{topic}"
 
     def _subscribe_through_ros(self, msg_type: Any, topic: str, receive: Any, qos: QoS) -> Callable[[], object]:

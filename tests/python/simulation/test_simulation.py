@@ -364,7 +364,7 @@ def test_parts_of_a_simulation_say_what_they_are(room: mrs.OccupancyGrid) -> Non
     sim = mrs.Simulation(room, start=(1.0, 2.0, 0.5), parameters={"laser_beam_count": 9})
     assert repr(sim.robot) == "MobileRobotSimulator('', Pose(1.0, 2.0, 0.5))"
     assert repr(sim.laser) == f"LaserScannerSimulator({mrs.LaserScanner(beam_count=9)!r})"
-    assert repr(sim.map_server) == "MapServer(topic='/map', service='/static_map')"
+    assert repr(sim.map_server) == "MapServer(topic='map', service='static_map')"
     assert repr(sim.create_node("mine", namespace="/a")) == "BusNode('/a/mine')"
     assert (
         repr(sim.add_obstacle(mrs.Shape.disc(0.25), (3.0, 1.0, 0.0), name="chair")) == "Obstacle('chair', Shape.disc(0.25))"
