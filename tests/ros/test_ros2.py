@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -107,6 +108,28 @@ def test_parameters_of_nav2_loopback_sim_are_logged_once(world: Any, map_file: P
     result = world.try_parameter(LASER, "scan_range_max", 5.0)
     refusal = "scan_range_max (a parameter of nav2_loopback_sim) can only be set at startup; set laser_max_range instead"
     assert (result.successful, result.reason) == (False, refusal)
+
+
+def test_the_parameter_file_of_the_guide_gives_the_defaults_of_nav2_loopback_sim(
+    world: Any, map_file: Path, tmp_path: Path
+) -> None:
+    guide = (ROOT / "docs/guides/ros.md").read_text()
+    (text,) = re.findall(r"^```yaml\n(/\*\*:\n.*?)^```$", guide, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "loopback.yaml"
+    file.write_text(text)
+    from worlds import COMMAND
+
+    world.start("map", map_file=map_file, service_name="/map_server/map", topic_name="/unused")
+    process = world.run(*COMMAND, "all", "--ros-args", "--params-file", str(file))
+    scan, odom, tf = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM), world.subscribe("/tf", TF)
+    scan.wait_for(2)
+    assert (scan[-1].header.frame_id, len(scan[-1].ranges)) == ("base_scan", 240)
+    assert odom[-1].child_frame_id == "base_footprint"
+    links = {(link.header.frame_id, link.child_frame_id) for message in tf for link in message.transforms}
+    assert links == {("map", "odom"), ("odom", "base_footprint")}
+    odom.wait_for(20)
+    assert np.median(np.diff([seconds(it.header.stamp) for it in odom])) == pytest.approx(0.01)
+    assert "unknown parameter" not in process.output
 
 
 def test_a_refused_change_has_a_reason(world: Any) -> None:
