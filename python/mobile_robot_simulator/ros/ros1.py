@@ -256,6 +256,30 @@ def _is_reachable(node: str) -> bool:
     return True
 
 
+class _TimedTransport(xmlrpc.client.Transport):
+    """Calls through XML-RPC that give up after `CONNECTION_TIMEOUT`."""
+
+    def make_connection(self, host: Any) -> Any:
+        connection = super().make_connection(host)
+        connection.timeout = CONNECTION_TIMEOUT
+        return connection
+
+
+def _published_types(node: str, topic: str) -> set[str]:
+    """Returns the types with which a node publishes a topic, such as geometry_msgs/msg/Twist. Empty if it does not answer.
+
+    Asks the node itself, because the master keeps only the type of the last publisher of a topic.
+    """
+    try:
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        proxy: Any = xmlrpc.client.ServerProxy(uri, transport=_TimedTransport())
+        with proxy:
+            _, _, publications = proxy.getPublications(rospy.get_name())
+    except (OSError, HTTPException, xmlrpc.client.Error, rosgraph.MasterException):
+        return set()
+    return {ros_type.replace("/", "/msg/") for name, ros_type in publications if name == topic}
+
+
 class _MasterMonitor:
     """Watches the master for changed parameters and for other publishers.
 
@@ -288,19 +312,13 @@ class _MasterMonitor:
                 return
 
     def _check_publishers(self) -> None:
-        master = rosgraph.Master(rospy.get_name())
-        published, _, _ = master.getSystemState()
-        types = dict(master.getTopicTypes()) if self._topics.either else {}
-        names = self._topics.names
-        others = {topic: set(nodes) - {rospy.get_name()} for topic, nodes in published if topic in names}
-        shared = {topic for topic, nodes in others.items() if any(map(_is_reachable, nodes))}
-        publishers = dict(published)
-
-        def published_types(topic: str) -> set[str]:
-            # The master keeps the type of the last publisher. Its names have no section: geometry_msgs/Twist.
-            return {types.get(topic, "").replace("/", "/msg/")} if publishers.get(topic) else set()
-
-        self._executor.serialized(self._topics.update)(lambda topic: topic.name in shared, published_types)
+        published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        others = {topic: set(nodes) - {rospy.get_name()} for topic, nodes in published}
+        shared = {topic for topic in self._topics.names if any(map(_is_reachable, others.get(topic, ())))}
+        names = {subscription.topic for subscription in tuple(self._topics.either)}
+        types = {name: {each for node in others.get(name, ()) for each in _published_types(node, name)} for name in names}
+        update = self._executor.serialized(self._topics.update)
+        update(lambda topic: topic.name in shared, lambda name: types.get(name, set()))
 
     def _check_parameters(self) -> None:
         given = _private_parameters()
