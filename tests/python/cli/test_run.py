@@ -109,7 +109,7 @@ def test_a_killed_run_is_recovered(command, drive_for_ever, tmp_path, form):
     process = drive_for_ever("--format", form)
     out = tmp_path / "out"
     busy = command("recover", out)
-    assert busy.returncode == 1 and "Another process is recording" in busy.stderr
+    assert busy.returncode == 1 and f"{out}: another process is recording into this folder" in busy.stderr
     process.kill()
     process.communicate(timeout=60.0)
     assert [item.name for item in out.iterdir()] == ["recording.unfinished"]
