@@ -63,6 +63,14 @@ def test_commands_of_the_other_type_beside_the_own_one_are_ignored_with_one_warn
     assert "using that" not in process.output
 
 
+@pytest.mark.parametrize("name", ["map", "static_map"])
+def test_a_robot_in_a_namespace_can_use_the_map_outside_of_it(world: Any, map_file: Path, name: str) -> None:
+    world.start("map", map_file=map_file)
+    process = world.start("all", remap=(*world.in_namespace("robot1"), f"{name}:=/{name}"))
+    wait_until(lambda: "using a map of 160x120 cells" in process.output, "the map")
+    world.subscribe("/robot1/scan", SCAN).wait_for(2)
+
+
 @pytest.mark.skipif(VERSION != "1", reason="rostopic belongs to ROS 1")
 def test_rostopic_pub_moves_the_robot(world: Any) -> None:
     world.start("robot")

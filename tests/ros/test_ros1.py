@@ -43,7 +43,7 @@ def test_the_laser_of_all_subscribes_to_transforms_while_another_process_publish
 
     other = world.start("robot", remap=("__name:=other", "/odom:=/other"))
     world.subscribe("/other", ODOM).wait_for(1)
-    world.start("all", map_file=map_file, remap=("__name:=simulator",))
+    world.start("all", map_file=map_file, remap=("__name:=simulator",), pose_source="tf")
     wait_until(subscribes, "a subscription")
     # The master still lists a node that was killed.
     other.kill()

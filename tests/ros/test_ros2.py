@@ -145,7 +145,7 @@ def test_parameter_files_remapping_and_node_names_work(world: Any, tmp_path: Pat
 
     world.run(
         *(*COMMAND, "robot", "--ros-args", "--params-file", str(file), "-p", "odom_frame_id:=start"),
-        *("-r", "/odom:=/moved", "-r", "__node:=tortoise", "-r", "__ns:=/garden"),
+        *("-r", "odom:=/moved", "-r", "__node:=tortoise", "-r", "__ns:=/garden"),
     )
     odometry = world.subscribe("/moved", ODOM).next()
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("start", "shell")
