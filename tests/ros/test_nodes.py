@@ -152,8 +152,9 @@ def test_scans_equal_scan_batch_at_the_published_pose(world: Any, map_file: Path
         time.sleep(0.1)
     odom.next(lambda it: it.twist.twist.linear.x == 0.0)
     tf.wait_for(20)
-    after = scan.next(lambda it: seconds(it.header.stamp) > seconds(tf[-1].transforms[0].header.stamp))
-    ranges = laser.scan_batch(grid, np.array([tuple(map_pose(tf[-1]))]))[0]
+    still = tf[-1]
+    after = scan.next(lambda it: seconds(it.header.stamp) > seconds(still.transforms[0].header.stamp))
+    ranges = laser.scan_batch(grid, np.array([tuple(map_pose(still))]))[0]
     assert np.array_equal(np.asarray(after.ranges, np.float32), laser.mark_invalid(ranges, no_return="inf"))
 
     publish(twist(0.3, 0.5))
