@@ -17,6 +17,7 @@ from ._core import Pose as PlanarPose
 from .quoting import quoted
 
 __all__ = [
+    "Bool",
     "Clock",
     "GetMap",
     "GetMapRequest",
@@ -28,7 +29,9 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "Point",
+    "PointStamped",
     "Pose",
+    "PoseStamped",
     "PoseWithCovariance",
     "PoseWithCovarianceStamped",
     "Quaternion",
@@ -138,7 +141,7 @@ def _field_kinds(kind: type[Message]) -> dict[str, Any]:
     kinds: dict[str, Any] = {}
     for name in _field_names(kind):  # type: ignore[arg-type]
         found = type(getattr(kind(), name))
-        if found in (float, int, str, np.ndarray) or issubclass(found, Message):
+        if found in (float, int, bool, str, np.ndarray) or issubclass(found, Message):
             kinds[name] = found
         elif found is list and (item_kinds := [item for item in get_args(get_type_hints(kind)[name]) if _is_message(item)]):
             kinds[name] = list[item_kinds[0]]  # type: ignore[valid-type]
@@ -279,6 +282,24 @@ def _covariance() -> NDArray[np.float64]:
 
 
 @dataclass(slots=True, eq=False)
+class PoseStamped(Message):
+    """A pose with the time and the frame it refers to."""
+
+    ros_type = "geometry_msgs/msg/PoseStamped"
+    header: Header = field(default_factory=Header)
+    pose: Pose = field(default_factory=Pose)
+
+
+@dataclass(slots=True, eq=False)
+class PointStamped(Message):
+    """A position with the time and the frame it refers to."""
+
+    ros_type = "geometry_msgs/msg/PointStamped"
+    header: Header = field(default_factory=Header)
+    point: Point = field(default_factory=Point)
+
+
+@dataclass(slots=True, eq=False)
 class PoseWithCovariance(Message):
     """A pose and its covariance, (36,) float64, row-major over (x, y, z, rot x, rot y, rot z) [m, rad]."""
 
@@ -401,6 +422,14 @@ class Clock(Message):
 
     ros_type = "rosgraph_msgs/msg/Clock"
     clock: Time = field(default_factory=Time)
+
+
+@dataclass(slots=True, eq=False)
+class Bool(Message):
+    """A truth value."""
+
+    ros_type = "std_msgs/msg/Bool"
+    data: bool = False
 
 
 @dataclass(slots=True, eq=False)

@@ -22,6 +22,7 @@ __all__ = [
     "MapParameters",
     "Parameters",
     "RobotParameters",
+    "WorldParameters",
 ]
 
 T = TypeVar("T", bound="Parameters")
@@ -76,6 +77,13 @@ def _check_topic(name: str) -> str:
 
 Topic = Annotated[str, AfterValidator(_check_topic)]
 OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic(name))]
+
+
+def _check_robot(name: str) -> str:
+    """Rejects names of robots that are no names in ROS."""
+    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        raise ValueError("Input should be a name of letters, digits and underscores such as robot1")
+    return name
 
 
 def _corners_to_text(value: object) -> object:
@@ -174,6 +182,16 @@ class RobotParameters(Parameters):
         "ground_truth",
         description="topic of the true pose and velocity, in the map frame; empty for none (default in Simulation and run)",
     )
+    contact_topic: OptionalTopic = Field(
+        "contacts",
+        description="topic of the points in the map frame where the footprint touches something, one at the start of each "
+        "contact; empty for none (default in Simulation and run)",
+    )
+    stalled_topic: OptionalTopic = Field(
+        "stalled",
+        description="latched topic that says whether contact keeps the robot from following its commands; empty for none "
+        "(default in Simulation and run)",
+    )
     ground_truth_frame: str = Field(
         "", description="child frame of a transform from map_frame_id that is the true pose; empty for none"
     )
@@ -223,6 +241,10 @@ class RobotParameters(Parameters):
     )
     odometry_seed: Seed = Field(
         0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"
+    )
+
+    wheel_slip: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        0.0, description="share of the commanded motion that slipping wheels lose; the odometry does not notice it"
     )
 
     @model_validator(mode="after")
@@ -354,6 +376,22 @@ class LaserParameters(Parameters):
             max_range=self.laser_max_range,
             mount=mount or Pose(*(self.laser_mount or (0.0, 0.0, 0.0))),
         )
+
+
+class WorldParameters(Parameters):
+    """Parameters of the world of a ROS process, in which all of its robots move."""
+
+    node_name = "world_server"
+
+    robots: tuple[Annotated[str, AfterValidator(_check_robot)], ...] = Field(
+        (), description="names of several robots, each in a namespace of its name; empty for one robot without a name"
+    )
+    obstacles_topic: Topic = Field("obstacles", description="topic of markers that add, move and remove obstacles")
+    markers_topic: OptionalTopic = Field(
+        "markers", description="topic of markers that show robots, obstacles and contacts in RViz; empty for none"
+    )
+    markers_rate: Rate = Field(5.0, description="rate of these markers [Hz]")
+    map_frame_id: Name = Field("map", description="frame of the map")
 
 
 class MapParameters(Parameters):

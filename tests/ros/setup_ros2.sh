@@ -18,7 +18,7 @@ rm -rf "$venv"
 "$python" -m venv "$venv"
 install() { "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"; }
 
-install 'ros-rclpy[fastrtps]==9.1.2' ros-{geometry,nav,sensor}-msgs==5.5.1 ros-std-srvs==5.5.1 ros-rosgraph-msgs==2.3.0
+install 'ros-rclpy[fastrtps]==9.1.2' ros-{geometry,nav,sensor,visualization}-msgs==5.5.1 ros-std-srvs==5.5.1 ros-rosgraph-msgs==2.3.0
 # The generators, and the dependencies that their packages do not declare.
 ament=(core export-{definitions,dependencies,include-directories,interfaces,libraries,link-flags,targets} gen-version-h gmock
     gtest include-directories libraries pytest python ros ros-core target-dependencies test version)

@@ -21,6 +21,7 @@ ODOM, SCAN, TF, MAP = (
     "nav_msgs/msg/OccupancyGrid",
 )
 TWIST, POSE = "geometry_msgs/msg/Twist", "geometry_msgs/msg/PoseWithCovarianceStamped"
+MARKERS = "visualization_msgs/msg/MarkerArray"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 SET_POSE = {"1": "robot_localization/srv/SetPose", "2": "nav2_msgs/srv/SetInitialPose"}.get(VERSION, "")
 NAME = "mobile_robot_simulator" if VERSION == "1" else "mobile_robot_simulator_node"
@@ -123,6 +124,68 @@ def test_two_robots_in_namespaces_share_nothing_but_tf(world: Any, map_file: Pat
     assert truths[1][-1].pose.pose.position.x == 1.0
     children = {link.child_frame_id for message in tf for link in message.transforms}
     assert children == {"robot1/odom", "robot1/base_link", "robot2/odom", "robot2/base_link"}
+
+
+def test_robots_of_one_process_see_and_touch_one_another(world: Any, map_file: Path) -> None:
+    process = world.start(
+        "all",
+        map_file=map_file,
+        robots="[robot1, robot2]",
+        velocity_timeout=10.0,
+        laser_beam_count=181,
+        apply_noise=False,
+        robot_radius=0.25,
+        initial_pose="[0.0, 0.0, 0.0]",
+        **{"robot2.initial_pose" if VERSION == "2" else "robot2/initial_pose": "[1.5, 0.0, 3.14159265]"},
+    )
+    truth = world.subscribe("/robot1/ground_truth", ODOM)
+    scan = world.subscribe("/robot1/scan", SCAN)
+    contacts = world.subscribe("/robot1/contacts", "geometry_msgs/msg/PointStamped")
+    stalled = world.subscribe("/robot1/stalled", "std_msgs/msg/Bool", latched=True)
+    before = scan.next(lambda it: it.ranges[90] < 2.0)
+    assert before.header.frame_id == "robot1/base_link"
+    assert before.ranges[90] == pytest.approx(1.25, abs=1e-3)
+    publish = world.publisher("/robot1/cmd_vel", TWIST, wait=False)
+
+    def touches() -> bool:
+        publish(twist(0.5, 0.0))
+        return bool(contacts)
+
+    wait_until(touches, "contact")
+    stopped = truth.next(lambda it: it.twist.twist.linear.x == 0.0)
+    assert stopped.pose.pose.position.x == pytest.approx(1.0, abs=1e-5)
+    assert (contacts[0].header.frame_id, contacts[0].point.x) == ("map", pytest.approx(1.25, abs=1e-5))
+    wait_until(lambda: [it.data for it in stalled][-1:] == [True], "the robot to be stalled")
+    assert "contact with robot robot2 at (1.25, 0.00)" in process.output
+    clocks = world.count_publishers("/clock")
+    assert clocks == (0 if VERSION == "1" else 1)
+
+
+def test_markers_put_obstacles_into_the_world_and_show_it(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, robot_radius=0.25, velocity_timeout=10.0, **QUIET)
+    scan, truth = world.subscribe("/scan", SCAN), world.subscribe("/ground_truth", ODOM)
+    shown = world.subscribe("/markers", MARKERS)
+    scan.next()
+    marker = find("visualization_msgs/msg/Marker")()
+    marker.header.frame_id, marker.ns, marker.type = "map", "box", 1
+    marker.pose.position.x, marker.pose.orientation.w = 1.5, 1.0
+    marker.scale.x = marker.scale.y = marker.scale.z = 0.5
+    publish = world.publisher("/obstacles", MARKERS)
+    publish(find(MARKERS)(markers=[marker]))
+    scan.next(lambda it: it.ranges[90] == pytest.approx(1.25, abs=1e-3))
+    pose = find("geometry_msgs/msg/PoseStamped")()
+    pose.pose.position.x, pose.pose.orientation.w = 1.0, 1.0
+    world.publisher("/obstacles/box/pose", "geometry_msgs/msg/PoseStamped")(pose)
+    scan.next(lambda it: it.ranges[90] == pytest.approx(0.75, abs=1e-3))
+    names = {(it.ns, it.text) for it in shown.next(lambda it: len(it.markers) > 1).markers}
+    assert names == {("robots", ""), ("obstacles", "box")}
+    world.publisher("/cmd_vel", TWIST)(twist(0.5, 0.0))
+    truth.next(lambda it: it.twist.twist.linear.x == 0.5)
+    assert truth.next(lambda it: it.twist.twist.linear.x == 0.0).pose.pose.position.x == pytest.approx(0.5, abs=1e-5)
+    world.publisher("/obstacles/box/cmd_vel", TWIST)(twist(0.2, 0.0))
+    truth.next(lambda it: it.pose.pose.position.x > 0.55)
+    assert world.call("/remove_obstacles", "std_srvs/srv/Trigger").message == "1 obstacles removed"
+    truth.next(lambda it: it.pose.pose.position.x > 1.0)
 
 
 def test_a_command_moves_the_robot_as_the_closed_form_says(world: Any) -> None:

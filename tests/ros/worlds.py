@@ -196,6 +196,12 @@ class Ros1World(World):
         self.rospy.wait_for_service(service, TIMEOUT)
         return self.rospy.ServiceProxy(service, find(ros_type))(**fields)
 
+    def count_publishers(self, topic: str) -> int:
+        import rosgraph
+
+        published, _, _ = rosgraph.Master("/test").getSystemState()
+        return len(dict(published).get(topic, []))
+
     def set_parameter(self, node: str, name: str, value: Any) -> bool:
         """Returns whether the change was accepted."""
         key = f"/{node}/{name}"
@@ -295,6 +301,9 @@ class Ros2World(World):
             return next((future for future in futures if future.done()), None)
 
         return wait_until(response, f"a response of {service}").result()
+
+    def count_publishers(self, topic: str) -> int:
+        return int(self.node.count_publishers(topic))
 
     def set_parameter(self, node: str, name: str, value: Any) -> bool:
         """Returns whether the change was accepted."""

@@ -45,7 +45,7 @@ class Slip(Fault):
     def _slip(self, simulation: FaultTarget, robot: SimulatedRobot) -> None:
         shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot) is robot]
         share = shares[0] if len(shares) == 1 else 1.0 - math.prod(1.0 - share for share in shares)
-        robot.robot.slip(share)
+        robot.robot.slip(share or None)
         self._note(f"{robot.name or 'the robot'} slips by {share:g}")
 
     def _arguments(self) -> list[str]:

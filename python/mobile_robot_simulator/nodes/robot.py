@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from .. import messages
 from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
+from ..instant import NANOSECONDS
 from ..messages import (
     Clock,
     Header,
@@ -46,6 +48,8 @@ RESTART_PARAMETERS = (
     "velocity_topic",
     "odometry_topic",
     "ground_truth_topic",
+    "contact_topic",
+    "stalled_topic",
     "cmd_vel_stamped",
     "map_service",
     "map_topic",
@@ -75,12 +79,16 @@ class RobotPublishers:
         transforms: Publisher of /tf.
         clock: Publisher of /clock, None unless `publish_clock` is set.
         truth: Publisher of the ground truth, None unless `ground_truth_topic` is set.
+        contacts: Publisher of contacts, None without a footprint or `contact_topic`.
+        stalled: Publisher of whether the robot is stalled, None without a footprint or `stalled_topic`.
     """
 
     odometry: Publisher[Odometry]
     transforms: Publisher[TFMessage]
     clock: Publisher[Clock] | None
     truth: Publisher[Odometry] | None
+    contacts: Publisher[messages.PointStamped] | None
+    stalled: Publisher[messages.Bool] | None
 
 
 @dataclass(frozen=True)
@@ -99,19 +107,21 @@ class RobotSnapshot:
         motion: The motion and its saved state.
         odometer: The odometer and its saved state.
         maps: State of the map listener, with the map.
+        contacts: Time of the last contact that was published [s], and whether the robot was stalled then.
     """
 
     parameters: RobotParameters
     running: Handles | None
     publishers: RobotPublishers | None
     footprint: Shape | None
-    slip_share: float
+    slip_share: float | None
     drift: tuple[MotionNoise | None, int]
     believed_pose: Pose
     transforms_stamp: Time | None
     motion: tuple[Motion, MotionSnapshot]
     odometer: tuple[Odometer, OdometerSnapshot]
     maps: MapListenerSnapshot
+    contacts: tuple[float, bool]
 
 
 class MobileRobotSimulator(Handle):
@@ -176,8 +186,10 @@ class MobileRobotSimulator(Handle):
         self._publishers: RobotPublishers | None = None
         self._transforms_stamp: Time | None = None
         self._footprint = self._parameters.shape
-        self._slip_share = 0.0
+        self._slip_share: float | None = None
         self._drift: tuple[MotionNoise | None, int] = (None, 0)
+        self._contact_time = -math.inf
+        self._is_stalled = False
         self.reset()
         self._world.join(self)
 
@@ -237,8 +249,8 @@ class MobileRobotSimulator(Handle):
         now_ns, parameters, start = self._world.now_ns(), self._parameters, self.start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
-        if self._slip_share:
-            self._motion.slip(self._slip_share, now_ns)
+        if self._lost_share():
+            self._motion.slip(self._lost_share(), now_ns)
         noise, seed = self._odometry_noise()
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
         self._believed_pose = odom_from_base
@@ -289,14 +301,14 @@ class MobileRobotSimulator(Handle):
         self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
         self._world.changed()
 
-    def slip(self, share: float) -> None:
+    def slip(self, share: float | None) -> None:
         """Makes the wheels slip from now on. The odometry does not notice it.
 
         Args:
-            share: Share of the commanded motion that is lost, in 0..1.
+            share: Share of the commanded motion that is lost, in 0..1; None for that of the parameters.
         """
         self._slip_share = share
-        self._motion.slip(share, self._world.now_ns())
+        self._motion.slip(self._lost_share(), self._world.now_ns())
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """Changes the noise of the odometry from now on. The error and the covariance so far stay.
@@ -356,6 +368,7 @@ class MobileRobotSimulator(Handle):
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
             maps=self._maps.save(),
+            contacts=(self._contact_time, self._is_stalled),
         )
 
     def restore(self, state: RobotSnapshot) -> None:
@@ -368,6 +381,7 @@ class MobileRobotSimulator(Handle):
         self._odometer, odometer_state = state.odometer
         self._odometer.restore(odometer_state)
         self._maps.restore(state.maps)
+        self._contact_time, self._is_stalled = state.contacts
 
     def _odometry_noise(self) -> tuple[MotionNoise | None, int]:
         """Returns the noise of the odometry and its seed: those of `drift`, or else those of the parameters."""
@@ -400,6 +414,14 @@ class MobileRobotSimulator(Handle):
             motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
             self._motion = motion.continuing(self._motion)
             self._world.changed()
+        if after.wheel_slip != before.wheel_slip:
+            self.slip(self._slip_share)
+        if (after.odometry_alphas, after.odometry_seed) != (before.odometry_alphas, before.odometry_seed):
+            self.drift(*self._drift)
+
+    def _lost_share(self) -> float:
+        """Returns the share of the commanded motion that is lost: that of `slip`, or else that of the parameters."""
+        return self._parameters.wheel_slip if self._slip_share is None else self._slip_share
 
     def _find_missing(self) -> dict[str, str]:
         """Returns what is missing for driving, and how the node gets it."""
@@ -433,11 +455,19 @@ class MobileRobotSimulator(Handle):
         clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
         if clock is not None:
             handles.add(node.destroy_publisher, clock)
-        truth = None
+        truth = contacts = stalled = None
         if parameters.ground_truth_topic:
             truth = node.create_publisher(Odometry, parameters.ground_truth_topic, QoS.DEFAULT)
             handles.add(node.destroy_publisher, truth)
-        return RobotPublishers(odometry, transforms, clock, truth)
+        if self._footprint is not None and parameters.contact_topic:
+            contacts = node.create_publisher(messages.PointStamped, parameters.contact_topic, QoS.DEFAULT)
+            handles.add(node.destroy_publisher, contacts)
+        if self._footprint is not None and parameters.stalled_topic:
+            stalled = node.create_publisher(messages.Bool, parameters.stalled_topic, QoS.LATCHED)
+            handles.add(node.destroy_publisher, stalled)
+            self._is_stalled = False
+            stalled.publish(messages.Bool(False))
+        return RobotPublishers(odometry, transforms, clock, truth, contacts, stalled)
 
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
@@ -511,8 +541,26 @@ class MobileRobotSimulator(Handle):
         odometry = self._odometry_message(now_ns, stamp, reading)
         self._publishers.odometry.publish(odometry)
         self._send_transforms(now_ns, stamp, reading.pose)
+        if self._publishers.contacts is not None or self._publishers.stalled is not None:
+            self._publish_contacts(now_ns, stamp)
         if self._publishers.truth is not None:
             self._publishers.truth.publish(self._truth_message(now_ns, stamp))
+
+    def _publish_contacts(self, now_ns: int, stamp: Time) -> None:
+        """Publishes the contacts that have begun since the last call, and a change of whether the robot is stalled."""
+        assert self._publishers is not None
+        begun = takewhile(lambda contact: contact.time > self._contact_time, reversed(self._motion.contacts_until(now_ns)))
+        for contact in reversed(list(begun)):
+            self._contact_time = contact.time
+            x, y = contact.point
+            self._node.get_logger().info(f"contact with {contact.what} at ({x:.2f}, {y:.2f}), at {contact.speed:.2f} m/s")
+            if self._publishers.contacts is not None:
+                began = stamp.nanoseconds - (now_ns - round(contact.time * NANOSECONDS))
+                header = Header(Time.from_nanoseconds(began), self._parameters.map_frame_id)
+                self._publishers.contacts.publish(messages.PointStamped(header, messages.Point(x, y)))
+        if self._publishers.stalled is not None and self._motion.is_blocked != self._is_stalled:
+            self._is_stalled = self._motion.is_blocked
+            self._publishers.stalled.publish(messages.Bool(self._is_stalled))
 
     def _odometry_message(self, now_ns: int, stamp: Time, reading: OdometerReading) -> Odometry:
         vx, vy, wz = self._motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist

@@ -70,8 +70,7 @@ class ConstrainedMotion(Motion):
         self._stepped_ns = time_ns
         self._requested: Velocity = STANDING
         self._requested_until_ns = time_ns
-        self._is_blocked = False
-        """True if contact has changed the motion, so that it does not follow the command."""
+        self.is_blocked = False
         self._touched: str | None = None
         self._preview: ConstrainedMotion | None = None
         self._preview_key = (time_ns, 0)
@@ -135,7 +134,7 @@ class ConstrainedMotion(Motion):
         """Requests a velocity from now on; limits and contact decide what the robot does."""
         self.step(time_ns)
         self._requested, self._requested_until_ns = velocity, self._end_of_command(time_ns)
-        if not self._is_blocked:
+        if not self.is_blocked:
             super().command(velocity, time_ns)
 
     def stop(self, time_ns: int) -> None:
@@ -165,13 +164,13 @@ class ConstrainedMotion(Motion):
         super().restore(state)
         stepping = state.stepping
         assert stepping is not None
-        self._stepped_ns, self._is_blocked, self._touched = stepping.stepped_ns, stepping.is_blocked, stepping.touched
+        self._stepped_ns, self.is_blocked, self._touched = stepping.stepped_ns, stepping.is_blocked, stepping.touched
         self._requested, self._requested_until_ns = stepping.requested, stepping.requested_until_ns
         self._preview, self._reached = None, stepping.reached
 
     def _save_stepping(self) -> SteppingSnapshot:
         return SteppingSnapshot(
-            self._stepped_ns, self._requested, self._requested_until_ns, self._is_blocked, self._touched, self._reached
+            self._stepped_ns, self._requested, self._requested_until_ns, self.is_blocked, self._touched, self._reached
         )
 
     def _at(self, time_ns: int) -> ConstrainedMotion:
@@ -187,7 +186,7 @@ class ConstrainedMotion(Motion):
     def _take_step(self, end_ns: int) -> None:
         """Takes a time step during which the command does not change."""
         start_ns, grid, footprint = self._stepped_ns, self._world.grid, self._body.footprint
-        profile = self._following(*self._request_at(start_ns)) if self._is_blocked else self._profile
+        profile = self._following(*self._request_at(start_ns)) if self.is_blocked else self._profile
         start, contact = self.pose_for_others(start_ns), None
         self._stepped_ns = end_ns
         if grid is None or footprint is None:
@@ -201,12 +200,12 @@ class ConstrainedMotion(Motion):
                 step = _Step(start_ns, end_ns, duration, start, self._reached, twist)
                 self._record_contact(step, contact)
                 if self._mode != "report":
-                    self._is_blocked = True
+                    self.is_blocked = True
                     self._begin_after_contact(step, contact)
                 return
         self._touched = None
-        if self._is_blocked:
-            self._is_blocked = False
+        if self.is_blocked:
+            self.is_blocked = False
             self._begin(profile)
 
     def _request_at(self, time_ns: int) -> tuple[Velocity, int, int]:
@@ -223,7 +222,7 @@ class ConstrainedMotion(Motion):
         if max(abs(first[2]), abs(last[2])) * duration > LARGEST_TURN:
             vx, vy, wz = (0.5 * (before + after) for before, after in zip(first, last, strict=True))
             return scaled((vx, vy, wz), self._grip)
-        from_profile = Motion.pose(self, start_ns) if self._is_blocked else self._start
+        from_profile = Motion.pose(self, start_ns) if self.is_blocked else self._start
         return start.twist_to(self.map_from_own * profile.move(from_profile, end_ns, self._grip), duration)
 
     def _record_contact(self, step: _Step, contact: Contact) -> None:

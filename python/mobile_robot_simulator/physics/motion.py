@@ -187,6 +187,9 @@ class Motion:
     is_stepped = False
     """True if the world must advance this motion in time steps."""
 
+    is_blocked = False
+    """True if contact keeps the robot from following its command."""
+
     def step(self, time_ns: int) -> None:
         """Advances to a time [ns]."""
 

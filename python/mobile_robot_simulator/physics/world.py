@@ -99,6 +99,11 @@ class World(Handle):
         self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
         """Result of `everybody` for the last time at which it was called."""
 
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The robots, in the order in which they joined."""
+        return tuple(self._bodies)
+
     def now_ns(self) -> int:
         """Advances all robots to the present and returns it [ns]."""
         now = self._clock()

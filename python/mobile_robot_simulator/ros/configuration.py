@@ -5,20 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
+from ..namespaces import SHARED, of_robot
 from ..nav2_loopback_names import SYNONYMS, translate
 from ..nodes.interface import Logger, Node
 from ..nodes.laser import LaserScannerSimulator
 from ..nodes.map_server import MapFileServer
 from ..nodes.robot import MobileRobotSimulator
-from ..parameters import LaserParameters, MapParameters, Parameters, RobotParameters, check_names
+from ..nodes.world_server import WorldServer
+from ..parameters import LaserParameters, MapParameters, Parameters, RobotParameters, WorldParameters, check_names
 from ..quoting import quoted
 from .node import RosProcess
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
 """Parameter class of each node, by the name of the node on the command line."""
 
-STARTUP_ONLY = ("publish_clock",)
-"""Parameters that cannot change while a node runs, because they decide which clock it uses."""
+ALL: tuple[type[Parameters], ...] = (WorldParameters, *MODELS.values())
+"""Parameter classes of the nodes that run with `all`."""
+
+OF_A_ROBOT: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
+"""Parameter classes of the nodes that each robot has."""
+
+STARTUP_ONLY = ("publish_clock", "robots")
+"""Parameters that cannot change while a node runs, because they decide which clock it uses, or which nodes there are."""
 
 
 class Behaviour(Protocol):
@@ -37,26 +45,30 @@ class Behaviour(Protocol):
 
 def models_of(name: str) -> list[type[Parameters]]:
     """Returns the parameter classes of the nodes to run: of the named node, or of every node for `all`."""
-    return list(MODELS.values()) if name == "all" else [MODELS[name]]
+    return list(ALL) if name == "all" else [MODELS[name]]
 
 
-def create_behaviour(parameters: Parameters, node: Node, process: RosProcess) -> Behaviour:
-    """Creates the robot, the laser or the map server. The class of the parameters decides which one.
+def create_behaviour(parameters: Parameters, node: Node, process: RosProcess, robot: str = "") -> Behaviour:
+    """Creates the world, the robot, the laser or the map server. The class of the parameters decides which one.
 
     Args:
         parameters: Checked parameters.
         node: ROS node on which it runs.
-        process: What all nodes of the process share. Robots move in its world, and lasers are mounted on its robot.
+        process: What all nodes of the process share. Robots move in its world, and lasers are mounted on its robots.
+        robot: Name of the robot that the node belongs to; empty if there is only one.
 
     Raises:
         ValueError: The map file is invalid.
         OSError: The map file cannot be read.
     """
     if isinstance(parameters, RobotParameters):
-        process.robot = MobileRobotSimulator(node, parameters, world=process.world_for(node))
-        return process.robot
+        created = MobileRobotSimulator(node, parameters, world=process.world_for(node), name=robot)
+        process.robots[robot] = created
+        return created
     if isinstance(parameters, LaserParameters):
-        return LaserScannerSimulator(node, parameters, carrier=process.robot)
+        return LaserScannerSimulator(node, parameters, carrier=process.robots.get(robot))
+    if isinstance(parameters, WorldParameters):
+        return WorldServer(node, parameters, process.world_for(node))
     assert isinstance(parameters, MapParameters)
     return MapFileServer(node, parameters)
 
@@ -158,12 +170,55 @@ class ParameterResolver:
         return values
 
 
-def warn_about_unknown(names: Iterable[str], logger: Logger) -> None:
+class Fleet:
+    """The robots of a process, and which parameters each of them gets.
+
+    The parameter `robots` names them. A parameter `robot1.NAME` is the parameter `NAME` of `robot1` only.
+
+    Args:
+        given: Values by name, for all nodes of the process.
+    """
+
+    def __init__(self, given: Mapping[str, Any]) -> None:
+        checked = WorldParameters.checked({name: value for name, value in given.items() if name == "robots"})
+        self.names: tuple[str, ...] = checked.robots or ("",)
+
+    def owner_of(self, name: str) -> tuple[str, str]:
+        """Returns the robot that a parameter is for, or an empty name, and the parameter's name without it."""
+        robot, dot, own_name = name.partition(".")
+        return (robot, own_name) if dot and robot in self.names else ("", name)
+
+    def robots_of(self, model: type[Parameters]) -> tuple[str, ...]:
+        """Returns the robots that have a node with these parameters; one empty name if the node belongs to no robot."""
+        return self.names if model in OF_A_ROBOT else ("",)
+
+    def given_to(self, robot: str, given: Mapping[str, Any], resolve: Callable[[str], str]) -> dict[str, Any]:
+        """Returns the values for the nodes of one robot, with frames and seeds of its own.
+
+        Args:
+            robot: Name of the robot; empty for nodes that belong to no robot, and for the only robot.
+            given: Values by name, for all nodes of the process.
+            resolve: Returns the full name of a topic or service outside of the robots' namespaces, where the map is.
+        """
+        common = {name: value for name, value in given.items() if not self.owner_of(name)[0]}
+        if not robot:
+            return common
+        own = {self.owner_of(name)[1]: value for name, value in given.items() if self.owner_of(name)[0] == robot}
+        if robot != self.names[0]:
+            common["publish_clock"] = False
+        values = of_robot(robot, {**common, **own})
+        for name in SHARED:
+            topic = values.get(name, RobotParameters.model_fields[name].default)
+            values[name] = topic and resolve(topic)
+        return values
+
+
+def warn_about_unknown(names: Iterable[str], logger: Logger, fleet: Fleet) -> None:
     """Logs a warning for each name that is not a parameter of any node. The warning suggests the nearest known name."""
-    for name in names:
+    for name in (fleet.owner_of(name)[1] for name in names):
         if name not in SYNONYMS:
             try:
-                check_names([name], MODELS.values())
+                check_names([name], ALL)
             except ValueError as error:
                 logger.warning(str(error))
 

@@ -26,13 +26,13 @@ class RosProcess:
     Attributes:
         executor: Runs the callbacks of all nodes, one at a time.
         topics: Topics between the nodes of this process.
-        robot: Robot of this process, None if it has none.
+        robots: Robots of this process, by name; the only robot has an empty name.
     """
 
     def __init__(self) -> None:
         self.executor = Executor()
         self.topics = IntraProcessTopics()
-        self.robot: MobileRobotSimulator | None = None
+        self.robots: dict[str, MobileRobotSimulator] = {}
         self._paced_clock: EventClock | None = None
         self._ros_clock: EventClock | None = None
         self._world: World | None = None

@@ -23,6 +23,7 @@ from ..nodes.interface import Logger, M, QoS
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
     Behaviour,
+    Fleet,
     ParameterResolver,
     change_everywhere,
     create_behaviour,
@@ -31,6 +32,7 @@ from .configuration import (
     warn_about_unknown,
 )
 from .conversion import MessageConverter
+from .event_clock import EventClock
 from .executor import Executor
 from .intra_process import IntraProcessTopic
 from .node import RosNode, RosProcess
@@ -72,9 +74,14 @@ class Ros1Node(RosNode):
     Args:
         process: What all nodes of the process share.
         clock: Clock of the node.
+        namespace: Namespace of relative names in that of the process; empty for none.
     """
 
     converter = ROS1
+
+    def __init__(self, process: RosProcess, clock: EventClock, namespace: str = "") -> None:
+        super().__init__(process, clock)
+        self._namespace = namespace
 
     def get_logger(self) -> Logger:
         """Returns the logger of the process. It writes to the console and to /rosout."""
@@ -84,7 +91,7 @@ class Ros1Node(RosNode):
         """Creates a publisher of messages of one type."""
         ros_class = ROS1.find_message_type(msg_type.ros_type)
         is_latched = qos_profile is QoS.LATCHED
-        publisher = rospy.Publisher(topic, ros_class, queue_size=10, latch=is_latched)
+        publisher = rospy.Publisher(self._named(topic), ros_class, queue_size=10, latch=is_latched)
         return _Publisher(ros_class(), publisher, self._topics.advertise(publisher.resolved_name, msg_type), is_latched)
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
@@ -99,7 +106,7 @@ class Ros1Node(RosNode):
 
     def create_client(self, srv_type: Any, srv_name: str) -> _Client:
         """Creates a client of a service."""
-        proxy = rospy.ServiceProxy(srv_name, self._find_service_type(srv_type.ros_type))
+        proxy = rospy.ServiceProxy(self._named(srv_name), self._find_service_type(srv_type.ros_type))
         return _Client(srv_type, proxy, self._executor)
 
     def destroy_client(self, client: _Client) -> None:
@@ -108,17 +115,23 @@ class Ros1Node(RosNode):
 
     def resolve_topic_name(self, topic: str) -> str:
         """Returns the full name of a topic, after namespaces and remapping."""
-        return str(rospy.resolve_name(topic))
+        return str(rospy.resolve_name(self._named(topic)))
 
     def resolve_service_name(self, service: str) -> str:
         """Returns the full name of a service, after namespaces and remapping."""
-        return str(rospy.resolve_name(service))
+        return str(rospy.resolve_name(self._named(service)))
+
+    def _named(self, name: str) -> str:
+        """Returns the name of a topic or service in the namespace of the process."""
+        return f"{self._namespace}/{name}" if self._namespace and name[:1] not in "/~" else name
 
     def _subscribe_through_ros(
         self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
     ) -> Callable[[], object]:
         ros_class = ROS1.find_message_type(msg_type.ros_type)
-        subscriber = rospy.Subscriber(topic, ros_class, receive, queue_size=100, buff_size=2**24, tcp_nodelay=True)
+        subscriber = rospy.Subscriber(
+            self._named(topic), ros_class, receive, queue_size=100, buff_size=2**24, tcp_nodelay=True
+        )
         unregister: Callable[[], object] = subscriber.unregister
         return unregister
 
@@ -129,7 +142,7 @@ class Ros1Node(RosNode):
         return type(ros_class.__name__, (ros_class,), parts)
 
     def _offer_service(self, ros_type: Any, srv_name: str, answer: Callable[[Any, Any], Any]) -> Any:
-        return rospy.Service(srv_name, ros_type, lambda request: answer(request, ros_type._response_class()))
+        return rospy.Service(self._named(srv_name), ros_type, lambda request: answer(request, ros_type._response_class()))
 
 
 class _RosClock:
@@ -211,27 +224,35 @@ def run(name: str, arguments: list[str]) -> None:
             rospy.init_node(node_name, argv=["mobile-robot-simulator", *ros_arguments], disable_signals=True)
             rospy.on_shutdown(process.executor.shutdown)
             given = _private_parameters()
-            warn_about_unknown(given, _logger())
+            fleet = Fleet(given if name == "all" else {})
+            warn_about_unknown(given, _logger(), fleet)
             resolver = ParameterResolver(name, DEFAULTS, map_file)
-            behaviours = _create_behaviours(models, resolver, given, process)
-            for behaviour in behaviours:
+            behaviours = _create_behaviours(models, resolver, given, process, fleet)
+            for _, behaviour in behaviours:
                 process.executor.serialized(behaviour.start)()
-            _MasterMonitor(behaviours, resolver, given, process)
+            _MasterMonitor(behaviours, resolver, given, process, fleet)
             process.executor.wait()
     finally:
         rospy.signal_shutdown("done")
 
 
 def _create_behaviours(
-    models: list[type[Parameters]], resolver: ParameterResolver, given: dict[str, Any], process: RosProcess
-) -> list[Behaviour]:
+    models: list[type[Parameters]],
+    resolver: ParameterResolver,
+    given: dict[str, Any],
+    process: RosProcess,
+    fleet: Fleet,
+) -> list[tuple[str, Behaviour]]:
+    """Returns the behaviours of all nodes, each with the name of its robot."""
     behaviours = []
+    follows_clock = rospy.get_param("/use_sim_time", False)
     for model in models:
-        parameters = resolver.resolve(model, given, _logger())
-        if parameters is not None:
-            clock = process.clock_for(parameters, _RosClock(), use_sim_time=rospy.get_param("/use_sim_time", False))
-            create = process.executor.serialized(create_behaviour)
-            behaviours.append(create(parameters, Ros1Node(process, clock), process))
+        for robot in fleet.robots_of(model):
+            parameters = resolver.resolve(model, fleet.given_to(robot, given, rospy.resolve_name), _logger())
+            if parameters is not None:
+                clock = process.clock_for(parameters, _RosClock(), use_sim_time=follows_clock)
+                create = process.executor.serialized(create_behaviour)
+                behaviours.append((robot, create(parameters, Ros1Node(process, clock, robot), process, robot)))
     return behaviours
 
 
@@ -241,9 +262,14 @@ def _logger() -> Logger:
 
 
 def _private_parameters() -> dict[str, Any]:
-    """Returns the node's private parameters, by name, from the parameter server."""
+    """Returns the private parameters on the parameter server, by name; `~robot1/NAME` has the name `robot1.NAME`."""
     found = rospy.get_param("~", {})
-    return dict(found) if isinstance(found, dict) else {}
+    values: dict[str, Any] = {}
+    for name, value in found.items() if isinstance(found, dict) else ():
+        values.update(
+            {f"{name}.{inner}": each for inner, each in value.items()} if isinstance(value, dict) else {name: value}
+        )
+    return values
 
 
 def _is_reachable(node: str) -> bool:
@@ -291,9 +317,15 @@ class _MasterMonitor:
     """
 
     def __init__(
-        self, behaviours: list[Behaviour], resolver: ParameterResolver, given: dict[str, Any], process: RosProcess
+        self,
+        behaviours: list[tuple[str, Behaviour]],
+        resolver: ParameterResolver,
+        given: dict[str, Any],
+        process: RosProcess,
+        fleet: Fleet,
     ) -> None:
         self._behaviours, self._resolver, self._last_given = behaviours, resolver, dict(given)
+        self._fleet = fleet
         self._executor, self._topics = process.executor, process.topics
         Thread(target=self._run, name="master", daemon=True).start()
 
@@ -325,28 +357,31 @@ class _MasterMonitor:
         changed = {name: value for name, value in given.items() if self._last_given.get(name, _ABSENT) != value}
         deleted = [name for name in self._last_given if name not in given and name not in SYNONYMS]
         if changed or deleted:
-            warn_about_unknown(changed, _logger())
+            warn_about_unknown(changed, _logger(), self._fleet)
             change = self._executor.serialized(self._change)
             for name, value in changed.items():
                 self._last_given[name] = value
                 change(name, lambda _, value=value: value)
             for name in deleted:
                 del self._last_given[name]
-                change(name, lambda model, name=name: self._resolver.defaults_of(model)[name])
+                change(name, lambda model, name=name: self._resolver.defaults_of(model)[self._fleet.owner_of(name)[1]])
 
     def _change(self, name: str, value_for: Callable[[type[Parameters]], Any]) -> None:
-        refusal = change_everywhere(self._behaviours, name, value_for)
+        owner, own_name = self._fleet.owner_of(name)
+        behaviours = [behaviour for robot, behaviour in self._behaviours if owner in ("", robot)]
+        refusal = change_everywhere(behaviours, own_name, value_for)
         if refusal is None:
             return
         _logger().warning(f"parameter change refused: {refusal}")
-        for behaviour in self._behaviours:
-            value = getattr(behaviour.parameters, name, None)
+        on_server = f"~{name.replace('.', '/')}"
+        for behaviour in behaviours:
+            value = getattr(behaviour.parameters, own_name, None)
             if value is not None:
-                rospy.set_param(f"~{name}", value)
+                rospy.set_param(on_server, value)
                 self._last_given[name] = value
                 return
-        if rospy.has_param(f"~{name}"):
-            rospy.delete_param(f"~{name}")
+        if rospy.has_param(on_server):
+            rospy.delete_param(on_server)
         self._last_given.pop(name, None)
 
 

@@ -15,6 +15,7 @@ from ..parameter_files import is_for_ros
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
     Behaviour,
+    Fleet,
     ParameterResolver,
     change_parameters,
     check_options_follow,
@@ -215,15 +216,18 @@ def run(name: str, arguments: list[str]) -> None:
     nodes, spinning = list[Any](), list[_SpinningNode]()
     try:
         with process.executor.until_signalled():
+            fleet: Fleet | None = None
             for model in models_of(name):
-                node = rclpy.create_node(model.node_name, automatically_declare_parameters_from_overrides=True)
-                nodes.append(node)
-                parameters = _declare_parameters(node, model, resolver)
-                if parameters is None:
-                    nodes.pop().destroy_node()
-                    continue
-                _start_behaviour(node, parameters, process)
-                spinning.append(_SpinningNode(node, process.executor))
+                for robot in fleet.robots_of(model) if fleet else ("",):
+                    node = _create_node(model, robot)
+                    nodes.append(node)
+                    fleet = fleet or Fleet(_given_to(node) if name == "all" else {})
+                    parameters = _declare_parameters(node, model, resolver, fleet, robot, nodes[0].resolve_topic_name)
+                    if parameters is None:
+                        nodes.pop().destroy_node()
+                        continue
+                    _start_behaviour(node, parameters, process, robot)
+                    spinning.append(_SpinningNode(node, process.executor))
             first = spinning[0].node
             check_publishers = partial(
                 process.topics.update, partial(_has_other_publishers, first), partial(_published_types, first)
@@ -239,15 +243,27 @@ def run(name: str, arguments: list[str]) -> None:
         context.destroy()
 
 
-def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterResolver) -> Parameters | None:
+def _create_node(model: type[Parameters], robot: str) -> Any:
+    """Creates the rclpy node of a behaviour, in the namespace of its robot if that has a name."""
+    return rclpy.create_node(model.node_name, namespace=robot or None, automatically_declare_parameters_from_overrides=True)
+
+
+def _given_to(node: Any) -> dict[str, Any]:
+    """Returns the parameters that were given on the command line or in a file, which rclpy has already declared."""
+    return {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
+
+
+def _declare_parameters(
+    node: Any, model: type[Parameters], resolver: ParameterResolver, fleet: Fleet, robot: str, resolve: Callable[[str], str]
+) -> Parameters | None:
     """Declares the parameters of a node and returns them. Returns None if `ParameterResolver.resolve` does.
 
-    rclpy has already declared those that were given on the command line or in a file. They are set to their checked values.
+    Those that rclpy has already declared are set to their checked values.
     """
-    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}
+    given = _given_to(node)
     from_user = [name for name in given if not is_for_ros(name)]
-    warn_about_unknown(from_user, node.get_logger())
-    parameters = resolver.resolve(model, given, node.get_logger())
+    warn_about_unknown(from_user, node.get_logger(), fleet)
+    parameters = resolver.resolve(model, fleet.given_to(robot, given, resolve), node.get_logger())
     if parameters is None:
         return None
     for name, info in model.model_fields.items():
@@ -262,11 +278,11 @@ def _declare_parameters(node: Any, model: type[Parameters], resolver: ParameterR
     return parameters
 
 
-def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess) -> None:
+def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess, robot: str) -> None:
     clock = process.clock_for(parameters, node.get_clock(), use_sim_time=node.get_parameter("use_sim_time").value)
 
     def start() -> None:
-        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process)
+        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process, robot)
         node.add_on_set_parameters_callback(process.executor.serialized(partial(_change_parameters, behaviour)))
         behaviour.start()
 

@@ -11,6 +11,7 @@ from .._core import OccupancyGrid, Pose, Shape
 from ..bus.bus import Bus
 from ..bus.node import BusNode, NoCopyNode
 from ..handle import Handle, Handles
+from ..namespaces import of_namespace
 from ..nodes.laser import LaserScannerSimulator, LaserSnapshot
 from ..nodes.robot import MobileRobotSimulator, RobotSnapshot
 from ..nodes.transforms import TransformBuffer, TransformListener
@@ -20,7 +21,6 @@ from ..physics.world import World
 from ..quoting import quoted
 from .arguments import to_pose
 from .ground_truth import GroundTruth
-from .namespaces import of_namespace
 
 
 @dataclass(frozen=True, repr=False)

@@ -40,6 +40,15 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+DEFAULTS: Mapping[str, Any] = {
+    "publish_map_transform": True,
+    "cmd_vel_stamped": False,
+    "ground_truth_topic": "",
+    "contact_topic": "",
+    "stalled_topic": "",
+}
+"""Defaults of parameters that differ in a simulation. The ground truth is there in Python already: `Simulation.truth`."""
+
 
 class Simulation(Handle):
     """One or more robots with laser scanners in a map, on a virtual clock that starts at 0.
@@ -52,8 +61,8 @@ class Simulation(Handle):
 
     Args:
         grid: The map.
-        parameters: Values of the nodes' parameters by name. In a simulation, `publish_map_transform` is True,
-            `cmd_vel_stamped` is False and `ground_truth_topic` is empty by default.
+        parameters: Values of the nodes' parameters by name. Some defaults differ in a simulation; their
+            descriptions in the list of parameters say so.
         seed: Seed of the noise. Replaces the parameter `seed`.
         start: Start pose (x [m], y [m], yaw [rad]) of the only robot, in the map frame. Default: the parameter
             `initial_pose`, which is (0, 0, 0) by default.
@@ -92,7 +101,7 @@ class Simulation(Handle):
         if not isinstance(grid, OccupancyGrid):
             raise TypeError(f"the map must be an OccupancyGrid, got {type(grid).__name__}")
         starts = _starts(start, robots)
-        values = {"publish_map_transform": True, "cmd_vel_stamped": False, "ground_truth_topic": "", **(parameters or {})}
+        values = {**DEFAULTS, **(parameters or {})}
         if seed is not None:
             values["seed"] = seed
         check_names(values)

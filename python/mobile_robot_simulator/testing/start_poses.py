@@ -34,8 +34,8 @@ def draw_start_poses(
     Raises:
         ValueError: Two robots have the same name, or no pose was found for a robot.
     """
+    from ..namespaces import of_namespace
     from ..parameters import RobotParameters, for_node
-    from ..simulation.namespaces import of_namespace
 
     if isinstance(names, str) or len(set(names)) < len(names):
         raise ValueError(f"robots must be a list of different names, got {quoted(names)}")

@@ -345,6 +345,29 @@ def test_the_odometry_does_not_notice_that_the_robot_is_carried(map_transform: b
     close(rigs[0].robot.pose, *mrs.Pose(-7.0, 0.0, 0.5).integrate((1.0, 0.0, 0.5), 0.5))
 
 
+def test_slip_and_drift_can_be_parameters_that_change_while_the_robot_drives() -> None:
+    rig = Rig(wheel_slip=0.5, velocity_timeout=0.0)
+    rig.command(1.0)
+    rig.run_to(1.0)
+    assert rig.robot.pose.x == pytest.approx(0.5)
+    rig.robot.set_parameters(wheel_slip=0.0)
+    rig.run_to(2.0)
+    assert rig.robot.pose.x == pytest.approx(1.5)
+    rig.robot.slip(0.8)
+    rig.run_to(3.0)
+    assert rig.robot.pose.x == pytest.approx(1.7)
+    rig.robot.set_parameters(wheel_slip=0.1)
+    rig.robot.slip(None)
+    rig.run_to(4.0)
+    assert rig.robot.pose.x == pytest.approx(2.6)
+    exact = rig.all("/odom")[-1]
+    assert exact.pose.pose.position.x == pytest.approx(4.0) and exact.pose.covariance[0] == 1e-9
+    rig.robot.set_parameters(odometry_alphas=(0.2,) * 6)
+    rig.run_to(5.0)
+    drifted = rig.all("/odom")[-1]
+    assert abs(drifted.pose.pose.position.x - 5.0) > 1e-3 and drifted.pose.covariance[0] > 1e-6
+
+
 def test_the_ground_truth_is_the_true_pose_and_velocity_in_the_map() -> None:
     rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0), odometry_alphas=(0.1,) * 6, ground_truth_frame="truth", frame_prefix="a/")
     rig.robot.slip(0.5)

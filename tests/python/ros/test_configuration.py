@@ -11,8 +11,9 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.nodes import LaserScannerSimulator, MobileRobotSimulator
-from mobile_robot_simulator.parameters import LaserParameters, MapParameters, RobotParameters
+from mobile_robot_simulator.parameters import LaserParameters, MapParameters, RobotParameters, WorldParameters
 from mobile_robot_simulator.ros.configuration import (
+    Fleet,
     ParameterResolver,
     change_everywhere,
     change_parameters,
@@ -52,8 +53,12 @@ def is_ros_argument(argument: str) -> bool:
     return ":=" in argument
 
 
+def absolute(name: str) -> str:
+    return f"/outside/{name}"
+
+
 def test_all_runs_every_node() -> None:
-    assert models_of("all") == [RobotParameters, LaserParameters, MapParameters]
+    assert models_of("all") == [WorldParameters, RobotParameters, LaserParameters, MapParameters]
     assert models_of("laser") == [LaserParameters]
 
 
@@ -128,8 +133,48 @@ def test_the_map_file_of_the_command_line_wins() -> None:
 
 def test_unknown_names_are_warned_about() -> None:
     log = Log()
-    warn_about_unknown(["publish_rate", "base_frame_id", "laser_beam_cuont"], log)
-    assert log.warnings == ["unknown parameter 'laser_beam_cuont'; did you mean 'laser_beam_count'?"]
+    fleet = Fleet({"robots": ["robot1"]})
+    warn_about_unknown(
+        ["publish_rate", "base_frame_id", "laser_beam_cuont", "robot1.seed", "robot1.robot_radios"], log, fleet
+    )
+    assert log.warnings == [
+        "unknown parameter 'laser_beam_cuont'; did you mean 'laser_beam_count'?",
+        "unknown parameter 'robot_radios'; did you mean 'robot_radius'?",
+    ]
+
+
+def test_one_robot_gets_what_is_given() -> None:
+    fleet, given = Fleet({}), {"seed": 3, "robot1.seed": 4}
+    assert fleet.robots_of(RobotParameters) == fleet.robots_of(MapParameters) == ("",)
+    assert fleet.given_to("", given, absolute) == given
+
+
+def test_each_robot_of_a_fleet_gets_parameters_of_its_own() -> None:
+    given = {
+        "robots": ["robot1", "robot2"],
+        "initial_pose": [1.0, 0.0, 0.0],
+        "robot2.initial_pose": [2.0, 0.0, 0.0],
+        "robot2.robot_radius": 0.5,
+        "map_topic": "floor",
+    }
+    fleet = Fleet(given)
+    assert fleet.robots_of(RobotParameters) == fleet.robots_of(LaserParameters) == ("robot1", "robot2")
+    assert fleet.robots_of(MapParameters) == ("",)
+    first, second = (fleet.given_to(name, given, absolute) for name in ("robot1", "robot2"))
+    assert (first["initial_pose"], second["initial_pose"]) == ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0])
+    assert (first["robot_radius"], second["robot_radius"]) == (0.2, 0.5)
+    assert (first["frame_prefix"], second["frame_prefix"]) == ("robot1/", "robot2/")
+    assert first["map_topic"] == second["map_topic"] == "/outside/floor"
+    assert first["map_service"] == "/outside/static_map"
+    assert "publish_clock" not in first and second["publish_clock"] is False
+    assert first["seed"] != second["seed"]
+    assert "robot2.initial_pose" not in first and "robot2.initial_pose" not in fleet.given_to("", given, absolute)
+
+
+@pytest.mark.parametrize("robots", [["robot 1"], ["1"], [""], "robot1", [3]])
+def test_names_of_robots_are_checked(robots: Any) -> None:
+    with pytest.raises(ValueError, match="robots"):
+        Fleet({"robots": robots})
 
 
 def test_parameters_change_or_the_reason_is_returned() -> None:

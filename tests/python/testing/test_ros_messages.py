@@ -22,7 +22,7 @@ with stand_in(
     }
 ):
     from diagnostic_msgs.msg import DiagnosticStatus
-    from geometry_msgs.msg import Pose, PoseArray, PoseStamped
+    from geometry_msgs.msg import Pose, PoseArray, PoseStamped, TwistWithCovarianceStamped
     from nav_msgs.msg import Path
     from sensor_msgs.msg import Image, Imu, JointState, LaserScan
     from std_msgs.msg import Bool, Float64, Header
@@ -64,9 +64,12 @@ def test_the_classes_of_the_nodes_are_the_fields_of_generated_classes():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Bool(data=1), r"Bool\.data must be a bool, got 1"),
+        (lambda: SetBool.Request(data=1), r"SetBool_Request\.data must be a bool, got 1"),
         (lambda: Float64(data=1), r"Float64\.data must be a float, got 1"),
-        (lambda: PoseStamped(pose=PoseStamped()), r"PoseStamped\.pose must be a Pose, got PoseStamped"),
+        (
+            lambda: TwistWithCovarianceStamped(twist=PoseStamped()),
+            r"TwistWithCovarianceStamped\.twist must be a TwistWithCovariance, got PoseStamped",
+        ),
         (lambda: Path(poses=[Pose()]), r"Path\.poses\[\] must be a PoseStamped, got Pose"),
         (lambda: JointState(name="abc"), r"JointState\.name must be a list, got 'abc'"),
         (lambda: JointState(position=["a"]), r"JointState\.position must be a sequence of float64, got \['a'\]"),
@@ -140,8 +143,8 @@ def test_without_rosbags_the_simulators_own_messages_are_left(monkeypatch):
     with stand_in():
         from geometry_msgs.msg import Twist
 
-        with pytest.raises(ImportError, match="has no PoseStamped"):
-            from geometry_msgs.msg import PoseStamped  # noqa: F401
+        with pytest.raises(ImportError, match="has no PoseArray"):
+            from geometry_msgs.msg import PoseArray  # noqa: F401
     assert Twist is mrs.messages.Twist
     with pytest.raises(ImportError):
         register_definitions({"test_msgs_of_ours/msg/Other": "float64 x"})

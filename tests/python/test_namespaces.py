@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mobile_robot_simulator.namespaces import RADIUS, of_namespace
 from mobile_robot_simulator.parameters import LaserParameters, RobotParameters, for_node
-from mobile_robot_simulator.simulation.namespaces import RADIUS, of_namespace
 
 
 def test_a_robot_without_a_name_keeps_its_parameters():

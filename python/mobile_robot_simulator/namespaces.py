@@ -6,7 +6,7 @@ import random
 from collections.abc import Mapping
 from typing import Any
 
-from ..parameters import NODES
+from .parameters import NODES
 
 TOPICS = ("velocity_topic", "odometry_topic", "laser_topic")
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
@@ -30,28 +30,47 @@ RADIUS = 0.2
 def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the parameters of a robot with topics, frames and seeds of its own.
 
-    Topics and frames get the robot's name as a prefix. Seeds are derived from the given seed and the name, so that the
-    noise of a robot does not depend on which other robots exist. A robot without an outline gets the radius `RADIUS`.
+    Topics get the robot's name as a prefix. The rest is as in `of_robot`.
 
     Args:
         name: Name of the robot. If empty, the values are returned unchanged.
         values: Parameter values by name, with or without the prefix `<node>:`.
     """
-    if not name:
-        return dict(values)
-    defaults = {key: info.default for model in NODES for key, info in model.model_fields.items()}
-    given = {**defaults, **values}
+    own = of_robot(name, values)
+    if name:
+        for key, value in _given(values).items():
+            parameter = key.rpartition(":")[2]
+            if parameter in TOPICS:
+                own[key] = f"/{name}/{value.lstrip('/')}"
+            elif parameter in SHARED:
+                own[key] = value and f"/{value.lstrip('/')}"
+    return own
+
+
+def of_robot(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the parameters of a robot with frames and seeds of its own, for nodes in a namespace.
+
+    Frames get the robot's name as a prefix. Seeds are derived from the given seed and the name, so that the noise of a
+    robot does not depend on which other robots exist. A robot without an outline gets the radius `RADIUS`.
+
+    Args:
+        name: Name of the robot. If empty, the values are returned unchanged.
+        values: Parameter values by name, with or without the prefix `<node>:`.
+    """
     own = dict(values)
-    for key, value in given.items():
+    if not name:
+        return own
+    for key, value in _given(values).items():
         parameter = key.rpartition(":")[2]
-        if parameter in TOPICS:
-            own[key] = f"/{name}/{value.lstrip('/')}"
-        elif parameter in SHARED:
-            own[key] = value and f"/{value.lstrip('/')}"
-        elif parameter == FRAME_PREFIX:
+        if parameter == FRAME_PREFIX:
             own[key] = f"{name}/{value}"
         elif parameter in SEEDS:
             own[key] = random.Random(f"{value}/{name}").getrandbits(63)
     if not any(key.rpartition(":")[2] in OUTLINES for key in values):
         own["robot_radius"] = RADIUS
     return own
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the values, and the defaults of all other parameters."""
+    return {**{key: info.default for model in NODES for key, info in model.model_fields.items()}, **values}
