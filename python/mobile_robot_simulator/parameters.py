@@ -79,11 +79,14 @@ Topic = Annotated[str, AfterValidator(_check_topic)]
 OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic(name))]
 
 
-def _check_robot(name: str) -> str:
-    """Rejects names of robots that are no names in ROS."""
-    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-        raise ValueError("Input should be a name of letters, digits and underscores such as robot1")
-    return name
+def _check_robots(names: object) -> object:
+    """Rejects what is not a list of different names that ROS accepts in a namespace."""
+    is_list = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
+    if not is_list or not all(re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) for name in names):  # type: ignore[attr-defined]
+        raise ValueError("Input should be a list of names such as [robot1, robot2]")
+    if len(set(names)) < len(names):  # type: ignore[call-overload, arg-type]
+        raise ValueError("Input should be a list of different names")
+    return names
 
 
 def _corners_to_text(value: object) -> object:
@@ -383,7 +386,7 @@ class WorldParameters(Parameters):
 
     node_name = "world_server"
 
-    robots: tuple[Annotated[str, AfterValidator(_check_robot)], ...] = Field(
+    robots: Annotated[tuple[str, ...], BeforeValidator(_check_robots)] = Field(
         (), description="names of several robots, each in a namespace of its name; empty for one robot without a name"
     )
     obstacles_topic: Topic = Field("obstacles", description="topic of markers that add, move and remove obstacles")

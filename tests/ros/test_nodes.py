@@ -161,6 +161,12 @@ def test_robots_of_one_process_see_and_touch_one_another(world: Any, map_file: P
     assert clocks == (0 if VERSION == "1" else 1)
 
 
+def test_a_namespace_holds_the_robots_of_a_process(world: Any, map_file: Path) -> None:
+    world.start("all", map_file=map_file, remap=world.in_namespace("fleet"), robots="[robot1, robot2]")
+    for name in ("robot1", "robot2"):
+        assert world.subscribe(f"/fleet/{name}/scan", SCAN).next().header.frame_id == f"{name}/base_link"
+
+
 def test_markers_put_obstacles_into_the_world_and_show_it(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, robot_radius=0.25, velocity_timeout=10.0, **QUIET)
     scan, truth = world.subscribe("/scan", SCAN), world.subscribe("/ground_truth", ODOM)

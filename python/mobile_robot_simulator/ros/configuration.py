@@ -182,6 +182,8 @@ class Fleet:
     def __init__(self, given: Mapping[str, Any]) -> None:
         checked = WorldParameters.checked({name: value for name, value in given.items() if name == "robots"})
         self.names: tuple[str, ...] = checked.robots or ("",)
+        self.unknown: set[str] = set()
+        """Names of parameters that were warned about."""
 
     def owner_of(self, name: str) -> tuple[str, str]:
         """Returns the robot that a parameter is for, or an empty name, and the parameter's name without it."""
@@ -214,12 +216,16 @@ class Fleet:
 
 
 def warn_about_unknown(names: Iterable[str], logger: Logger, fleet: Fleet) -> None:
-    """Logs a warning for each name that is not a parameter of any node. The warning suggests the nearest known name."""
-    for name in (fleet.owner_of(name)[1] for name in names):
-        if name not in SYNONYMS:
+    """Logs a warning for each name that is not a parameter of any node. The warning suggests the nearest known name.
+
+    Each name is warned about once per process.
+    """
+    for name in {fleet.owner_of(name)[1]: None for name in names}:
+        if name not in SYNONYMS and name not in fleet.unknown:
             try:
                 check_names([name], ALL)
             except ValueError as error:
+                fleet.unknown.add(name)
                 logger.warning(str(error))
 
 

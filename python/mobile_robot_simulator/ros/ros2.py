@@ -219,7 +219,7 @@ def run(name: str, arguments: list[str]) -> None:
             fleet: Fleet | None = None
             for model in models_of(name):
                 for robot in fleet.robots_of(model) if fleet else ("",):
-                    node = _create_node(model, robot)
+                    node = _create_node(model, robot, nodes[0].get_namespace() if nodes else "/")
                     nodes.append(node)
                     fleet = fleet or Fleet(_given_to(node) if name == "all" else {})
                     parameters = _declare_parameters(node, model, resolver, fleet, robot, nodes[0].resolve_topic_name)
@@ -243,9 +243,17 @@ def run(name: str, arguments: list[str]) -> None:
         context.destroy()
 
 
-def _create_node(model: type[Parameters], robot: str) -> Any:
-    """Creates the rclpy node of a behaviour, in the namespace of its robot if that has a name."""
-    return rclpy.create_node(model.node_name, namespace=robot or None, automatically_declare_parameters_from_overrides=True)
+def _create_node(model: type[Parameters], robot: str, outside: str) -> Any:
+    """Creates the rclpy node of a behaviour, in the namespace of its robot if that has a name.
+
+    Args:
+        model: Parameter class of the node.
+        robot: Name of the robot.
+        outside: Namespace of the nodes that belong to no robot.
+    """
+    # A namespace on the command line would replace the argument `namespace` of the node, but not its own remapping.
+    own = ["--ros-args", "-r", f"__ns:={outside.rstrip('/')}/{robot}"] if robot else None
+    return rclpy.create_node(model.node_name, cli_args=own, automatically_declare_parameters_from_overrides=True)
 
 
 def _given_to(node: Any) -> dict[str, Any]:

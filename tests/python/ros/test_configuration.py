@@ -143,6 +143,13 @@ def test_unknown_names_are_warned_about() -> None:
     ]
 
 
+def test_each_unknown_name_is_warned_about_once() -> None:
+    log, fleet = Log(), Fleet({"robots": ["robot1", "robot2"]})
+    for names in (["sede"], ["sede", "robot1.sede"], ["robot2.sede"]):
+        warn_about_unknown(names, log, fleet)
+    assert len(log.warnings) == 1
+
+
 def test_one_robot_gets_what_is_given() -> None:
     fleet, given = Fleet({}), {"seed": 3, "robot1.seed": 4}
     assert fleet.robots_of(RobotParameters) == fleet.robots_of(MapParameters) == ("",)
@@ -171,9 +178,9 @@ def test_each_robot_of_a_fleet_gets_parameters_of_its_own() -> None:
     assert "robot2.initial_pose" not in first and "robot2.initial_pose" not in fleet.given_to("", given, absolute)
 
 
-@pytest.mark.parametrize("robots", [["robot 1"], ["1"], [""], "robot1", [3]])
+@pytest.mark.parametrize("robots", [["robot 1"], ["1"], [""], "robot1", [3], ["a", "a"], 3])
 def test_names_of_robots_are_checked(robots: Any) -> None:
-    with pytest.raises(ValueError, match="robots"):
+    with pytest.raises(ValueError, match="robots must be a list of"):
         Fleet({"robots": robots})
 
 
