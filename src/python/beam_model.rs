@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{broadcast, type_name, typed, vector};
+use super::number::Argument;
 use super::{Recipe, recipe};
 use crate::BeamModelOptions;
 
@@ -53,16 +54,30 @@ impl BeamModel {
         text_signature = "(*, sigma_hit=0.005, lambda_short=2.0, z_hit=0.995, z_short=0.0, z_max=0.005, z_rand=0.0)",
         signature = (
             *,
-            sigma_hit = default().sigma_hit,
-            lambda_short = default().lambda_short,
-            z_hit = default().z_hit,
-            z_short = default().z_short,
-            z_max = default().z_max,
-            z_rand = default().z_rand,
+            sigma_hit = default().sigma_hit.into(),
+            lambda_short = default().lambda_short.into(),
+            z_hit = default().z_hit.into(),
+            z_short = default().z_short.into(),
+            z_max = default().z_max.into(),
+            z_rand = default().z_rand.into(),
         )
     )]
-    fn new(sigma_hit: f64, lambda_short: f64, z_hit: f64, z_short: f64, z_max: f64, z_rand: f64) -> PyResult<Self> {
-        let options = BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand };
+    fn new(
+        sigma_hit: Argument<f64>,
+        lambda_short: Argument<f64>,
+        z_hit: Argument<f64>,
+        z_short: Argument<f64>,
+        z_max: Argument<f64>,
+        z_rand: Argument<f64>,
+    ) -> PyResult<Self> {
+        let options = BeamModelOptions {
+            sigma_hit: sigma_hit.named("sigma_hit")?,
+            lambda_short: lambda_short.named("lambda_short")?,
+            z_hit: z_hit.named("z_hit")?,
+            z_short: z_short.named("z_short")?,
+            z_max: z_max.named("z_max")?,
+            z_rand: z_rand.named("z_rand")?,
+        };
         Ok(Self(crate::BeamModel::new(options)?))
     }
 
@@ -131,8 +146,9 @@ impl BeamModel {
         py: Python<'py>,
         readings: &Bound<'py, PyAny>,
         true_ranges: &Bound<'py, PyAny>,
-        max_range: f64,
+        max_range: Argument<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let max_range = max_range.named("max_range")?;
         let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
         let [readings, ranges] = broadcast([("readings", readings), ("true_ranges", ranges)])?;
         let (readings, ranges) = (readings.as_array(), ranges.as_array());

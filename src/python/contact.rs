@@ -6,6 +6,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{fill, rows};
 use super::grid::GridArgument;
+use super::number::Argument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::shape::Shape;
@@ -37,7 +38,13 @@ pub struct Contact(crate::Contact);
 impl Contact {
     #[new]
     #[pyo3(signature = (*, point, normal, fraction, obstacle = None))]
-    fn new(point: [f64; 2], normal: [f64; 2], fraction: f64, obstacle: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    fn new(
+        point: Argument<[f64; 2]>,
+        normal: Argument<[f64; 2]>,
+        fraction: Argument<f64>,
+        obstacle: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (point, normal, fraction) = (point.named("point")?, normal.named("normal")?, fraction.named("fraction")?);
         let obstacle = obstacle.map(|index| whole_number("obstacle", index, "at least 0")).transpose()?;
         let contact = crate::Contact { point: point.into(), normal: normal.into(), fraction, obstacle };
         Ok(Self(contact.checked()?))
@@ -159,10 +166,10 @@ pub fn clearance(
     grid: GridArgument<'_>,
     footprint: &Bound<'_, Shape>,
     pose: PoseArgument,
-    limit: f64,
+    limit: Argument<f64>,
     obstacles: ObstaclesArgument,
 ) -> PyResult<f64> {
-    let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (grid, footprint, limit) = (grid.get().core(), &footprint.get().0, limit.named("limit")?);
     Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
 }
 
@@ -205,12 +212,12 @@ pub fn clearance_batch<'py>(
     grid: GridArgument<'py>,
     footprint: &Bound<'py, Shape>,
     poses: &Bound<'py, PyAny>,
-    limit: f64,
+    limit: Argument<f64>,
     obstacles: ObstaclesArgument,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
-    let (poses, threads) = (rows("poses", poses, None)?, thread_count(threads)?);
+    let (poses, limit, threads) = (rows("poses", poses, None)?, limit.named("limit")?, thread_count(threads)?);
     let poses: &[[f64; 3]] = &poses;
     fill(py, None, &[poses.len()], |distances| {
         crate::clearance_batch((&*grid, &obstacles.0), footprint, poses, limit, threads, distances)
@@ -267,8 +274,8 @@ pub fn advance(
     grid: GridArgument<'_>,
     footprint: &Bound<'_, Shape>,
     pose: PoseArgument,
-    twist: [f64; 3],
-    dt: f64,
+    twist: Argument<[f64; 3]>,
+    dt: Argument<f64>,
     mode: &str,
     obstacles: ObstaclesArgument,
 ) -> PyResult<(Pose, Option<Contact>)> {
@@ -279,6 +286,7 @@ pub fn advance(
         other => return Err(PyValueError::new_err(format!("mode must be 'stop', 'slide' or 'report', got '{other}'"))),
     };
     let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
     let step = py.detach(|| crate::advance((&*grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
     Ok((Pose(step.0), step.1.map(Contact)))
 }

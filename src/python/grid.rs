@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{check_out, fill, shape, type_name, typed, vector};
+use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
@@ -75,7 +76,7 @@ impl OccupancyGrid {
     fn new(
         py: Python<'_>,
         cells: &Bound<'_, PyAny>,
-        resolution: f64,
+        resolution: Argument<f64>,
         origin: PoseArgument,
         occupied_threshold: Option<&Bound<'_, PyAny>>,
         unknown: &str,
@@ -93,6 +94,7 @@ impl OccupancyGrid {
             None => crate::OCCUPIED_THRESHOLD,
             Some(value) => whole_number("occupied_threshold", value, "in 1..100")?,
         };
+        let resolution = resolution.named("resolution")?;
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells = memory::collected("the cells of the grid", cells.as_array().iter().copied())?;
         let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
@@ -225,8 +227,9 @@ impl OccupancyGrid {
     ///     >>> grid = mrs.OccupancyGrid(np.zeros((2, 3), np.int8), resolution=1.0)
     ///     >>> grid.cell_at(2.5, 0.5), grid.cell_at(2.5, 2.5)
     ///     ((0, 2), None)
-    fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
-        self.core().cell_at(DVec2::new(x, y)).map(|cell| (cell.row, cell.col))
+    fn cell_at(&self, x: Argument<f64>, y: Argument<f64>) -> PyResult<Option<(usize, usize)>> {
+        let point = DVec2::new(x.named("x")?, y.named("y")?);
+        Ok(self.core().cell_at(point).map(|cell| (cell.row, cell.col)))
     }
 
     /// Returns the centre (x, y) of a cell in the map frame [m].
@@ -270,9 +273,10 @@ impl OccupancyGrid {
     ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
     ///     >>> grid.is_free_disc(0.5, 0.5, 1.5), grid.is_free_disc(0.5, 0.5, 1.6)
     ///     (True, False)
-    fn is_free_disc(&self, py: Python<'_>, x: f64, y: f64, radius: f64) -> PyResult<bool> {
-        let core = self.core();
-        Ok(py.detach(|| core.is_free_disc(DVec2::new(x, y), radius))?)
+    fn is_free_disc(&self, py: Python<'_>, x: Argument<f64>, y: Argument<f64>, radius: Argument<f64>) -> PyResult<bool> {
+        let (core, radius) = (self.core(), radius.named("radius")?);
+        let center = DVec2::new(x.named("x")?, y.named("y")?);
+        Ok(py.detach(|| core.is_free_disc(center, radius))?)
     }
 
     /// Returns a random pose at which a disc is free.
@@ -297,7 +301,8 @@ impl OccupancyGrid {
     ///     >>> grid.cell_at(x, y), x <= 0.8
     ///     ((0, 0), True)
     #[pyo3(signature = (*, radius, seed))]
-    fn draw_free_pose(&self, py: Python<'_>, radius: f64, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
+    fn draw_free_pose(&self, py: Python<'_>, radius: Argument<f64>, seed: &Bound<'_, PyAny>) -> PyResult<Pose> {
+        let radius = radius.named("radius")?;
         let (core, (seed, index)) = (self.core(), SeedArgument::new(Some(seed), "first_index", None)?.take(1)?);
         let mut pose = [[0.0; 3]];
         py.detach(|| core.draw_free_poses(radius, seed, index, Some(1), &mut pose))?;
@@ -347,12 +352,13 @@ impl OccupancyGrid {
         &self,
         py: Python<'py>,
         n: &Bound<'py, PyAny>,
-        radius: f64,
+        radius: Argument<f64>,
         seed: &Bound<'py, PyAny>,
         first_index: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let radius = radius.named("radius")?;
         let (core, n, threads) = (self.core(), whole_number("n", n, "at least 0")?, thread_count(threads)?);
         let seed = SeedArgument::new(Some(seed), "first_index", first_index)?;
         check_out::<f64>(out.as_ref(), &[n, 3])?;

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::{Recipe, recipe};
 
@@ -42,13 +43,18 @@ impl Limits {
                           deceleration=(1e999, 1e999, 1e999))",
         signature = (
             *,
-            velocity = NONE.velocity(),
-            acceleration = NONE.acceleration(),
-            deceleration = NONE.deceleration(),
+            velocity = NONE.velocity().into(),
+            acceleration = NONE.acceleration().into(),
+            deceleration = NONE.deceleration().into(),
         )
     )]
-    fn new(velocity: [f64; 3], acceleration: [f64; 3], deceleration: [f64; 3]) -> PyResult<Self> {
-        Ok(Self(crate::Limits::new(velocity, acceleration, deceleration)?))
+    fn new(
+        velocity: Argument<[f64; 3]>,
+        acceleration: Argument<[f64; 3]>,
+        deceleration: Argument<[f64; 3]>,
+    ) -> PyResult<Self> {
+        let (velocity, acceleration) = (velocity.named("velocity")?, acceleration.named("acceleration")?);
+        Ok(Self(crate::Limits::new(velocity, acceleration, deceleration.named("deceleration")?)?))
     }
 
     /// Largest speeds along (vx, vy, wz) [m/s, m/s, rad/s].
@@ -89,8 +95,14 @@ impl Limits {
     ///     >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 2.0))
     ///     >>> limits.apply((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=0.5)
     ///     (0.25, 0.0, 0.0)
-    fn apply(&self, wanted: [f64; 3], current: [f64; 3], dt: f64) -> PyResult<(f64, f64, f64)> {
-        Ok(self.0.apply(wanted.into(), current.into(), dt)?.to_array().into())
+    fn apply(
+        &self,
+        wanted: Argument<[f64; 3]>,
+        current: Argument<[f64; 3]>,
+        dt: Argument<f64>,
+    ) -> PyResult<(f64, f64, f64)> {
+        let (wanted, current) = (wanted.named("wanted")?, current.named("current")?);
+        Ok(self.0.apply(wanted.into(), current.into(), dt.named("dt")?)?.to_array().into())
     }
 
     /// Returns the pose that a robot reaches in `dt` seconds while its velocity follows `apply`.
@@ -115,8 +127,20 @@ impl Limits {
     ///     >>> limits = mrs.Limits(deceleration=(1.0, 1.0, 1.0))
     ///     >>> limits.integrate(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dt=5.0)
     ///     Pose(0.5, 0.0, 0.0)
-    #[pyo3(signature = (pose, wanted, current, dt, *, grip = 1.0))]
-    fn integrate(&self, pose: PoseArgument, wanted: [f64; 3], current: [f64; 3], dt: f64, grip: f64) -> PyResult<Pose> {
+    #[pyo3(
+        text_signature = "($self, pose, wanted, current, dt, *, grip=1.0)",
+        signature = (pose, wanted, current, dt, *, grip = 1.0.into())
+    )]
+    fn integrate(
+        &self,
+        pose: PoseArgument,
+        wanted: Argument<[f64; 3]>,
+        current: Argument<[f64; 3]>,
+        dt: Argument<f64>,
+        grip: Argument<f64>,
+    ) -> PyResult<Pose> {
+        let (wanted, current) = (wanted.named("wanted")?, current.named("current")?);
+        let (dt, grip) = (dt.named("dt")?, grip.named("grip")?);
         Ok(Pose(self.0.integrate(pose.0, wanted.into(), current.into(), dt, grip)?))
     }
 
@@ -138,8 +162,9 @@ impl Limits {
     ///     >>> limits = mrs.Limits(velocity=(1.0, 1.0, 2.0), acceleration=(0.5, 0.5, 2.0))
     ///     >>> limits.distance((2.0, 0.0, 0.0), (0.0, 0.0, 0.0), dt=4.0)
     ///     3.0
-    fn distance(&self, wanted: [f64; 3], current: [f64; 3], dt: f64) -> PyResult<f64> {
-        Ok(self.0.distance(wanted.into(), current.into(), dt)?)
+    fn distance(&self, wanted: Argument<[f64; 3]>, current: Argument<[f64; 3]>, dt: Argument<f64>) -> PyResult<f64> {
+        let (wanted, current) = (wanted.named("wanted")?, current.named("current")?);
+        Ok(self.0.distance(wanted.into(), current.into(), dt.named("dt")?)?)
     }
 
     fn __repr__(&self) -> String {

@@ -4,6 +4,7 @@ use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 
 use super::arrays::rows;
+use super::number::Argument;
 use crate::integrate_batch;
 
 /// Returns the pose that each robot of a batch reaches after `dt` seconds at a constant twist.
@@ -32,8 +33,9 @@ pub fn integrate_twist<'py>(
     py: Python<'py>,
     poses: &Bound<'py, PyAny>,
     twists: &Bound<'py, PyAny>,
-    dt: f64,
+    dt: Argument<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let dt = dt.named("dt")?;
     let (poses, twists) = (rows("poses", poses, None)?, rows("twists", twists, None)?);
     let (poses, twists): (&[[f64; 3]], &[[f64; 3]]) = (&poses, &twists);
     let moved = py.detach(|| integrate_batch(poses, twists, dt))?;

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::matrix;
+use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe};
@@ -52,28 +53,35 @@ impl MotionNoise {
         text_signature = "(*, alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0, alpha5=0.0, alpha6=0.0, reference_step=None)",
         signature = (
             *,
-            alpha1 = default()[0],
-            alpha2 = default()[1],
-            alpha3 = default()[2],
-            alpha4 = default()[3],
-            alpha5 = default()[4],
-            alpha6 = default()[5],
+            alpha1 = default()[0].into(),
+            alpha2 = default()[1].into(),
+            alpha3 = default()[2].into(),
+            alpha4 = default()[3].into(),
+            alpha5 = default()[4].into(),
+            alpha6 = default()[5].into(),
             reference_step = None,
         )
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
-        alpha1: f64,
-        alpha2: f64,
-        alpha3: f64,
-        alpha4: f64,
-        alpha5: f64,
-        alpha6: f64,
-        reference_step: Option<f64>,
+        alpha1: Argument<f64>,
+        alpha2: Argument<f64>,
+        alpha3: Argument<f64>,
+        alpha4: Argument<f64>,
+        alpha5: Argument<f64>,
+        alpha6: Argument<f64>,
+        reference_step: Option<Argument<f64>>,
     ) -> PyResult<Self> {
-        let noise = crate::MotionNoise::new([alpha1, alpha2, alpha3, alpha4, alpha5, alpha6])?;
+        let noise = crate::MotionNoise::new([
+            alpha1.named("alpha1")?,
+            alpha2.named("alpha2")?,
+            alpha3.named("alpha3")?,
+            alpha4.named("alpha4")?,
+            alpha5.named("alpha5")?,
+            alpha6.named("alpha6")?,
+        ])?;
         Ok(Self(match reference_step {
-            Some(step) => noise.with_reference_step(step)?,
+            Some(step) => noise.with_reference_step(step.named("reference_step")?)?,
             None => noise,
         }))
     }
@@ -120,11 +128,12 @@ impl MotionNoise {
     fn sample(
         &self,
         pose: PoseArgument,
-        twist: [f64; 3],
-        dt: f64,
+        twist: Argument<[f64; 3]>,
+        dt: Argument<f64>,
         seed: &Bound<'_, PyAny>,
         index: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Pose> {
+        let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
         let seed = SeedArgument::new(Some(seed), "index", index)?;
         if !seed.has_index() {
             return Err(PyValueError::new_err(
@@ -168,9 +177,10 @@ impl MotionNoise {
         py: Python<'py>,
         covariance: &Bound<'py, PyAny>,
         pose: PoseArgument,
-        twist: [f64; 3],
-        dt: f64,
+        twist: Argument<[f64; 3]>,
+        dt: Argument<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
         let before = DMat3::from_cols_array_2d(&matrix("covariance", covariance)?);
         let after = self.0.propagate(before.transpose(), pose.0, twist.into(), dt)?;
         Ok(Array2::from(after.transpose().to_cols_array_2d().to_vec()).into_pyarray(py))
@@ -196,8 +206,13 @@ impl MotionNoise {
     ///     >>> noise = MotionNoise(alpha1=0.01, alpha4=0.02, reference_step=0.1)
     ///     >>> noise.twist_covariance((2.0, 0.0, 1.0), dt=0.1).diagonal().tolist()
     ///     [0.04, 0.0, 0.02]
-    fn twist_covariance<'py>(&self, py: Python<'py>, twist: [f64; 3], dt: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let covariance = self.0.twist_covariance(twist.into(), dt)?;
+    fn twist_covariance<'py>(
+        &self,
+        py: Python<'py>,
+        twist: Argument<[f64; 3]>,
+        dt: Argument<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let covariance = self.0.twist_covariance(twist.named("twist")?.into(), dt.named("dt")?)?;
         Ok(Array2::from(covariance.to_cols_array_2d().to_vec()).into_pyarray(py))
     }
 

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{short_repr, type_name};
+use super::number::Argument;
 use super::{Recipe, recipe};
 use crate::error::check_number;
 use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
@@ -36,9 +37,12 @@ pub struct Pose(pub crate::Pose);
 #[pymethods]
 impl Pose {
     #[new]
-    #[pyo3(signature = (x = 0.0, y = 0.0, yaw = 0.0))]
-    fn new(x: f64, y: f64, yaw: f64) -> PyResult<Self> {
-        Ok(Self(crate::Pose::new(x, y, yaw).checked()?))
+    #[pyo3(
+        text_signature = "(x=0.0, y=0.0, yaw=0.0)",
+        signature = (x = 0.0.into(), y = 0.0.into(), yaw = 0.0.into())
+    )]
+    fn new(x: Argument<f64>, y: Argument<f64>, yaw: Argument<f64>) -> PyResult<Self> {
+        Ok(Self(crate::Pose::new(x.named("x")?, y.named("y")?, yaw.named("yaw")?).checked()?))
     }
 
     /// Returns the pose at (x, y) with the heading of a quaternion.
@@ -65,8 +69,16 @@ impl Pose {
     ///     Pose(1.0, 2.0, 3.141592653589793)
     #[staticmethod]
     #[pyo3(signature = (x, y, *, qx, qy, qz, qw))]
-    fn from_quaternion(x: f64, y: f64, qx: f64, qy: f64, qz: f64, qw: f64) -> PyResult<Self> {
-        Self::new(x, y, yaw_from_quaternion(qx, qy, qz, qw)?)
+    fn from_quaternion(
+        x: Argument<f64>,
+        y: Argument<f64>,
+        qx: Argument<f64>,
+        qy: Argument<f64>,
+        qz: Argument<f64>,
+        qw: Argument<f64>,
+    ) -> PyResult<Self> {
+        let yaw = yaw_from_quaternion(qx.named("qx")?, qy.named("qy")?, qz.named("qz")?, qw.named("qw")?)?;
+        Self::new(x, y, yaw.into())
     }
 
     /// Position along x [m].
@@ -145,8 +157,8 @@ impl Pose {
     ///     >>> x, y, yaw = Pose().integrate((1.0, 0.0, 1.0), dt=math.pi / 2)
     ///     >>> round(x, 9), round(y, 9)
     ///     (1.0, 1.0)
-    fn integrate(&self, twist: [f64; 3], dt: f64) -> PyResult<Self> {
-        Ok(Self(integrate(self.0, Twist::from(twist), dt).checked()?))
+    fn integrate(&self, twist: Argument<[f64; 3]>, dt: Argument<f64>) -> PyResult<Self> {
+        Ok(Self(integrate(self.0, Twist::from(twist.named("twist")?), dt.named("dt")?).checked()?))
     }
 
     /// Returns the constant twist that leads from this pose to another pose in `dt` seconds.
@@ -167,7 +179,8 @@ impl Pose {
     ///     >>> from mobile_robot_simulator import Pose
     ///     >>> Pose().twist_to((2.0, 0.0, 0.0), dt=4.0)
     ///     (0.5, 0.0, 0.0)
-    fn twist_to(&self, other: PoseArgument, dt: f64) -> PyResult<(f64, f64, f64)> {
+    fn twist_to(&self, other: PoseArgument, dt: Argument<f64>) -> PyResult<(f64, f64, f64)> {
+        let dt = dt.named("dt")?;
         check_number("dt", dt, "positive", |value| value > 0.0)?;
         Ok(Twist::between(self.0, other.0, dt).to_array().into())
     }
@@ -190,8 +203,8 @@ impl Pose {
     ///     >>> from mobile_robot_simulator import Pose
     ///     >>> Pose().interpolate((2.0, 0.0, 0.0), 0.25)
     ///     Pose(0.5, 0.0, 0.0)
-    fn interpolate(&self, other: PoseArgument, fraction: f64) -> PyResult<Self> {
-        Ok(Self(interpolate(self.0, other.0, fraction).checked()?))
+    fn interpolate(&self, other: PoseArgument, fraction: Argument<f64>) -> PyResult<Self> {
+        Ok(Self(interpolate(self.0, other.0, fraction.named("fraction")?).checked()?))
     }
 
     fn __mul__(&self, inner: PoseArgument) -> PyResult<Self> {

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 use super::arrays::{fill, rows};
 use super::grid::GridArgument;
+use super::number::Argument;
 use super::obstacles::ObstaclesArgument;
 use super::thread_count;
 use crate::raycast;
@@ -51,12 +52,12 @@ pub fn cast_rays<'py>(
     py: Python<'py>,
     grid: GridArgument<'py>,
     rays: &Bound<'py, PyAny>,
-    max_range: f64,
+    max_range: Argument<f64>,
     obstacles: ObstaclesArgument,
     threads: Option<&Bound<'py, PyAny>>,
     out: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (grid, rays, threads) = (grid.get().core(), rows("rays", rays, out.as_ref())?, thread_count(threads)?);
-    let rays: &[[f64; 3]] = &rays;
+    let (rays, max_range): (&[[f64; 3]], f64) = (&rays, max_range.named("max_range")?);
     fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), rays, max_range, threads, ranges))
 }

@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 use super::arrays::{check_out, fill, rows, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
+use super::number::Argument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
@@ -51,19 +52,19 @@ impl LaserScanner {
         text_signature = "(*, fov=4.71, beam_count=541, min_range=0.05, max_range=30.0, mount=(0.0, 0.0, 0.0))",
         signature = (
             *args,
-            fov = default().fov,
+            fov = default().fov.into(),
             beam_count = None,
-            min_range = default().min_range,
-            max_range = default().max_range,
+            min_range = default().min_range.into(),
+            max_range = default().max_range.into(),
             mount = PoseArgument(default().mount),
         )
     )]
     fn new(
         args: &Bound<'_, PyTuple>,
-        fov: f64,
+        fov: Argument<f64>,
         beam_count: Option<&Bound<'_, PyAny>>,
-        min_range: f64,
-        max_range: f64,
+        min_range: Argument<f64>,
+        max_range: Argument<f64>,
         mount: PoseArgument,
     ) -> PyResult<Self> {
         if !args.is_empty() {
@@ -72,6 +73,7 @@ impl LaserScanner {
         }
         let beam_count = beam_count.map(|value| whole_number("beam_count", value, "in 1..1000000")).transpose()?;
         let beam_count = beam_count.unwrap_or(default().beam_count);
+        let (fov, min_range, max_range) = (fov.named("fov")?, min_range.named("min_range")?, max_range.named("max_range")?);
         let options = ScannerOptions { fov, beam_count, min_range, max_range, mount: mount.0 };
         Ok(Self(crate::LaserScanner::new(options)?))
     }

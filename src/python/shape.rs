@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::arrays::points;
+use super::number::Argument;
 
 /// Outline of a robot or an obstacle in its own frame: a disc around the origin, or a simple polygon.
 ///
@@ -35,8 +36,8 @@ impl Shape {
     ///     >>> Shape.disc(0.3)
     ///     Shape.disc(0.3)
     #[staticmethod]
-    fn disc(radius: f64) -> PyResult<Self> {
-        Ok(Self(crate::Shape::disc(radius)?))
+    fn disc(radius: Argument<f64>) -> PyResult<Self> {
+        Ok(Self(crate::Shape::disc(radius.named("radius")?)?))
     }
 
     /// Returns a rectangle with its centre at the origin.
@@ -53,8 +54,8 @@ impl Shape {
     ///     >>> Shape.rectangle(2.0, 1.0).points.tolist()
     ///     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     #[staticmethod]
-    fn rectangle(length: f64, width: f64) -> PyResult<Self> {
-        Ok(Self(crate::Shape::rectangle(length, width)?))
+    fn rectangle(length: Argument<f64>, width: Argument<f64>) -> PyResult<Self> {
+        Ok(Self(crate::Shape::rectangle(length.named("length")?, width.named("width")?)?))
     }
 
     /// Returns a polygon with the given corners, convex or not.

@@ -236,6 +236,28 @@ def test_good_arguments_are_good(name: str) -> None:
     call(**{parameter: given[parameter] for parameter in parameters})
 
 
+POSES = ("origin", "mount", "pose", "other")
+NUMBERS = [
+    (name, parameter, type(good()[parameter]))
+    for name, (_, parameters) in FUNCTIONS.items()
+    if "__" not in name
+    for parameter in parameters
+    if isinstance(good()[parameter], (float, tuple)) and parameter not in POSES
+]
+
+
+@pytest.mark.parametrize(("name", "parameter", "kind"), NUMBERS)
+def test_an_argument_that_is_no_number_is_named(name: str, parameter: str, kind: type) -> None:
+    call, parameters = FUNCTIONS[name]
+    given = {other: good()[other] for other in parameters}
+    count = {"point": "two", "normal": "two"}.get(parameter, "three")
+    needed = f"^{parameter} must be " + ("a number" if kind is float else f"{count} numbers")
+    with pytest.raises(TypeError, match=f"{needed}, got 'far'$"):
+        call(**given | {parameter: "far"})
+    with pytest.raises(ValueError, match=f"{needed}, got "):
+        call(**given | {parameter: 10**400 if kind is float else (1.0,)})
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_hostile_arguments_raise_no_other_error(name: str) -> None:
     call, parameters = FUNCTIONS[name]
