@@ -253,7 +253,10 @@ class Bus(Handle):
         heapq.heappush(self._events, (time_ns, TIMER, order, fire))
 
     def next_timer_order(self) -> int:
-        """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank."""
+        """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank.
+
+        Goals of actions take their identifiers from the same sequence, because it is saved, and repeats in every run.
+        """
         self._timer_count += 1
         return self._timer_count
 
@@ -336,15 +339,20 @@ class Bus(Handle):
             raise TypeError(f"{service.name} is a {service.srv_type.__name__}, got {srv_type.__name__}")
         return service
 
-    def call(self, service: BusService, request: Any) -> Future:
+    def call(self, service: BusService, request: Any, convert: Callable[[Any], Any] | None = None) -> Future:
         """Calls a service. Does not copy the request.
+
+        Args:
+            service: The service.
+            request: The request.
+            convert: Function that takes the response and returns what the future brings instead. None for the response.
 
         Returns:
             A future for the response. It completes at the same simulated time, or never if the service has no handler.
         """
         future = Response(self.waiting, f"the response of {service.name}")
         self._calls[future] = None
-        self.schedule(self.time_ns, partial(self._answer, service, request, future))
+        self.schedule(self.time_ns, partial(self._answer, service, request, future, convert))
         return future
 
     # --- saving ---
@@ -449,15 +457,23 @@ class Bus(Handle):
             else:
                 self.schedule(self.time_ns + delay_ns, partial(self._send, publisher, filtered))
 
-    def _answer(self, service: BusService, request: Any, future: Future) -> None:
-        self._calls.pop(future, None)
+    def _answer(
+        self, service: BusService, request: Any, future: Future, convert: Callable[[Any], Any] | None = None
+    ) -> None:
         if service.handler is None:
+            self._calls.pop(future, None)
             return
         response = service.handler(request, service.srv_type.Response())
-        if isinstance(response, BusTask):
-            response.add_done_callback(lambda task: future.set_result(task.result()))
+        complete = partial(self._complete, future, convert)
+        if isinstance(response, Future):
+            response.add_done_callback(lambda responded: complete(responded.result()))
         else:
-            future.set_result(response)
+            complete(response)
+
+    def _complete(self, future: Future, convert: Callable[[Any], Any] | None, response: Any) -> None:
+        """Ends a pending call."""
+        self._calls.pop(future, None)
+        future.set_result(response if convert is None else convert(response))
 
     def _check_idle(self, action: str) -> None:
         if self._is_closed:

@@ -13,6 +13,8 @@ from ..bus import clock, node, parameter, service, timer, topic
 from ..bus.logger import BusLogger
 from ..bus.task import BusTask
 from ..nodes.future import Future
+from .action_client import ActionClient, ClientGoalHandle
+from .action_server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from .executors import SPINS, Executor, ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
 from .parameter_descriptor import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -91,6 +93,12 @@ TF2: dict[str, object] = {
 }
 """Contents of `tf2_ros`."""
 
+ACTION: dict[str, object] = {
+    kind.__name__: kind
+    for kind in (ActionClient, ActionServer, CancelResponse, ClientGoalHandle, GoalResponse, ServerGoalHandle)
+}
+"""Contents of `rclpy.action`."""
+
 RCLPY: dict[str, dict[str, object]] = {
     "rclpy": {
         **dict.fromkeys(("init", "shutdown", "try_shutdown"), _do_nothing),
@@ -98,6 +106,9 @@ RCLPY: dict[str, dict[str, object]] = {
         "create_node": node.Node,
         "ok": _is_ok,
     },
+    "rclpy.action": ACTION,
+    "rclpy.action.client": ACTION,
+    "rclpy.action.server": ACTION,
     "rclpy.callback_groups": dict.fromkeys(("MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"), object),
     "rclpy.client": {"Client": service.BusClient},
     "rclpy.clock": {"Clock": clock.BusClock, "ROSClock": clock.BusClock, "ClockType": ClockType},

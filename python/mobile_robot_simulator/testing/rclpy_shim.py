@@ -31,8 +31,8 @@ def stand_in(definitions: Mapping[str, str] | None = None) -> Iterator[None]:
     imported before it are available again.
 
     Args:
-        definitions: Messages and services of your own: texts of `.msg` and `.srv` files by ROS type, such as
-            `{"my_msgs/msg/Speeds": "float64 left\nfloat64 right"}`. They need rosbags.
+        definitions: Messages, services and actions of your own: texts of `.msg`, `.srv` and `.action` files by ROS type,
+            such as `{"my_msgs/msg/Speeds": "float64 left\nfloat64 right"}`. They need rosbags.
 
     Raises:
         ImportError: There are definitions, but rosbags is not installed.

@@ -1,4 +1,4 @@
-"""Classes for ROS messages and services that `messages` does not define, generated from their definitions.
+"""Classes for ROS messages, services and actions that `messages` does not define, generated from their definitions.
 
 The definitions of the common packages come with rosbags. Definitions of other packages can be registered. A class takes
 keywords, has a default for every field, and checks each value that is assigned, as the classes of rclpy do.
@@ -6,7 +6,8 @@ keywords, has a default for every field, and checks each value that is assigned,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, make_dataclass
 from typing import Any, ClassVar
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from .. import messages
 from ..messages import Message
+from .common_definitions import ACTIONS, SERVICES
 
 Check = Callable[[Any], Any]
 """Takes the value of a field. Returns the value to store, or raises AssertionError."""
@@ -21,21 +23,15 @@ Check = Callable[[Any], Any]
 FieldType = tuple[int, Any]
 """Type of a field in rosbags: one of the kinds below, and what it consists of."""
 
+Definition = tuple[list[Any], list[tuple[str, FieldType]]]
+"""Constants and fields of a message in rosbags."""
+
 BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4
 """Kinds of field types in rosbags: a basic type, a message, an array of a fixed length, and one of any length."""
 
 INTEGERS = {"byte", "char", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
 IDL_NAMES = {"float64": "double", "float32": "float", "bool": "boolean", "byte": "octet", "char": "uint8"}
 """Names of basic types in `get_fields_and_field_types`, where they differ from those in a definition."""
-
-SERVICES = {
-    "example_interfaces/srv/AddTwoInts": "int64 a\nint64 b\n---\nint64 sum",
-    "nav_msgs/srv/GetPlan": "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance\n---\n"
-    "nav_msgs/Path plan",
-    "std_srvs/srv/Empty": "---",
-    "std_srvs/srv/SetBool": "bool data\n---\nbool success\nstring message",
-}
-"""Definitions of common services, which rosbags does not have."""
 
 
 class RosMessage(Message):
@@ -56,18 +52,18 @@ class RosMessage(Message):
 
 
 _made: dict[str, type] = {kind.ros_type: kind for kind in vars(messages).values() if hasattr(kind, "ros_type")}
-"""Classes of messages and services by ROS type. One type has one class, because a topic carries one class."""
+"""Classes of messages, services and actions by ROS type. One type has one class, because a topic carries one class."""
 
 _registered: dict[str, str] = {}
 """Definitions that users have registered, by ROS type."""
 
 
 def register_definitions(definitions: Mapping[str, str]) -> None:
-    """Registers definitions of messages and services, and makes their classes.
+    """Registers definitions of messages, services and actions, and makes their classes.
 
     Args:
-        definitions: Texts of `.msg` and `.srv` files by ROS type, such as `my_msgs/msg/Speeds`. A definition comes after
-            those that it uses.
+        definitions: Texts of `.msg`, `.srv` and `.action` files by ROS type, such as `my_msgs/msg/Speeds`. A definition
+            comes after those that it uses.
 
     Raises:
         ImportError: rosbags is not installed.
@@ -75,16 +71,17 @@ def register_definitions(definitions: Mapping[str, str]) -> None:
     """
     for ros_type, text in definitions.items():
         parts = ros_type.split("/")
-        if len(parts) != 3 or not all(parts) or parts[1] not in ("msg", "srv"):
-            raise ValueError(f"a ROS type is package/msg/Name or package/srv/Name, got {ros_type!r}")
+        if len(parts) != 3 or not all(parts) or parts[1] not in ("msg", "srv", "action"):
+            raise ValueError(f"a ROS type is package/msg/Name, package/srv/Name or package/action/Name, got {ros_type!r}")
         if _registered.get(ros_type, text) != text:
             raise ValueError(f"{ros_type} already has another definition")
         if ros_type in _registered:
             continue
-        if ros_type in _made or ros_type in SERVICES or ros_type in _types().fielddefs:
+        if ros_type in _made or ros_type in SERVICES or ros_type in ACTIONS or ros_type in _types().fielddefs:
             raise ValueError(f"{ros_type} is a common type, which cannot be defined again")
-        if parts[1] == "srv":
-            _made[ros_type] = _service(ros_type, text)
+        if parts[1] != "msg":
+            _make_common()
+            _made[ros_type] = (_service if parts[1] == "srv" else _action)(ros_type, text)
         else:
             definition = _parsed(ros_type, text)
             kind = _message(ros_type, definition)
@@ -99,14 +96,20 @@ def generated_packages() -> dict[str, dict[str, object]]:
         types = _types()
     except ImportError:
         return {}
-    for ros_type, text in SERVICES.items():
-        if ros_type not in _made:
-            _made[ros_type] = _service(ros_type, text)
+    _make_common()
     packages: dict[str, dict[str, object]] = {}
-    for ros_type in [*types.fielddefs, *SERVICES, *_registered]:
+    for ros_type in [*types.fielddefs, *SERVICES, *ACTIONS, *_registered]:
         package, folder, name = ros_type.split("/")
-        packages.setdefault(f"{package}.{folder}", {})[name] = _class_of(ros_type)
+        packages.setdefault(f"{package}.{folder}", {})[name] = message_class(ros_type)
     return packages
+
+
+def _make_common() -> None:
+    """Makes the classes of the common services and actions."""
+    for make, definitions in ((_service, SERVICES), (_action, ACTIONS)):
+        for ros_type, text in definitions.items():
+            if ros_type not in _made:
+                _made[ros_type] = make(ros_type, text)
 
 
 def _types() -> Any:
@@ -128,14 +131,20 @@ def _parsed(ros_type: str, text: str) -> Any:
     """
     from rosbags.typesys import TypesysError, get_types_from_msg
 
+    package, _, name = ros_type.split("/")
     try:
-        (definition,) = get_types_from_msg(text, ros_type.replace("/srv/", "/msg/")).values()
+        (definition,) = get_types_from_msg(text, f"{package}/msg/{name}").values()
     except TypesysError as error:
         raise ValueError(f"wrong definition of {ros_type}: {error}") from None
     return definition
 
 
-def _class_of(ros_type: str) -> type:
+def message_class(ros_type: str) -> Any:
+    """Returns the class of a message.
+
+    Raises:
+        ValueError: The type has no definition.
+    """
     if ros_type not in _made:
         definition = _types().fielddefs.get(ros_type)
         if definition is None:
@@ -145,13 +154,52 @@ def _class_of(ros_type: str) -> type:
 
 
 def _service(ros_type: str, text: str) -> type:
-    parts = [part.strip() for part in f"\n{text}\n".split("\n---\n")]
-    if len(parts) != 2:
-        raise ValueError(f"{ros_type} must have one line '---', between request and response")
-    kinds = {}
-    for name, part in zip(("Request", "Response"), parts, strict=True):
-        kinds[name] = _message(f"{ros_type}_{name}", _parsed(f"{ros_type}_{name}", part))
+    return _service_of(ros_type, _parts(ros_type, text, ("Request", "Response")))
+
+
+def _service_of(ros_type: str, definitions: Mapping[str, Any]) -> type:
+    """Returns a service class from the definitions of its request and its response."""
+    kinds = {name: _message(f"{ros_type}_{name}", definition) for name, definition in definitions.items()}
     return type(ros_type.split("/")[2], (), {"ros_type": ros_type, **kinds})
+
+
+def _action(ros_type: str, text: str) -> type:
+    """Returns an action class. As on ROS 2, its attribute `Impl` has the services and topics that an action consists of."""
+    parts = _parts(ros_type, text, ("Goal", "Result", "Feedback"))
+    goal_id = "goal_id", (NAME, "unique_identifier_msgs/msg/UUID")
+    stamp = "stamp", (NAME, "builtin_interfaces/msg/Time")
+    goal, result, feedback = ((part.lower(), (NAME, f"{ros_type}_{part}")) for part in parts)
+    status, accepted = ("status", (BASE, ("int8", 0))), ("accepted", (BASE, ("bool", 0)))
+    kinds = {part: _message(f"{ros_type}_{part}", definition) for part, definition in parts.items()}
+    _made.update({f"{ros_type}_{part}": kind for part, kind in kinds.items()})
+    feedback_message: Definition = [], [goal_id, feedback]
+    _made[f"{ros_type}_FeedbackMessage"] = _message(f"{ros_type}_FeedbackMessage", feedback_message)
+    # Recordings need the types of topics.
+    _types().register({f"{ros_type}_Feedback": parts["Feedback"], f"{ros_type}_FeedbackMessage": feedback_message})
+    send_goal: dict[str, Definition] = {"Request": ([], [goal_id, goal]), "Response": ([], [accepted, stamp])}
+    get_result: dict[str, Definition] = {"Request": ([], [goal_id]), "Response": ([], [status, result])}
+    services = {
+        "SendGoalService": _service_of(f"{ros_type}_SendGoal", send_goal),
+        "GetResultService": _service_of(f"{ros_type}_GetResult", get_result),
+        "CancelGoalService": _made["action_msgs/srv/CancelGoal"],
+    }
+    topics = {
+        "FeedbackMessage": _made[f"{ros_type}_FeedbackMessage"],
+        "GoalStatusMessage": message_class("action_msgs/msg/GoalStatusArray"),
+    }
+    return type(ros_type.split("/")[2], (), {"ros_type": ros_type, **kinds, "Impl": type("Impl", (), services | topics)})
+
+
+def _parts(ros_type: str, text: str, names: Sequence[str]) -> dict[str, Any]:
+    """Returns the parts of a definition, which lines of three hyphens separate, by name.
+
+    Raises:
+        ValueError: The number of parts is wrong, or a part is.
+    """
+    parts = [part.strip() for part in re.split(r"^---[ \t]*$", text, flags=re.MULTILINE)]
+    if len(parts) != len(names):
+        raise ValueError(f"{ros_type} must have lines '---' between {', '.join(names)}, got {len(parts)} parts")
+    return {name: _parsed(f"{ros_type}_{name}", part) for name, part in zip(names, parts, strict=True)}
 
 
 def _message(ros_type: str, definition: Any) -> type:
@@ -181,7 +229,7 @@ def _field(kind: FieldType, where: str) -> tuple[Callable[[], Any], Check, str]:
         default, check = _basic(name, where)
         return lambda: default, check, IDL_NAMES.get(name, name) + (f"<{limit}>" if limit else "")
     if node == NAME:
-        made = _class_of(content)
+        made = message_class(content)
         return made, _instance_check(made, made.__name__, where), content.replace("/msg/", "/")
     (item, length) = content
     make_item, check_item, item_name = _field(item, f"{where}[]")

@@ -129,7 +129,9 @@ def test_a_service_of_a_generated_type_answers():
         ({"std_msgs/msg/Bool": "bool data"}, "common type"),
         ({"test_msgs_of_ours/msg/Bad": "float64 3x"}, "wrong definition of test_msgs_of_ours/msg/Bad"),
         ({"test_msgs_of_ours/msg/Lost": "test_msgs_of_ours/Nowhere x"}, "test_msgs_of_ours/msg/Nowhere has no definition"),
-        ({"test_msgs_of_ours/srv/Half": "float64 x"}, "one line '---'"),
+        ({"test_msgs_of_ours/srv/Half": "float64 x"}, "must have lines '---' between Request, Response, got 1"),
+        ({"test_msgs_of_ours/action/Half": "---"}, "must have lines '---' between Goal, Result, Feedback, got 2 parts"),
+        ({"test_msgs_of_ours/action/Bad": "---\n---\nNowhere x"}, "test_msgs_of_ours/msg/Nowhere has no definition"),
     ],
 )
 def test_a_wrong_definition_is_refused(definitions, message):

@@ -100,3 +100,22 @@ def test_a_late_map_listener_receives_the_map(nodes):
     node = sim.spawn(nodes("map_listener").MapListener)
     sim.run_for(0.1)
     assert node.walls == 50
+
+
+def test_an_action_gives_feedback_a_result_and_can_be_canceled(nodes):
+    sim, module = small_room(), nodes("fibonacci")
+    sim.spawn(module.FibonacciServer)
+    client = sim.spawn(module.FibonacciClient)
+    client.send_goal(5)
+    sim.run_for(2.5)
+    assert client.accepted and client.partial == [[0, 1, 1], [0, 1, 1, 2], [0, 1, 1, 2, 3]] and client.status is None
+    sim.run_for(2.0)
+    assert client.succeeded and client.sequence == [0, 1, 1, 2, 3, 5]
+    client.send_goal(5)
+    sim.run_for(1.5)
+    client.cancel()
+    sim.run_for(1.0)
+    assert (client.canceling, client.status, client.sequence) == (1, 5, [])
+    client.send_goal(0)
+    sim.run_for(0.1)
+    assert not client.accepted
