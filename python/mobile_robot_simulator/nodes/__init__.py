@@ -1,4 +1,4 @@
-"""The simulator's nodes: robot, laser scanner and map server.
+"""The simulator's nodes: robot, laser scanner, map server and world server.
 
 They use only the node interface (`nodes.interface.Node`), so they run unchanged on the in-process bus, on ROS 1 and on
 ROS 2.
@@ -11,6 +11,7 @@ from .map_messages import from_message, to_message
 from .map_server import MapFileServer, MapServer
 from .robot import MobileRobotSimulator
 from .transforms import TransformBuffer, TransformListener
+from .world_server import WorldServer
 
 __all__ = [
     "Future",
@@ -22,6 +23,7 @@ __all__ = [
     "QoS",
     "TransformBuffer",
     "TransformListener",
+    "WorldServer",
     "from_message",
     "to_message",
 ]
