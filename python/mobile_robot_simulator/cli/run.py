@@ -93,8 +93,9 @@ def run(
         ):
             drive.simulation.record(recorder.write)
             summary = drive.run(duration, real_time=real_time, progress=advance, ended=interruption.ignore_more)
-        summary.save(out / SUMMARY)
-        files = [("recording", f"{recorder.path}"), ("picture", _draw(drive, out / PICTURE))]
+            summary.save(recorder.companion(SUMMARY))
+            no_picture = _draw(drive, recorder.companion(PICTURE))
+        files = [("recording", f"{recorder.path}"), ("picture", no_picture or f"{out / PICTURE}")]
         print_table(f"{map_file}" + (" (interrupted)" if summary.interrupted else ""), [*summary.rows(), *files])
         if drive.in_unknown_cells > 0.1 * drive.odometry_messages and drive.simulation.laser.parameters.unknown == "free":
             console.print("Beams and robots pass through unknown cells. Use -p unknown:=occupied to treat them as walls.")
@@ -102,13 +103,13 @@ def run(
             raise typer.Exit(interruption.exit_status)
 
 
-def _draw(drive: Drive, file: Path) -> str:
-    """Saves the picture of a drive. Returns its path or, without Matplotlib, the reason why there is none."""
+def _draw(drive: Drive, file: Path) -> str | None:
+    """Saves the picture of a drive. Returns None or, without Matplotlib, the reason why there is no picture."""
     try:
         drive.draw(file)
     except ImportError as error:
         return f"none; {error}"
-    return f"{file}"
+    return None
 
 
 def _check_positive(option: str, value: float) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from operator import index
 from pathlib import Path
+from types import TracebackType
 from typing import NoReturn, get_args
 
 from ..messages import Message
@@ -39,7 +40,8 @@ class Recorder:
     """Writes messages to a recording in a folder. Use it as a context manager, which closes the recording.
 
     Each message is copied when it is written, so it may change afterwards. If an error or Ctrl-C ends the ``with`` block
-    early, the recording can still be opened and contains all messages written so far.
+    early, the recording can still be opened and contains all messages written so far. But after a call of `companion` it
+    stays in ``recording.unfinished``, because a companion may be missing.
 
     Until the recorder is closed, the messages are in the folder ``recording.unfinished``, which is locked. If the process is
     killed or the disk is full, this folder stays, and `recover` makes a recording of it. It lacks at most the last 1,024
@@ -50,9 +52,11 @@ class Recorder:
             recording.mcap or recording.db3) or ``recording.bag`` (ROS 1).
         format: "mcap" or "sqlite3" for ROS 2 Humble and later, "bag" for ROS 1.
         overwrite: Replace an older recording of any format. The older one is deleted when the new one is complete. What is
-            left of a recording that was broken off is deleted at the beginning.
+            left of a recording that was broken off is deleted at the beginning. If it was complete and had only to be moved,
+            it becomes the older recording.
         companions: Names of files in the folder that belong to a recording, such as a picture of it. Older ones are deleted
-            together with the older recording, so that they never lie beside the new one. Write new ones after `close`.
+            together with the older recording, so that they never lie beside the new one. Write new ones to the paths that
+            `companion` returns: they come to their places together with the recording.
 
     Raises:
         FileExistsError: There is a recording or a companion and `overwrite` is False, or something else of that name.
@@ -74,7 +78,8 @@ class Recorder:
         self._types: dict[str, str] = {}
         self._connections: dict[str, Connection] = {}
         self._pending: deque[tuple[str, int, memoryview]] = deque()
-        self._closed = False
+        self._companions = tuple(companions)
+        self._complete = self._closed = False
         self._thread = WriterThread()
         try:
             self._folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions)
@@ -110,7 +115,7 @@ class Recorder:
             TypeError: An array has another element type than the ROS message.
             OSError: The disk is full, or the folder was removed. The message says where the written messages are.
         """
-        if self._closed:
+        if self._closed or self._complete:
             raise ValueError(f"the recording {self.path} is closed")
         time_ns = index(time_ns)
         if not 0 <= time_ns < self._bag.end_of_time:
@@ -121,6 +126,26 @@ class Recorder:
         self._pending.append((topic, time_ns, self._bag.encode(message)))
         if len(self._pending) >= _BATCH:
             self._thread.run(self._write_batch)
+
+    def companion(self, name: str) -> Path:
+        """Ends the recording, and returns the path to write a new companion to.
+
+        `close` moves the companion to its place, together with the recording. If the process is killed before, neither of
+        them replaces an older one. No message can be written after this call.
+
+        Args:
+            name: One of the names in `companions`.
+
+        Raises:
+            ValueError: `companions` does not have the name, or the recording is closed.
+            OSError: The disk is full, or the folder was removed. The message says where the written messages are.
+        """
+        if name not in self._companions:
+            raise ValueError(f"name must be one of the companions {quoted(self._companions)}, got {quoted(name)}")
+        if self._closed:
+            raise ValueError(f"the recording {self.path} is closed")
+        self._thread.run(self._end)
+        return self._folder.complete / name
 
     def close(self) -> None:
         """Writes the remaining messages and the index, and moves the recording to its place. Closing twice does no harm.
@@ -135,11 +160,26 @@ class Recorder:
         finally:
             self._thread.stop()
 
+    def discard(self) -> None:
+        """Deletes what was written, and keeps an older recording. Does nothing after `close` or a full disk."""
+        if self._closed:
+            return
+        try:
+            self._thread.run(self._discard)
+        finally:
+            self._thread.stop()
+
     def __enter__(self) -> Recorder:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if error is None or not self._complete or self._closed:
+            self.close()
+            return
+        try:
+            self._thread.run(lambda: self._break_off(error))
+        finally:
+            self._thread.stop()
 
     def _begin(self, format: Format) -> None:
         unfinished = self._folder.unfinished
@@ -160,10 +200,28 @@ class Recorder:
                 self._connections[topic] = self._bag.connect(topic, self._types[topic])
             self._bag.write(self._connections[topic], time_ns, data)
 
-    def _finish(self) -> None:
+    def _end(self) -> None:
+        """Completes the recording where it is."""
+        if self._complete:
+            return
         try:
             self._write_pending()
             self._bag.close()
+            self._folder.complete.mkdir()
+        except BaseException as error:
+            self._break_off(error)
+        self._complete = True
+
+    def _discard(self) -> None:
+        self._closed = True
+        self._pending.clear()
+        with suppress(OSError, sqlite3.Error):
+            self._bag.abort()
+        self._folder.discard()
+
+    def _finish(self) -> None:
+        self._end()
+        try:
             self._folder.finish(self._bag.path)
         except BaseException as error:
             self._break_off(error)

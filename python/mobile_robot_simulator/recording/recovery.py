@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import sqlite3
 from collections.abc import Collection, Iterator
@@ -11,6 +10,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
+from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.rosbag1.reader import Header, ReaderError, RecordType
 from rosbags.rosbag2 import ReaderError as McapError
@@ -45,6 +45,10 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
     """
     folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions, recover=True)
     try:
+        if (complete := folder.complete_recording) is not None:
+            with AnyReader([complete]) as reader:
+                count = reader.message_count
+            return folder.finish_complete(complete), count
         source, rebuilt = folder.unfinished / NAME, folder.unfinished / REBUILT
         rebuilt.mkdir()
         bag: Ros1Bag | Ros2Bag
@@ -55,14 +59,14 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
         elif (file := folder.unfinished / f"{NAME}.bag").is_file():
             messages, bag = _ros1_messages(file), Ros1Bag(rebuilt)
         else:
-            raise FileNotFoundError(errno.ENOENT, "No recording was broken off in this folder", str(path))
+            raise ValueError(f"{folder.unfinished} has no complete message")
         count = _copy(messages, bag)
         if not count:
             raise ValueError(f"{folder.unfinished} has no complete message")
         return folder.finish(bag.path), count
     except BaseException as error:
         folder.keep()
-        if isinstance(error, sqlite3.Error) or (isinstance(error, OSError) and not isinstance(error, FileNotFoundError)):
+        if isinstance(error, (OSError, sqlite3.Error)):
             raise folder.error(error, "Nothing was recovered; what was written is kept") from error
         raise
 

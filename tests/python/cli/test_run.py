@@ -137,15 +137,22 @@ main()
 @pytest.mark.parametrize(
     ("end", "status", "form"), [("os._exit(9)", 9, "bag"), ("raise OSError(28, 'No space left on device')", 1, "mcap")]
 )
-def test_an_older_summary_and_picture_never_lie_beside_a_new_recording(command, room, tmp_path, form, end, status):
+def test_without_a_new_summary_the_older_files_stay_together(command, room, tmp_path, form, end, status):
     out = tmp_path / "out"
     assert command("run", room, "--duration", 1, "--out", out).returncode == 0
+    before = {path: path.read_bytes() for path in out.rglob("*.*")}
     assert {item.name for item in out.iterdir()} == {"recording", "summary.json", "drive.png"}
     words = ["run", room, "--duration", 2, "--out", out, "--overwrite", "--format", form]
     script = KILLED_WHILE_SAVING.format(end=end)
     done = subprocess.run([sys.executable, "-c", script, *map(str, words)], capture_output=True, text=True, timeout=60)
     assert done.returncode == status and "Traceback" not in done.stderr
-    assert [item.name for item in out.iterdir()] == ["recording.bag" if form == "bag" else "recording"]
+    assert status == 9 or f"`mobile-robot-simulator recover {out}` recovers them" in done.stderr
+    assert {item.name for item in out.iterdir()} == {"recording", "summary.json", "drive.png", "recording.unfinished"}
+    assert {path: path.read_bytes() for path in before} == before
+    recovered = command("recover", out, "--overwrite")
+    path = "recording.bag" if form == "bag" else "recording"
+    assert recovered.stdout == f"{out / path}: {5 * 20 + 1} messages\n"
+    assert [item.name for item in out.iterdir()] == [path]
 
 
 @pytest.mark.parametrize("form", ["mcap", "bag", "sqlite3"])

@@ -117,7 +117,7 @@ def test_companions_and_recording_stay_together_if_the_new_one_cannot_be_moved(
     before, rename = contents(path), Path.rename
 
     def broken(source: Path, target: Path) -> Path:
-        if source.name == "recording.bag":
+        if source.name == "recording.bag" and target.parent == tmp_path:
             assert [item.name for item in tmp_path.iterdir()] == ["recording.unfinished"]
             raise OSError(5, "Input/output error")
         return rename(source, target)
@@ -127,6 +127,68 @@ def test_companions_and_recording_stay_together_if_the_new_one_cannot_be_moved(
     with pytest.raises(OSError, match="Input/output error"):
         recorder.close()
     assert contents(path) == before and (tmp_path / COMPANION).read_text() == "older"
+    monkeypatch.undo()
+    assert recover(tmp_path, overwrite=True, companions=[COMPANION]) == (tmp_path / "recording.bag", 0)
+    assert {item.name for item in tmp_path.iterdir()} == {"recording.bag"}
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_new_companions_come_to_their_places_with_the_recording(tmp_path: Path, format: Format) -> None:
+    recorder = Recorder(tmp_path, format=format, companions=[COMPANION])
+    recorder.write("/clock", ros.Clock(), 5)
+    with pytest.raises(ValueError, match=r"name must be one of the companions .*drive\.png.*, got 'notes\.txt'"):
+        recorder.companion("notes.txt")
+    recorder.companion(COMPANION).write_text("new")
+    assert recorder.companion(COMPANION).read_text() == "new"
+    with pytest.raises(ValueError, match="is closed"):
+        recorder.write("/clock", ros.Clock(), 6)
+    assert [item.name for item in tmp_path.iterdir()] == ["recording.unfinished"]
+    recorder.close()
+    with pytest.raises(ValueError, match="is closed"):
+        recorder.companion(COMPANION)
+    assert {item.name for item in tmp_path.iterdir()} == {recorder.path.name, COMPANION}
+    assert (tmp_path / COMPANION).read_text() == "new" and len(read(recorder.path)) == 1
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_without_its_companion_a_recording_stays_unfinished(tmp_path: Path, format: Format) -> None:
+    before = contents(record(tmp_path, "mcap", drive(2)))
+    (tmp_path / COMPANION).write_text("older")
+    with (
+        pytest.raises(OSError, match=rf"No space left\. The recording was broken off; .* recover {tmp_path}` recovers"),
+        Recorder(tmp_path, format=format, overwrite=True, companions=[COMPANION]) as recorder,
+    ):
+        recorder.write("/clock", ros.Clock(), 5)
+        recorder.companion(COMPANION)
+        raise OSError(28, "No space left")
+    assert contents(tmp_path / "recording") == before and (tmp_path / COMPANION).read_text() == "older"
+    path, count = recover(tmp_path, overwrite=True, companions=[COMPANION])
+    assert (path, count) == (recorder.path, 1) and [item.name for item in tmp_path.iterdir()] == [path.name]
+
+
+def test_a_recovered_recording_does_not_replace_other_files_with_its_companions(tmp_path: Path) -> None:
+    new = tmp_path / "recording.unfinished" / "complete"
+    new.mkdir(parents=True)
+    (new / COMPANION).write_text("new")
+    record(tmp_path / "elsewhere", "bag", drive(2)).rename(new / "recording.bag")
+    (tmp_path / COMPANION).write_text("mine")
+    with pytest.raises(FileExistsError, match=r"which is kept\. To replace it, use --overwrite .*drive\.png'"):
+        recover(tmp_path)
+    assert (tmp_path / COMPANION).read_text() == "mine"
+    recover(tmp_path, overwrite=True)
+    assert (tmp_path / COMPANION).read_text() == "new"
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_discarded_recording_leaves_the_older_one(tmp_path: Path, format: Format) -> None:
+    before = contents(record(tmp_path, "mcap", drive(2)))
+    recorder = Recorder(tmp_path, format=format, overwrite=True)
+    recorder.write("/clock", ros.Clock(), 5)
+    recorder.discard()
+    recorder.close()
+    recorder.discard()
+    assert [item.name for item in tmp_path.iterdir()] == ["recording"]
+    assert contents(tmp_path / "recording") == before
 
 
 def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path) -> None:

@@ -157,9 +157,18 @@ def test_an_older_recording_is_kept(tmp_path: Path) -> None:
     path = record(tmp_path, "mcap", drive(1))
     before = contents(path)
     (tmp_path / "recording.unfinished").mkdir()
+    (tmp_path / "recording.unfinished" / "recording.bag").write_bytes(b"#ROSBAG V2.0\n")
     with pytest.raises(FileExistsError, match="--overwrite"):
         recover(tmp_path)
-    assert contents(path) == before
+    assert contents(path) == before and (tmp_path / "recording.unfinished" / "recording.bag").exists()
+
+
+def test_an_unfinished_folder_without_messages_is_removed(tmp_path: Path) -> None:
+    path = record(tmp_path, "mcap", drive(1))
+    (tmp_path / "recording.unfinished" / "replaced").mkdir(parents=True)
+    with pytest.raises(FileNotFoundError, match="No recording was broken off"):
+        recover(tmp_path)
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_nothing_to_recover(tmp_path: Path) -> None:
