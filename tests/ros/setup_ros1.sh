@@ -5,7 +5,7 @@
 set -euo pipefail
 venv=$(realpath -m "$1")
 packages=(ros-core rosbash python3-{genpy,roslaunch,rospy,rosbag,rostopic,rosservice,rosparam,tf2-ros,nav-msgs,sensor-msgs,std-srvs,visualization-msgs}
-    ros-{nav,sensor,visualization}-msgs ros-std-srvs python3-venv)
+    ros-{nav,sensor,visualization}-msgs ros-std-srvs ros-robot-state-publisher python3-venv)
 if ! dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
     root=()
     [ "$(id -u)" -eq 0 ] || root=(sudo)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from pathlib import Path
@@ -11,8 +12,27 @@ import numpy as np
 
 import mobile_robot_simulator as mrs
 from scenes import record_drive
-from test_nodes import ODOM, QUIET, SCAN, TWIST, twist
+from test_nodes import ODOM, QUIET, SCAN, TF, TWIST, twist
 from worlds import find, wait_until
+
+URDF = """
+<robot name="robot">
+  <link name="base_link"/>
+  <link name="mast"/>
+  <link name="laser"/>
+  <joint name="base_to_mast" type="fixed">
+    <parent link="base_link"/>
+    <child link="mast"/>
+    <origin xyz="0.3 0.1 0.4" rpy="0 0 1.5707963267948966"/>
+  </joint>
+  <joint name="mast_to_laser" type="fixed">
+    <parent link="mast"/>
+    <child link="laser"/>
+    <origin xyz="0.2 0 0.1" rpy="0 0 0"/>
+  </joint>
+</robot>
+"""
+"""A laser on a mast, which is turned to the left."""
 
 
 def test_rostopic_echo_and_hz_work(world: Any, map_file: Path) -> None:
@@ -111,6 +131,23 @@ def test_tf2_transforms_scans_as_they_arrive(world: Any, map_file: Path) -> None
     wait_until(lambda: len(found) >= 40, "scans")
     listener.unregister()
     assert np.mean(found) >= 0.95
+
+
+def test_robot_state_publisher_mounts_the_laser_where_the_urdf_says(world: Any, map_file: Path) -> None:
+    import rospy
+
+    rospy.set_param("/urdf/robot", URDF)
+    world.run("rosrun", "robot_state_publisher", "robot_state_publisher", "robot_description:=/urdf/robot")
+    # The mount has to be known before the first scan.
+    world.subscribe("/tf_static", TF).wait_for(1)
+    world.start("all", map_file=map_file, laser_frame_id="laser", **QUIET)
+    scan = world.subscribe("/scan", SCAN).next()
+    mount = mrs.Pose(0.3, 0.1, math.pi / 2) * mrs.Pose(0.2, 0.0, 0.0)
+    laser = mrs.LaserScanner(fov=4.71, beam_count=181, max_range=30.0)
+    differences = np.abs(np.asarray(scan.ranges) - laser.scan(mrs.load_map(map_file), mount))
+    # Beams close to a corner may hit either side of it.
+    assert np.sum(differences > 1e-3) <= 2
+    assert scan.header.frame_id == "laser"
 
 
 def test_with_use_sim_time_the_laser_follows_the_clock_of_the_robot(world: Any, map_file: Path) -> None:
