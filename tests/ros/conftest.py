@@ -12,7 +12,7 @@ import mobile_robot_simulator as mrs
 from scenes import room
 from worlds import VERSION, Ros1World, Ros2World, new_world
 
-collect_ignore = {"1": ["test_ros2.py", "test_controller.py"], "2": ["test_ros1.py"]}.get(VERSION, [])
+collect_ignore = {"1": ["test_ros2.py", "test_controller.py"], "2": ["test_ros1.py", "clients"]}.get(VERSION, [])
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

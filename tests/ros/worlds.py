@@ -118,9 +118,9 @@ class World(ABC):
         self.processes: list[Process] = []
         self.inboxes: list[Any] = []
 
-    def run(self, *arguments: str) -> Process:
+    def run(self, *arguments: str, environment: dict[str, str] | None = None) -> Process:
         """Starts a command of ROS or of this package."""
-        self.processes.append(Process(list(arguments), self.environment))
+        self.processes.append(Process(list(arguments), environment or self.environment))
         return self.processes[-1]
 
     def start(self, node: str, *, map_file: Path | None = None, remap: tuple[str, ...] = (), **parameters: Any) -> Process:
@@ -152,11 +152,12 @@ class Ros1World(World):
             with socket.socket() as probe:
                 probe.bind(("127.0.0.1", 0))
                 port = probe.getsockname()[1]
+            ros_packages = filter(None, [os.environ.get("ROS_PACKAGE_PATH")])
             os.environ.update(
                 ROS_MASTER_URI=f"http://127.0.0.1:{port}",
                 ROS_IP="127.0.0.1",
                 ROS_ROOT="/usr/share/ros",
-                ROS_PACKAGE_PATH=f"{Path(__file__).parents[2]}:/usr/share",
+                ROS_PACKAGE_PATH=os.pathsep.join([str(Path(__file__).parents[2]), "/usr/share", *ros_packages]),
                 ROS_HOME=tempfile.mkdtemp(),
             )
             import rosgraph
