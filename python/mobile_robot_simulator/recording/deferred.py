@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,10 +62,11 @@ class DeferredRecorder:
         return self._recorder.path
 
     def discard(self) -> None:
-        """Deletes the messages in memory and on disk. A saved recording is kept."""
-        self._close()
+        """Deletes the messages in memory and on disk. A saved recording is kept, and what a full disk has broken off."""
+        self._open = False
+        self._messages.clear()
         if self._recorder is not None and not self._saved:
-            shutil.rmtree(self._recorder.path, ignore_errors=True)
+            self._recorder.discard()
             self._recorder = None
 
     def _move_to_disk(self) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 import mobile_robot_simulator as mrs
+from disks import small_disk
 from mobile_robot_simulator.recording import deferred
 from mobile_robot_simulator.recording.deferred import DeferredRecorder
 
@@ -43,6 +45,16 @@ def test_discarding_deletes_all_messages_and_ignores_later_ones(tmp_path, monkey
     assert not list(tmp_path.iterdir()) and not recorder._messages
     with pytest.raises(ValueError, match="were discarded"):
         recorder.save()
+
+
+def test_discarding_needs_no_space_on_the_disk(monkeypatch):
+    monkeypatch.setattr(deferred, "MOST_IN_MEMORY", 20)
+    with small_disk(kilobytes=64) as folder:
+        recorder = filled(folder)
+        with suppress(OSError):
+            (folder / "more").write_bytes(bytes(1024 * 64))
+        recorder.discard()
+        assert [item.name for item in folder.iterdir()] == ["more"]
 
 
 @pytest.mark.parametrize("most", [20, 1000])
