@@ -124,7 +124,8 @@ class RecordingFolder:
 
     def error(self, error: OSError | sqlite3.Error, kept: str) -> OSError:
         """Returns an error of the disk with the path `unfinished` and a text that says what is kept."""
-        number = error.errno if isinstance(error, OSError) and error.errno else errno.EIO
+        full = isinstance(error, sqlite3.Error) and "disk is full" in str(error)  # Python 3.10 has no error codes of SQLite.
+        number = (isinstance(error, OSError) and error.errno) or (errno.ENOSPC if full else errno.EIO)
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return OSError(number, f"{reason}. {kept}", str(self.unfinished))
 

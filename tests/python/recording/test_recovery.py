@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import subprocess
 import sys
@@ -85,9 +86,11 @@ def test_a_full_disk_keeps_what_was_written_also_if_recovery_has_no_space(tmp_pa
         with pytest.raises(OSError, match="messages written before are kept") as raised:
             fill(folder, format)
         assert raised.value.filename == str(folder / "recording.unfinished")
+        assert raised.value.errno == errno.ENOSPC
         with pytest.raises(OSError, match="Nothing was recovered; what was written is kept") as raised:
             recover(folder)
         assert raised.value.filename == str(folder / "recording.unfinished")
+        assert raised.value.errno == errno.ENOSPC
         assert not (folder / "recording.unfinished" / "rebuilt").exists()
         shutil.copytree(folder, tmp_path / "copy")
     path, count = recover(tmp_path / "copy")
@@ -101,6 +104,7 @@ def test_a_disk_that_is_full_from_the_beginning_is_an_os_error(format: Format) -
         with pytest.raises(OSError, match=r"No recording was begun|was broken off") as raised:
             fill(folder, format)
         assert raised.value.filename == str(folder / "recording.unfinished")
+        assert raised.value.errno == errno.ENOSPC
 
 
 @pytest.mark.parametrize("format", FORMATS)
