@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, overload
 
+from . import messages
 from .messages import Time
 
 NANOSECONDS = 1_000_000_000
@@ -25,6 +26,19 @@ class Duration:
 
     def __init__(self, *, seconds: float = 0.0, nanoseconds: int = 0) -> None:
         object.__setattr__(self, "nanoseconds", round(seconds * NANOSECONDS) + int(nanoseconds))
+
+    def to_msg(self) -> messages.Duration:
+        """Returns the span as a message."""
+        return messages.Duration.from_nanoseconds(self.nanoseconds)
+
+    @classmethod
+    def from_msg(cls, msg: messages.Duration) -> Duration:
+        """Returns the span that a message holds.
+
+        Args:
+            msg: The message.
+        """
+        return cls(nanoseconds=msg.nanoseconds)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _duration, (self.nanoseconds,)

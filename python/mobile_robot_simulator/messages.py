@@ -19,6 +19,7 @@ from .quoting import quoted
 __all__ = [
     "Bool",
     "Clock",
+    "Duration",
     "GetMap",
     "GetMapRequest",
     "GetMapResponse",
@@ -183,6 +184,29 @@ class Time(Message):
     @property
     def nanoseconds(self) -> int:
         """Time since zero [ns]."""
+        return self.sec * 1_000_000_000 + self.nanosec
+
+
+@dataclass(slots=True, eq=False)
+class Duration(Message):
+    """A span of time: whole seconds, rounded down, and the remaining nanoseconds."""
+
+    ros_type = "builtin_interfaces/msg/Duration"
+    sec: int = 0
+    nanosec: int = 0
+
+    @classmethod
+    def from_nanoseconds(cls, nanoseconds: int) -> Duration:
+        """Returns the span for a number of nanoseconds.
+
+        Args:
+            nanoseconds: Length [ns].
+        """
+        return cls(*divmod(nanoseconds, 1_000_000_000))
+
+    @property
+    def nanoseconds(self) -> int:
+        """Length [ns]."""
         return self.sec * 1_000_000_000 + self.nanosec
 
 

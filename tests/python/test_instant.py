@@ -29,3 +29,9 @@ def test_messages_convert_there_and_back(nanoseconds: int) -> None:
     instant = Instant(nanoseconds)
     assert instant.to_msg() == Time(*instant.seconds_nanoseconds())
     assert Instant.from_msg(instant.to_msg()) == instant
+
+
+@pytest.mark.parametrize(("nanoseconds", "parts"), [(1_500_000_000, (1, 500_000_000)), (-1, (-1, 999_999_999))])
+def test_durations_convert_there_and_back(nanoseconds: int, parts: tuple[int, int]) -> None:
+    message = Duration(nanoseconds=nanoseconds).to_msg()
+    assert (message.sec, message.nanosec) == parts and Duration.from_msg(message) == Duration(nanoseconds=nanoseconds)

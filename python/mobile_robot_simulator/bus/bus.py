@@ -48,6 +48,7 @@ from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.future import Future, FutureSnapshot
 from ..quoting import quoted
+from .current import using
 from .service import BusService, ServiceHandler
 from .task import BusTask
 from .timer import BusTimer, TimerSnapshot
@@ -187,26 +188,8 @@ class Bus(Handle):
         self._check_idle("run it")
         self._is_running = True
         try:
-            events, immediate = self._events, self._immediate
-            while True:
-                # A message in `events` that is due now was sent at an earlier time than those in `immediate`.
-                if immediate and not (events and events[0][0] <= self.time_ns and events[0][1] == MESSAGE):
-                    action, self._chain_length = immediate.popleft()
-                    self._reply_count += self._chain_length > 1
-                    if self._chain_length > MAX_CHAIN_LENGTH or self._reply_count > MAX_REPLIES:
-                        seconds = self.time_ns / NANOSECONDS
-                        raise RuntimeError(
-                            f"time stands still at {seconds} s: callbacks keep sending messages to each other"
-                        )
-                elif events and events[0][0] <= time_ns:
-                    before_ns = self.time_ns
-                    self.time_ns, _, _, action = heapq.heappop(events)
-                    self._chain_length = 0
-                    if self.time_ns != before_ns:
-                        self._reply_count = 0
-                else:
-                    break
-                action()
+            with using(self):
+                self._run_events(time_ns)
             self.time_ns = time_ns
         finally:
             self._is_running, self._chain_length, self._reply_count = False, 0, 0
@@ -434,6 +417,26 @@ class Bus(Handle):
             service.handler = None
         for timer in self.timers:
             timer.cancel()
+
+    def _run_events(self, time_ns: int) -> None:
+        events, immediate = self._events, self._immediate
+        while True:
+            # A message in `events` that is due now was sent at an earlier time than those in `immediate`.
+            if immediate and not (events and events[0][0] <= self.time_ns and events[0][1] == MESSAGE):
+                action, self._chain_length = immediate.popleft()
+                self._reply_count += self._chain_length > 1
+                if self._chain_length > MAX_CHAIN_LENGTH or self._reply_count > MAX_REPLIES:
+                    seconds = self.time_ns / NANOSECONDS
+                    raise RuntimeError(f"time stands still at {seconds} s: callbacks keep sending messages to each other")
+            elif events and events[0][0] <= time_ns:
+                before_ns = self.time_ns
+                self.time_ns, _, _, action = heapq.heappop(events)
+                self._chain_length = 0
+                if self.time_ns != before_ns:
+                    self._reply_count = 0
+            else:
+                break
+            action()
 
     def _send(self, publisher: BusPublisher[Any], message: Message) -> None:
         topic = publisher.topic

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..handle import Handle
 from ..instant import Duration, Instant
-
-if TYPE_CHECKING:
-    from .bus import Bus
+from .current import Times, current_bus
 
 
 class BusClock(Handle):
     """Shows the simulated time plus `Bus.clock_offset_ns`.
 
     Args:
-        bus: Bus whose time the clock shows.
+        bus: Bus whose time the clock shows. None for the bus in use, now or at the first call.
+        **_: Keywords of rclpy, such as `clock_type`, are ignored: all clocks on the bus show its time.
     """
 
-    def __init__(self, bus: Bus) -> None:
-        self._bus = bus
+    def __init__(self, bus: Times | None = None, **_: Any) -> None:
+        self._found = bus or current_bus()
 
     def now(self) -> Instant:
-        """Returns the current time of the clock."""
+        """Returns the current time of the clock.
+
+        Raises:
+            RuntimeError: The clock has no bus yet, because it was neither made nor called by a node.
+        """
         return Instant(self._bus.clock_ns)
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:
@@ -43,3 +46,10 @@ class BusClock(Handle):
             raise RuntimeError("a callback must not sleep, because simulated time stands still: use a timer")
         self._bus.run_until(max(self._bus.time_ns, until.nanoseconds - self._bus.clock_offset_ns))
         return True
+
+    @property
+    def _bus(self) -> Times:
+        self._found = self._found or current_bus()
+        if self._found is None:
+            raise RuntimeError("the clock has no bus: make or call it in a node, or use node.get_clock()")
+        return self._found

@@ -16,6 +16,7 @@ from ..nodes.interface import M, QoS
 from ..quoting import quoted
 from .bus import Bus
 from .clock import BusClock
+from .current import using
 from .logger import BusLogger
 from .parameter import Parameter, ParameterStore, SetParametersCallback, SetParametersResult
 from .service import BusClient, BusService
@@ -127,9 +128,9 @@ class BusNode(Handle):
         """
         found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
         publisher = self.publisher_class(self._bus.publish, found, _is_latched(qos_profile))
-        if publisher.latched:
-            found.latched = True
-            self._handles[publisher] = partial(self.destroy_publisher, publisher)
+        found.publishers = (*found.publishers, publisher)
+        found.latched = found.latched or publisher.latched
+        self._handles[publisher] = partial(self.destroy_publisher, publisher)
         return publisher
 
     def create_subscription(
@@ -137,13 +138,14 @@ class BusNode(Handle):
     ) -> BusSubscription[M]:
         """Calls the callback with every message sent to a topic from now on, and with the last of each latched publisher.
 
-        Other keywords of rclpy are ignored.
+        As on ROS 2, a subscription with a depth, or with a QoS profile of rclpy that is not `TRANSIENT_LOCAL`, does not
+        receive messages that were sent before it. Other keywords of rclpy are ignored.
 
         Args:
             msg_type: Message class.
             topic: Name of the topic.
             callback: Called with each message, which it must not change. It can be a coroutine function.
-            qos_profile: Ignored.
+            qos_profile: A `QoS`, a depth, or a QoS profile of rclpy. The bus only uses whether it excludes earlier messages.
 
         Raises:
             TypeError: The callback is not callable, the type is not a message class, or the existing topic has another type.
@@ -152,7 +154,7 @@ class BusNode(Handle):
         found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
         check_callback(callback)
         subscription = found.subscribe(plain_callback(self._bus, callback))
-        for message, _time_ns in found.kept.values():
+        for message, _time_ns in found.kept.values() if _takes_latched(qos_profile) else ():
             self._bus.schedule(self._bus.time_ns, partial(subscription.deliver, message))
         self._handles[subscription] = partial(self.destroy_subscription, subscription)
         return subscription
@@ -233,7 +235,7 @@ class BusNode(Handle):
     def destroy_publisher(self, publisher: BusPublisher[Any]) -> bool:
         """Destroys a publisher. Later subscriptions no longer receive its last message. Returns True, as rclpy does."""
         self._handles.pop(publisher, None)
-        publisher.topic.kept.pop(publisher, None)
+        publisher.topic.remove_publisher(publisher)
         return True
 
     def destroy_subscription(self, subscription: BusSubscription[Any]) -> bool:
@@ -280,6 +282,16 @@ class BusNode(Handle):
             destroy()
         if self in self._bus.nodes:
             self._bus.nodes.remove(self)
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Returns the number of publishers of a topic."""
+        found = self._bus.find_topic(self.resolve_topic_name(topic_name))
+        return len(found.publishers) if found else 0
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Returns the number of subscriptions of a topic."""
+        found = self._bus.find_topic(self.resolve_topic_name(topic_name))
+        return len(found.subscriptions) if found else 0
 
     # --- parameters ---
 
@@ -342,6 +354,38 @@ class BusNode(Handle):
             ParameterNotDeclaredException: A parameter is not declared; those before it are set. It is a ValueError.
         """
         return self._parameters.set(parameter_list)
+
+    def set_parameters_atomically(self, parameter_list: Sequence[Parameter]) -> SetParametersResult:
+        """Sets all parameters, or none if a descriptor or a callback refuses one of them.
+
+        Returns:
+            The first refusal, or success.
+
+        Raises:
+            ParameterNotDeclaredException: A parameter is not declared; none is set. It is a ValueError.
+        """
+        return self._parameters.set_together(parameter_list)
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Removes a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared. It is a ValueError.
+            ParameterImmutableException: The parameter is read-only. It is a ValueError.
+        """
+        self._parameters.undeclare(name)
+
+    def describe_parameter(self, name: str) -> Any:
+        """Returns the descriptor with which a parameter was declared; one with only its name if there was none.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared. It is a ValueError.
+        """
+        return self._parameters.describe(name)
+
+    def describe_parameters(self, names: Sequence[str]) -> list[Any]:
+        """Returns the descriptors of several parameters. Raises the error of `describe_parameter`."""
+        return [self._parameters.describe(name) for name in names]
 
     def add_on_set_parameters_callback(self, callback: SetParametersCallback) -> None:
         """Adds a callback that can refuse new values of parameters."""
@@ -437,9 +481,15 @@ def spawn_context(bus: Bus, namespace: str, parameters: Mapping[str, Any]) -> It
     """
     token = _spawn_context.set(SpawnContext(bus, namespace, parameters))
     try:
-        yield
+        with using(bus):
+            yield
     finally:
         _spawn_context.reset(token)
+
+
+def _takes_latched(qos_profile: Any) -> bool:
+    """Returns True if a subscription receives messages that were sent before it."""
+    return isinstance(qos_profile, QoS) or _is_latched(qos_profile)
 
 
 def _is_latched(qos_profile: Any) -> bool:

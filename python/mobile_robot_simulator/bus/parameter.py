@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar
 
 from ..quoting import nearest, quoted
+from .parameter_descriptor import ParameterDescriptor
 
 
 class ParameterNotDeclaredException(ValueError):
@@ -16,6 +18,10 @@ class ParameterNotDeclaredException(ValueError):
 
 class ParameterAlreadyDeclaredException(ValueError):
     """A parameter was declared twice."""
+
+
+class ParameterImmutableException(ValueError):
+    """A read-only parameter was removed."""
 
 
 class InvalidParameterValueException(ValueError):
@@ -122,7 +128,8 @@ class ParameterStore:
         value = self._overrides.get(name, default)
         if (problem := _range_problem(value, descriptor)) is not None:
             raise InvalidParameterValueException(f"parameter {quoted(name)} of {self._owner} {problem}")
-        self._descriptors[name] = descriptor
+        self._descriptors[name] = copy.copy(descriptor or ParameterDescriptor())
+        self._descriptors[name].name = name
         self._parameters[name] = Parameter(name, value=value)
         return self._parameters[name]
 
@@ -152,22 +159,53 @@ class ParameterStore:
         Raises:
             ParameterNotDeclaredException: A parameter is not declared. Those before it in the list are set.
         """
-        results = []
+        return [self.set_together([parameter]) for parameter in parameters]
+
+    def set_together(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Sets all parameters, or none if the descriptor of one or a check refuses.
+
+        Returns:
+            The first refusal, or success.
+
+        Raises:
+            ParameterNotDeclaredException: A parameter is not declared. None is set.
+        """
         for parameter in parameters:
             self.get(parameter.name)
+        for parameter in parameters:
             descriptor = self._descriptors[parameter.name]
             problem = _range_problem(parameter.value, descriptor)
             if getattr(descriptor, "read_only", False):
                 problem = "is read-only"
             if problem is not None:
-                results.append(SetParametersResult(False, f"parameter {quoted(parameter.name)} {problem}"))
-                continue
-            refusals = (answer for answer in (check([parameter]) for check in self._checks) if not answer.successful)
-            result = next(refusals, SetParametersResult())
-            if result.successful:
-                self._parameters[parameter.name] = parameter
-            results.append(result)
-        return results
+                return SetParametersResult(False, f"parameter {quoted(parameter.name)} {problem}")
+        for check in self._checks:
+            answer: SetParametersResult = check(list(parameters))
+            if not answer.successful:
+                return answer
+        self._parameters.update({parameter.name: parameter for parameter in parameters})
+        return SetParametersResult()
+
+    def undeclare(self, name: str) -> None:
+        """Removes a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared.
+            ParameterImmutableException: The parameter is read-only.
+        """
+        self.get(name)
+        if getattr(self._descriptors[name], "read_only", False):
+            raise ParameterImmutableException(f"parameter {quoted(name)} of {self._owner} is read-only")
+        del self._parameters[name], self._descriptors[name]
+
+    def describe(self, name: str) -> Any:
+        """Returns the descriptor of a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared.
+        """
+        self.get(name)
+        return self._descriptors[name]
 
     def add_check(self, check: SetParametersCallback) -> None:
         """Adds a callback that can refuse new values."""

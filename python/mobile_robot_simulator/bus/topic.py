@@ -57,6 +57,7 @@ class TopicSnapshot:
     latest: Message | None = None
     latest_ns: int = 0
     latched: bool = False
+    publishers: tuple[BusPublisher[Any], ...] = ()
     kept: tuple[tuple[BusPublisher[Any], Sent], ...] = ()
 
 
@@ -71,6 +72,7 @@ class BusTopic(Handle):
         latest: Last message sent, None before the first one.
         latest_ns: Simulated time at which `latest` was sent [ns].
         latched: True if the topic has had a latched publisher.
+        publishers: Current publishers, in the order in which they were created.
         kept: What new subscriptions receive: the last message of each latched publisher, in the order of sending.
     """
 
@@ -80,6 +82,7 @@ class BusTopic(Handle):
     latest: Message | None = None
     latest_ns: int = 0
     latched: bool = False
+    publishers: tuple[BusPublisher[Any], ...] = ()
     kept: dict[BusPublisher[Any], Sent] = field(default_factory=dict)
 
     def subscribe(self, callback: Callable[[M], None]) -> BusSubscription[M]:
@@ -93,6 +96,11 @@ class BusTopic(Handle):
         subscription.active = False
         self.subscriptions = tuple(other for other in self.subscriptions if other is not subscription)
 
+    def remove_publisher(self, publisher: BusPublisher[Any]) -> None:
+        """Removes a publisher, with the message that it has kept for later subscriptions."""
+        self.publishers = tuple(other for other in self.publishers if other is not publisher)
+        self.kept.pop(publisher, None)
+
     def note(self, publisher: BusPublisher[Any], message: Message, time_ns: int) -> None:
         """Notes that a publisher has sent a message at a simulated time [ns]."""
         self.latest, self.latest_ns = message, time_ns
@@ -102,13 +110,15 @@ class BusTopic(Handle):
 
     def save(self) -> TopicSnapshot:
         """Returns the state that `restore` takes."""
-        return TopicSnapshot(self.subscriptions, self.latest, self.latest_ns, self.latched, tuple(self.kept.items()))
+        return TopicSnapshot(
+            self.subscriptions, self.latest, self.latest_ns, self.latched, self.publishers, tuple(self.kept.items())
+        )
 
     def restore(self, state: TopicSnapshot) -> None:
         """Puts the topic back into a saved state. Other subscriptions become inactive."""
         for subscription in self.subscriptions:
             subscription.active = False
-        self.subscriptions, self.latched = state.subscriptions, state.latched
+        self.subscriptions, self.publishers, self.latched = state.subscriptions, state.publishers, state.latched
         self.latest, self.latest_ns, self.kept = state.latest, state.latest_ns, dict(state.kept)
         for subscription in self.subscriptions:
             subscription.active = True

@@ -11,13 +11,13 @@ from typing import Any
 from .. import instant, messages
 from ..bus import clock, node, parameter, service, timer, topic
 from ..bus.logger import BusLogger
+from ..bus.parameter_descriptor import FloatingPointRange, IntegerRange, ParameterDescriptor
 from ..bus.task import BusTask
 from ..nodes.future import Future
 from .action_client import ActionClient, ClientGoalHandle
 from .action_server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from .executors import SPINS, Executor, ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
-from .parameter_descriptor import FloatingPointRange, IntegerRange, ParameterDescriptor
 from .rclpy_qos import qos_contents
 from .ros_messages import generated_packages
 from .tf2 import (
@@ -117,6 +117,7 @@ RCLPY: dict[str, dict[str, object]] = {
         "ROSInterruptException": ROSInterruptException,
         "InvalidParameterValueException": parameter.InvalidParameterValueException,
         "ParameterAlreadyDeclaredException": parameter.ParameterAlreadyDeclaredException,
+        "ParameterImmutableException": parameter.ParameterImmutableException,
         "ParameterNotDeclaredException": parameter.ParameterNotDeclaredException,
     },
     "rclpy.executors": {

@@ -189,3 +189,20 @@ def test_a_late_subscriber_receives_the_last_message_of_each_latched_publisher(b
     other.create_publisher(mrs.messages.Clock, "/map", QoS.LATCHED).publish(at(4))
     other.destroy_node()
     assert [message for _, message, _ in bus.latched()] == [at(1), at(2), at(3)]
+
+
+def test_publishers_and_subscriptions_are_counted(bus: Bus, node: BusNode) -> None:
+    assert (node.count_publishers("/a"), node.count_subscribers("/a")) == (0, 0)
+    bus.topic("/a", mrs.messages.Clock)
+    saved = bus.save()
+    publisher, other = (node.create_publisher(mrs.messages.Clock, "/a", QoS.DEFAULT) for _ in range(2))
+    subscription = node.create_subscription(mrs.messages.Clock, "a", print)
+    assert (node.count_publishers("a"), node.count_subscribers("a")) == (2, 1)
+    node.destroy_publisher(publisher)
+    node.destroy_subscription(subscription)
+    assert other.topic.publishers == (other,) and node.count_subscribers("/a") == 0
+    node.destroy_node()
+    assert node.count_publishers("/a") == 0
+    node.create_publisher(mrs.messages.Clock, "/a", QoS.DEFAULT)
+    bus.restore(saved)
+    assert node.count_publishers("/a") == 0

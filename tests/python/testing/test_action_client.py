@@ -72,19 +72,22 @@ def test_a_goal_is_copied_and_can_have_an_identifier(sim):
     assert [it.result().accepted for it in sent] == [True, False]
     got = sent[0].result().get_result_async()
     sim.run_for(0.0)
+    assert sim._bus.save().calls == {}
     assert list(got.result().result.sequence) == [1] and sent[0].result().goal_id == name
 
 
 def test_a_goal_on_its_way_is_saved(sim):
     ActionServer(sim.create_node("server"), Fibonacci, "count", execute)
     client = ActionClient(sim.create_node("client"), Fibonacci, "count")
-    sent = client.send_goal_async(Fibonacci.Goal(order=1))
+    seen = []
+    sent = client.send_goal_async(Fibonacci.Goal(order=1), seen.append)
     saved = sim.save()
-    for _ in range(2):
+    for count in (1, 2):
+        other = client.send_goal_async(Fibonacci.Goal(order=1), seen.append)
         sim.run_for(0.0)
-        assert sent.done() and sent.result().status == 4
+        assert sent.done() and sent.result().status == 4 and len(seen) == 2 * count
         sim.restore(saved)
-        assert not sent.done()
+        assert not sent.done() and bytes(other.result().goal_id.uuid) not in client._callbacks
 
 
 def test_mistakes_are_errors(sim):

@@ -133,6 +133,22 @@ def test_the_server_decides_whether_a_goal_is_canceled(sim, serve, send, answer,
     assert goal.got.result().status == goal.status == status
 
 
+def test_a_goal_can_be_canceled_before_it_is_executed(sim, serve, send):
+    queue = []
+
+    def cancel(goal):
+        goal.canceled()
+        return Fibonacci.Result()
+
+    serve(cancel, handle_accepted_callback=queue.append, cancel_callback=lambda goal: CancelResponse.ACCEPT)
+    goal = send()
+    goal.cancel_goal_async()
+    sim.run_for(0.0)
+    queue[0].execute()
+    sim.run_for(0.0)
+    assert goal.got.result().status == CANCELED
+
+
 def test_by_default_no_goal_can_be_canceled(sim, serve, send):
     serve(waits(Future()))
     response = send().cancel_goal_async()
@@ -258,6 +274,9 @@ def test_a_destroyed_server_is_gone(sim, serve, send):
     client = ActionClient(sim.create_node("other"), Fibonacci, "/count")
     assert client.server_is_ready()
     server.destroy()
+    assert not client.server_is_ready() and server not in sim._bus.nodes
+    server = serve(succeed)
+    server._node.destroy_node()
     assert not client.server_is_ready() and server not in sim._bus.nodes
 
 

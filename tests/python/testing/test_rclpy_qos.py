@@ -27,3 +27,23 @@ def test_a_transient_local_topic_keeps_its_last_message(durability, count):
     sim.subscribe("/text", mrs.messages.String, seen.append)
     sim.run_for(0.1)
     assert len(seen) == count
+
+
+@pytest.mark.parametrize(
+    ("qos", "count"),
+    [
+        (10, 0),
+        (QoSProfile(depth=1), 0),
+        (QoSProfile(depth=1, durability=DurabilityPolicy.SYSTEM_DEFAULT), 0),
+        (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL), 1),
+    ],
+)
+def test_only_a_transient_local_subscription_receives_the_map(qos, count):
+    sim, maps = small_room(), []
+    sim.run_for(1.0)
+    sim.create_node("late").create_subscription(mrs.messages.OccupancyGrid, "/map", maps.append, qos)
+    sim.run_for(1.0)
+    assert len(maps) == count
+    sim.subscribe("/map", mrs.messages.OccupancyGrid, maps.append)
+    sim.run_for(0.0)
+    assert len(maps) == count + 1

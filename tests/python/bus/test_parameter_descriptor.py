@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import pytest
 
-from mobile_robot_simulator.testing import parameter_descriptor
+from mobile_robot_simulator.bus import parameter_descriptor
 from mobile_robot_simulator.testing.ros_messages import generated_packages
 
 
