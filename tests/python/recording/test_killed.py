@@ -104,7 +104,7 @@ def assert_recoverable(folder: Path, scratch: Path) -> str:
     later = shutil.copytree(folder, scratch / "later" / folder.name)
     Recorder(later, overwrite=True, companions=COMPANIONS).discard()
     assert counts(later) in ([OLDER] * 3, [NEW] * 3)
-    assert not (later / "recording.unfinished").exists()
+    assert {item.name for item in later.iterdir()} <= {"recording", "recording.bag", *COMPANIONS}
 
     recovered = shutil.copytree(folder, scratch / "recovered" / folder.name)
     try:
@@ -116,7 +116,7 @@ def assert_recoverable(folder: Path, scratch: Path) -> str:
         return "begun"
     else:
         assert counts(recovered) in ([NEW], [NEW] * 3)
-    assert not (recovered / "recording.unfinished").exists()
+    assert {item.name for item in recovered.iterdir()} <= {"recording", "recording.bag", *COMPANIONS}
     return "unfinished"
 
 
