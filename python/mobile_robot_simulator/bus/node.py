@@ -57,12 +57,19 @@ class BusNode(Handle):
 
     Raises:
         ValueError: The name is empty or contains a slash.
+        TypeError: The name or the namespace is not a text, or the parameters are not a mapping.
     """
 
     publisher_class: ClassVar[type[BusPublisher[Any]]] = BusPublisher
     """Class of the publishers that the node creates."""
 
     def __init__(self, bus: Bus, name: str, *, namespace: str = "/", parameters: Mapping[str, Any] | None = None) -> None:
+        if not isinstance(name, str):
+            raise TypeError(f"a node's name must be a text, got {quoted(name)}")
+        if not isinstance(namespace, str):
+            raise TypeError(f"a node's namespace must be a text such as /robot1, got {quoted(namespace)}")
+        if not isinstance(parameters, Mapping | None):
+            raise TypeError(f"a node's parameters must be a mapping from names to values, got {quoted(parameters)}")
         if not name or "/" in name:
             raise ValueError(f"a node's name must not be empty or contain a slash, got {quoted(name)}")
         self._bus, self._name, self._namespace = bus, name, "/" + namespace.strip("/")

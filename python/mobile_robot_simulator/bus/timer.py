@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, SupportsFloat
 
 from ..handle import Handle, check_callback
 from ..instant import NANOSECONDS
+from ..quoting import quoted
 
 
 class TimerQueue(Protocol):
@@ -58,10 +59,12 @@ class BusTimer(Handle):
 
     Raises:
         ValueError: The period is below 1 ns or not finite.
-        TypeError: The callback is not callable.
+        TypeError: The period is not a number, or the callback is not callable.
     """
 
     def __init__(self, queue: TimerQueue, period: float, callback: Callable[[], None]) -> None:
+        if not isinstance(period, SupportsFloat):
+            raise TypeError(f"a timer's period must be a number of seconds, got {quoted(period)}")
         if not 1 <= period * NANOSECONDS < math.inf:
             raise ValueError(f"a timer's period must be at least 1 ns and finite, got {period} s")
         check_callback(callback)

@@ -14,7 +14,7 @@ from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
 from ..quoting import quoted
-from ..simulation.arguments import check_at_least_0
+from ..simulation.arguments import check_at_least_0, check_numbers
 from ..simulation.fault import Fault, FaultTarget
 from ..simulation.topics import find_topic
 
@@ -38,6 +38,7 @@ class MessageFault(Fault):
 
     Raises:
         ValueError: The probability is not in 0..1, or the times are not valid for a `Fault`.
+        TypeError: The probability is not a number.
     """
 
     needs: type[Message] = Message
@@ -47,6 +48,7 @@ class MessageFault(Fault):
         self, topic: str, *, probability: float = 1.0, start: float = 0.0, end: float = math.inf, seed: int = 0
     ) -> None:
         super().__init__(start=start, end=end, seed=seed)
+        check_numbers(probability=probability)
         if not 0.0 <= probability <= 1.0:
             raise ValueError(f"the probability must be in 0..1, got {quoted(probability)}")
         self.topic, self.probability = absolute(topic), probability
@@ -231,6 +233,7 @@ class BlockedSector(MessageFault):
         self, first_angle: float, last_angle: float, *, distance: float = 0.0, topic: str = "/scan", **options: Any
     ) -> None:
         super().__init__(topic, **options)
+        check_numbers(first_angle=first_angle, last_angle=last_angle)
         if not first_angle < last_angle:
             raise ValueError(f"the last angle must be greater than the first, got {first_angle} and {last_angle}")
         check_at_least_0(distance=distance)

@@ -13,6 +13,7 @@ from ..bus.bus import Bus
 from ..instant import NANOSECONDS
 from ..parameters import motion_noise
 from ..quoting import quoted
+from ..simulation.arguments import check_numbers
 from ..simulation.fault import F, Fault, FaultTarget
 from ..simulation.robots import SimulatedRobot
 
@@ -33,6 +34,7 @@ class Slip(Fault):
 
     def __init__(self, share: float, *, robot: str | None = None, **options: Any) -> None:
         super().__init__(**options)
+        check_numbers(share=share)
         if not 0.0 <= share <= 1.0:
             raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self.share, self.robot = share, robot
@@ -110,6 +112,7 @@ class ClockJump(Fault):
 
     def __init__(self, seconds: float, *, at: float = 0.0) -> None:
         super().__init__(start=at)
+        check_numbers(seconds=seconds)
         if not math.isfinite(seconds) or seconds == 0.0:
             raise ValueError(f"a jump must be finite and not 0 s, got {quoted(seconds)}")
         self.seconds = seconds

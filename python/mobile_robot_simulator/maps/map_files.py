@@ -81,6 +81,7 @@ def load_map(
 
     Raises:
         OSError: A file cannot be read; FileNotFoundError if it does not exist.
+        TypeError: The path is not a path.
         ValueError: The YAML file or the image is invalid or truncated. The message gives the file, the key, its value and
             the requirement.
 
@@ -92,7 +93,7 @@ def load_map(
     """
     if transparency not in ("unknown", "averaged"):
         raise ValueError(f"transparency must be 'unknown' or 'averaged', got {quoted(transparency)}")
-    yaml_path = Path(path)
+    yaml_path = _yaml_path(path)
     description = _read_description(yaml_path)
     image = read_image(description.image_path, yaml_path)
     return OccupancyGrid(
@@ -120,9 +121,12 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
 
     Raises:
         ValueError: The path has another ending.
+        TypeError: The grid is not an `OccupancyGrid`, or the path is not a path.
         OSError: The folder does not exist or cannot be written.
     """
-    yaml_path = Path(path)
+    if not isinstance(grid, OccupancyGrid):
+        raise TypeError(f"the grid must be an OccupancyGrid, got {quoted(grid)}")
+    yaml_path = _yaml_path(path)
     if yaml_path.suffix.lower() not in (".yaml", ".yml"):
         raise ValueError(f"the path of a map must end in .yaml or .yml, got {quoted(str(yaml_path))}")
     image_path = yaml_path.with_suffix(".pgm")
@@ -134,6 +138,14 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
             yaml_path: _describe(grid, image_path.name, mode).encode(),
         }
     )
+
+
+def _yaml_path(path: object) -> Path:
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"the path of a map must be a text or a Path, got {quoted(path)}")
+    if not os.fspath(path):
+        raise ValueError("the path of a map must name a YAML file, got ''")
+    return Path(path)
 
 
 # --- The YAML ---

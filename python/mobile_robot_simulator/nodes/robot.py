@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import Any
+from typing import Any, SupportsFloat
 
 from .. import messages
 from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
@@ -35,6 +35,7 @@ from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerReading, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
 from ..physics.world import Placed, World
+from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .steady_time import SteadyTime
@@ -295,7 +296,10 @@ class MobileRobotSimulator(Handle):
         Raises:
             ValueError: The robot's origin would be inside a wall of the map, or its footprint would touch a wall, an
                 obstacle or another robot. Nothing changes.
+            TypeError: It is not a `Pose`. Nothing changes.
         """
+        if not isinstance(pose, Pose):
+            raise TypeError(f"the pose must be a Pose, got {quoted(pose)}; Simulation.set_pose also takes (x, y, yaw)")
         self._world.check_place("the pose", pose, self._footprint, self)
         now_ns = self._world.now_ns()
         self._motion.move_frame((pose * self._motion.pose(now_ns).inverse()).wrapped(), now_ns)
@@ -306,7 +310,15 @@ class MobileRobotSimulator(Handle):
 
         Args:
             share: Share of the commanded motion that is lost, in 0..1; None for that of the parameters.
+
+        Raises:
+            ValueError: The share is not in 0..1. Nothing changes.
+            TypeError: The share is not a number. Nothing changes.
         """
+        if not isinstance(share, SupportsFloat | None):
+            raise TypeError(f"the share must be a number or None, got {quoted(share)}")
+        if share is not None and not 0.0 <= share <= 1.0:
+            raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self._slip_share = share
         self._motion.slip(self._lost_share(), self._world.now_ns())
 

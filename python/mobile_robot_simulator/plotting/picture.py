@@ -50,7 +50,12 @@ class Picture(ABC):
 
         Args:
             ax: Axes to draw in, which then show the picture's view. None opens a new pyplot figure with a legend.
+
+        Raises:
+            TypeError: `ax` is something else.
         """
+        if not isinstance(ax, Axes | None):
+            raise TypeError(f"ax must be Matplotlib axes or None, got {quoted(ax)}")
         axes = ax
         if axes is None:
             from matplotlib import pyplot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Real
 
 from .._core import Pose
@@ -16,6 +16,20 @@ MAX_VELOCITY = 1e3
 """Limit of each component of a velocity [m/s, rad/s]."""
 
 
+def check_numbers(**values: float) -> None:
+    """Checks that arguments are numbers.
+
+    Args:
+        **values: Numbers, each under the name that the error message uses.
+
+    Raises:
+        TypeError: One is not a number.
+    """
+    for name, value in values.items():
+        if not isinstance(value, Real):
+            raise TypeError(f"{name} must be a number, got {quoted(value)}")
+
+
 def check_at_least_0(**values: float) -> None:
     """Checks that numbers are finite and not negative.
 
@@ -23,11 +37,26 @@ def check_at_least_0(**values: float) -> None:
         **values: Numbers, each under the name that the error message uses.
 
     Raises:
+        TypeError: One is not a number.
         ValueError: A number is negative, infinite or NaN.
     """
+    check_numbers(**values)
     for name, value in values.items():
         if not 0.0 <= value < math.inf:
             raise ValueError(f"{name} must be finite and at least 0, got {quoted(value)}")
+
+
+def check_parameters(values: object) -> None:
+    """Checks that parameters are given as a mapping, or not at all.
+
+    Args:
+        values: The parameters, or None.
+
+    Raises:
+        TypeError: They are something else.
+    """
+    if not isinstance(values, Mapping | None):
+        raise TypeError(f"parameters must be a mapping from names to values, got {quoted(values)}")
 
 
 def to_nanoseconds(seconds: float, what: str) -> int:

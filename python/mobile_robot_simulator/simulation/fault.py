@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import index
-from typing import Protocol, TypeVar
+from typing import Protocol, SupportsIndex, TypeVar
 
 from ..bus.bus import Bus
 from ..bus.topic import NoCopyPublisher
@@ -17,6 +17,8 @@ from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import String
 from ..nodes.map_server import MapServer
+from ..quoting import quoted
+from .arguments import check_numbers
 from .robots import SimulatedRobot
 
 F = TypeVar("F", bound="Fault")
@@ -68,10 +70,13 @@ class Fault(Handle, ABC):
 
     Raises:
         ValueError: `start` is negative or not finite, or `end` is not after `start`.
-        TypeError: The seed is not a whole number.
+        TypeError: A time is not a number, or the seed is not an integer.
     """
 
     def __init__(self, *, start: float = 0.0, end: float = math.inf, seed: int = 0) -> None:
+        check_numbers(start=start, end=end)
+        if not isinstance(seed, SupportsIndex):
+            raise TypeError(f"seed must be an integer, got {quoted(seed)}")
         if not (0.0 <= start < math.inf and start < end):
             raise ValueError(f"a fault must start at 0 s or later and end after that, got start {start} and end {end}")
         self.start, self.end, self.seed = start, end, index(seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -94,6 +95,15 @@ class RobotsSnapshot:
     listener: Handles | None
 
 
+def _check_name(name: object) -> None:
+    """Checks that a robot's name is valid in the names of its topics."""
+    needed = "a robot's name must consist of letters, digits and _, and not begin with a digit"
+    if not isinstance(name, str):
+        raise TypeError(f"{needed}, got {quoted(name)}")
+    if not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
+        raise ValueError(f"{needed}, got {quoted(name)}")
+
+
 class Robots(Handle):
     """The robots of one simulation, by name and in the order in which they were added.
 
@@ -141,11 +151,16 @@ class Robots(Handle):
         if name is None:
             return self.first
         if name not in self._robots:
-            raise ValueError(f"unknown robot {quoted(name)}; there are {', '.join(map(repr, self._robots))}")
+            known = f"there are {', '.join(self._robots)}" if self._robots else "there are none"
+            raise ValueError(
+                f"unknown robot {quoted(name)}; {'the only robot has no name' if '' in self._robots else known}"
+            )
         return self._robots[name]
 
     def add(self, name: str, start: PoseLike | None, parameters: Mapping[str, Any]) -> SimulatedRobot:
         """Adds a robot and starts its nodes, as described for `Simulation.add_robot`."""
+        if name != "":
+            _check_name(name)
         if name in self._robots or (self._robots and not name) or "" in self._robots:
             raise ValueError(
                 "each robot must have a name, different from all others, "

@@ -26,7 +26,7 @@ from ..parameters import LaserParameters, check_names, for_node
 from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
 from ..quoting import quoted
-from .arguments import to_nanoseconds, to_pose, to_velocity
+from .arguments import check_parameters, to_nanoseconds, to_pose, to_velocity
 from .fault import F, Fault, FaultList
 from .ground_truth import GroundTruth
 from .kept import Kept
@@ -74,7 +74,8 @@ class Simulation(Handle):
 
     Raises:
         ValueError: A parameter is unknown or out of range, or a start pose is inside a wall or another robot.
-        TypeError: The map is not an `OccupancyGrid`, or `robots` is not a mapping.
+        TypeError: The map is not an `OccupancyGrid`, `parameters` or `robots` is not a mapping, or a robot's name is not a
+            text.
 
     Warns:
         UserWarning: A start pose is off the map, where there is nothing to touch and nothing to see.
@@ -100,6 +101,7 @@ class Simulation(Handle):
     ) -> None:
         if not isinstance(grid, OccupancyGrid):
             raise TypeError(f"the map must be an OccupancyGrid, got {type(grid).__name__}")
+        check_parameters(parameters)
         starts = _starts(start, robots)
         values = {**DEFAULTS, **(parameters or {})}
         if seed is not None:
@@ -211,9 +213,11 @@ class Simulation(Handle):
             parameters: Parameters by name. They replace those of the simulation for this robot.
 
         Raises:
-            ValueError: The name is empty or taken, a parameter is unknown or out of range, or the start pose is inside a
-                wall, an obstacle or another robot.
+            TypeError: The name is not a text, or the parameters are not a mapping.
+            ValueError: The name is empty, taken or not valid in ROS, a parameter is unknown or out of range, or the start
+                pose is inside a wall, an obstacle or another robot.
         """
+        check_parameters(parameters)
         return self._robots.add(name, start, parameters or {})
 
     def add_obstacle(self, shape: Shape, trajectory: Trajectory, name: str | None = None) -> Obstacle:
@@ -226,11 +230,13 @@ class Simulation(Handle):
             name: Name of the obstacle, also in contact events. Default: its number, from 1.
 
         Raises:
-            TypeError: The shape is not a `Shape`.
+            TypeError: The shape is not a `Shape`, or the name is not a text.
             ValueError: The waypoints are empty, or their times do not increase.
         """
         if not isinstance(shape, Shape):
             raise TypeError(f"an obstacle's shape must be a Shape, got {type(shape).__name__}")
+        if not isinstance(name, str | None):
+            raise TypeError(f"an obstacle's name must be a text, got {quoted(name)}")
         obstacle = Obstacle(f"{self._world.placed + 1}" if name is None else name, shape, trajectory)
         self._world.place(obstacle)
         return obstacle
@@ -449,7 +455,12 @@ class Simulation(Handle):
         return self._topics.subscribe(topic, msg_type, callback)
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
-        """Ends a subscription. Its callback is no longer called."""
+        """Ends a subscription. Its callback is no longer called. Has no effect on one that has ended.
+
+        Raises:
+            TypeError: It is not a subscription.
+            ValueError: It is a subscription of a node or of another simulation.
+        """
         self._topics.unsubscribe(subscription)
 
     def latest(self, topic: str) -> Any:
@@ -488,19 +499,30 @@ class Simulation(Handle):
             **kwargs: Keyword arguments of the class.
 
         Raises:
-            TypeError: The class is not callable.
+            TypeError: The class is not callable, or creates no node.
         """
         if not callable(node_type):
             raise TypeError(
                 f"spawn needs a class derived from bus.Node, or a function that creates one, got {quoted(node_type)}"
             )
+        check_parameters(parameters)
+        count = len(self._bus.nodes)
         with spawn_context(self._bus, namespace, parameters or {}):
-            return node_type(*args, **kwargs)
+            node = node_type(*args, **kwargs)
+        if not isinstance(node, BusNode) and len(self._bus.nodes) == count:
+            raise TypeError(
+                f"spawn needs a class derived from bus.Node, or a function that creates one, "
+                f"got {quoted(node_type)}, which created none"
+            )
+        return node
 
     def record(self, tap: Tap) -> None:
         """Calls `tap(topic, message, time_ns)` for every message that is published, and now for each latched message.
 
         `time_ns` is the simulated time at which the message was sent [ns]. The tap must not change the messages.
+
+        Raises:
+            TypeError: The tap is not callable.
         """
         self._topics.record(tap)
 

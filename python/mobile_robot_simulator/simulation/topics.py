@@ -8,6 +8,7 @@ from typing import Any
 from ..bus.bus import Bus, Tap
 from ..bus.node import BusNode
 from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
+from ..handle import check_callback
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.interface import M, QoS
@@ -64,8 +65,11 @@ class Topics:
         return self._node.create_subscription(msg_type, name, callback)
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
-        """Ends a subscription."""
-        self._node.destroy_subscription(subscription)
+        """Ends a subscription, as described for `Simulation.unsubscribe`."""
+        if not isinstance(subscription, BusSubscription):
+            raise TypeError(f"the subscription must be one that subscribe returned, got {quoted(subscription)}")
+        if not self._node.destroy_subscription(subscription) and subscription.active:
+            raise ValueError(f"the subscription to {subscription.topic.name} must be one of this simulation's subscribe")
 
     def latest(self, name: str) -> Message | None:
         """Returns the last message of a topic, as described for `Simulation.latest`."""
@@ -73,12 +77,15 @@ class Topics:
 
     def record(self, tap: Tap) -> None:
         """Passes all messages to a tap, as described for `Simulation.record`."""
+        check_callback(tap)
         for topic, message, time_ns in self._bus.latched():
             tap(topic, message, time_ns)
         self._bus.taps.append(tap)
 
     def stop_recording(self, tap: Tap) -> None:
-        """Removes a tap."""
+        """Removes a tap, as described for `Simulation.stop_recording`."""
+        if tap not in self._bus.taps:
+            raise ValueError(f"the tap must be one that is recording, got {quoted(tap)}")
         self._bus.taps.remove(tap)
 
     def forget_publishers(self) -> None:

@@ -46,7 +46,7 @@ def test_a_fault_can_be_added_only_once(sim):
 
 @pytest.mark.parametrize("seed", [None, "1", 1.0])
 def test_a_seed_must_be_a_whole_number(seed):
-    with pytest.raises(TypeError, match="interpreted as an integer"):
+    with pytest.raises(TypeError, match="seed must be an integer, got"):
         faults.Drop("/odom", seed=seed)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from operator import index
+from typing import SupportsFloat, SupportsIndex
 
 from ..._core import OccupancyGrid
 from ...quoting import nearest, quoted
@@ -57,11 +58,14 @@ def floor_plan(
     Raises:
         ValueError: The kind is unknown, the seed is negative, the size or the resolution is out of range, or the plan would
             have more than 100 million cells.
+        TypeError: The seed is not an integer, or the resolution is not a number.
     """
     if kind not in _DRAW:
         near = nearest(kind, KINDS)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {quoted(kind)}{hint}")
+    if not isinstance(seed, SupportsIndex):
+        raise TypeError(f"seed must be an integer, got {quoted(seed)}")
     if index(seed) < 0:
         raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
     try:
@@ -70,6 +74,8 @@ def floor_plan(
         raise ValueError(f"size must be two numbers (width, height) [m], got {quoted(size)}") from None
     if not all(_MIN_SIDE <= side < math.inf for side in (width, height)):
         raise ValueError(f"size must be at least {_MIN_SIDE} x {_MIN_SIDE} m, got {width} x {height}")
+    if not isinstance(resolution, SupportsFloat):
+        raise TypeError(f"resolution must be a number [m], got {quoted(resolution)}")
     if not 0.0 < resolution <= _MAX_RESOLUTION:
         raise ValueError(f"resolution must be above 0 and at most {_MAX_RESOLUTION} m, got {quoted(resolution)}")
     if (width / resolution) * (height / resolution) > _MAX_CELLS:
