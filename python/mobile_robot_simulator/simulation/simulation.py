@@ -444,12 +444,13 @@ class Simulation(Handle):
         """Calls a function with every message on a topic from now on.
 
         Args:
-            topic: Name of the topic. If there is none yet, a node can start to publish on it later.
+            topic: Name of the topic. If there is none yet, a node can start to publish on it later. If there is one of a
+                similar name, the first subscription logs a warning, because the name may be a misspelling.
             msg_type: Type of its messages.
             callback: Function that takes the message. It can publish, create timers and call services.
 
         Raises:
-            ValueError: There is no such topic, but one of a similar name, so that it may be a misspelling.
+            ValueError: The name is empty.
             TypeError: The topic carries messages of another type, or the callback is not callable.
         """
         return self._topics.subscribe(topic, msg_type, callback)

@@ -35,7 +35,7 @@ def find_topic(bus: Bus, name: str) -> BusTopic:
 
 
 class Topics:
-    """The topics of one simulation. Only `subscribe` creates a topic, and none whose name is near that of another.
+    """The topics of one simulation. Only `subscribe` creates a topic.
 
     Args:
         bus: The bus of the simulation.
@@ -60,9 +60,12 @@ class Topics:
 
     def subscribe(self, name: str, msg_type: type[M], callback: Callable[[M], None]) -> BusSubscription[M]:
         """Subscribes a callback, as described for `Simulation.subscribe`."""
-        if self._bus.find_topic(name) is None and nearest(absolute(name), self._bus.topic_names()):
-            find_topic(self._bus, name)
-        return self._node.create_subscription(msg_type, name, callback)
+        is_new, near = self._bus.find_topic(name) is None, nearest(absolute(name), self._bus.topic_names())
+        subscription = self._node.create_subscription(msg_type, name, callback)
+        if is_new and near:
+            # Not an error: /scan2 beside /scan may get its publisher later.
+            self._node.get_logger().warning(f"nobody publishes on {absolute(name)} yet; did you mean {near[0]}?")
+        return subscription
 
     def unsubscribe(self, subscription: BusSubscription[Any]) -> None:
         """Ends a subscription, as described for `Simulation.unsubscribe`."""

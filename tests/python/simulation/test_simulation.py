@@ -218,11 +218,6 @@ def test_a_request_can_be_changed_after_the_call(room: mrs.OccupancyGrid) -> Non
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (
-            lambda sim: sim.subscribe("/scam", mrs.messages.LaserScan, print),
-            ValueError,
-            "unknown topic '/scam'; did you mean /scan",
-        ),
         (lambda sim: sim.publish("/cmd_vle", twist()), ValueError, "unknown topic '/cmd_vle'; did you mean /cmd_vel"),
         (lambda sim: sim.latest("/odometry"), ValueError, "unknown topic '/odometry'"),
         (lambda sim: sim.latest(""), ValueError, "must have a name"),

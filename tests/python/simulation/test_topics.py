@@ -1,4 +1,4 @@
-"""Topics of a simulation: publishing, subscribing and reading, with misspelled names refused."""
+"""Topics of a simulation: publishing, subscribing and reading, and what happens with misspelled names."""
 
 from __future__ import annotations
 
@@ -64,6 +64,19 @@ def test_a_topic_can_be_subscribed_before_there_is_a_publisher(sim: mrs.Simulati
     sim.create_node("planner").create_publisher(messages.String, "plan").publish(messages.String("left"))
     sim.run_for(0.1)
     assert seen == ["left"] and sim.latest("/plan").data == "left"
+
+
+def test_a_new_name_near_a_known_one_is_subscribed_with_one_warning(
+    sim: mrs.Simulation, caplog: pytest.LogCaptureFixture
+) -> None:
+    seen: list[Any] = []
+    for _ in range(2):
+        sim.subscribe("scan2", messages.LaserScan, seen.append)
+    assert caplog.messages == ["nobody publishes on /scan2 yet; did you mean /scan?"]
+    sim.create_node("second").create_publisher(messages.LaserScan, "/scan2").publish(messages.LaserScan())
+    sim.subscribe("/plan", messages.String, print)
+    sim.run_for(0.0)
+    assert len(seen) == 2 and len(caplog.messages) == 1
 
 
 def test_a_name_that_is_no_text_is_refused(sim: mrs.Simulation) -> None:
