@@ -100,11 +100,12 @@ def check_fields(message: Message) -> None:
 
     Raises:
         TypeError: A field holds something else. The text names the field.
+        ValueError: An array has more than one dimension, or a covariance has not 36 numbers.
     """
     for name, kind in _field_kinds(type(message)).items():  # type: ignore[arg-type]
         value, where = getattr(message, name), f"{type(message).__name__}.{name}"
         if kind is np.ndarray:
-            _check_numbers(value, where)
+            _check_numbers(value, where, _length(type(message), name))  # type: ignore[arg-type]
         elif get_origin(kind) is list:
             (item_kind,) = get_args(kind)
             _need(isinstance(value, (list, tuple)), where, f"a list of {item_kind.__name__}", value)
@@ -117,14 +118,18 @@ def check_fields(message: Message) -> None:
                 check_fields(value)
 
 
-def _check_numbers(value: object, where: str) -> None:
+def _check_numbers(value: object, where: str, length: int) -> None:
     if isinstance(value, np.ndarray):
         _need(value.dtype.kind in "iuf", where, "an array of numbers", value)
+        if value.ndim != 1:
+            raise ValueError(f"{where} must be an array of one dimension, got shape {value.shape}")
     elif isinstance(value, (list, tuple)):
         for index, item in enumerate(value):
             _need(isinstance(item, Real), f"{where}[{index}]", "a number", item)
     else:
-        _need(False, where, "an array of numbers", value)
+        raise TypeError(f"{where} must be an array of numbers, got {quoted(value)}")
+    if length and len(value) != length:
+        raise ValueError(f"{where} must be {length} numbers, got {len(value)}")
 
 
 def _need(is_met: bool, where: str, needed: str, value: object) -> None:
@@ -151,6 +156,12 @@ def _field_kinds(kind: type[Message]) -> dict[str, Any]:
 
 def _is_message(kind: object) -> bool:
     return isinstance(kind, type) and issubclass(kind, Message)
+
+
+@cache
+def _length(kind: type[Message], name: str) -> int:
+    """Returns the length of an array whose length is fixed in ROS, such as a covariance, and 0 for all other arrays."""
+    return len(getattr(kind(), name))
 
 
 @cache

@@ -148,6 +148,7 @@ class BusPublisher(Handle, Generic[M]):
 
         Raises:
             TypeError: The topic carries messages of another type, or a field of the message holds a value of a wrong type.
+            ValueError: An array in the message has a length that ROS does not allow.
         """
         if not isinstance(message, self.topic.msg_type):
             raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")

@@ -435,8 +435,8 @@ class Simulation(Handle):
         """Publishes a copy of a message. Subscribers receive it when the simulation runs.
 
         Raises:
-            ValueError: The topic does not exist.
-            TypeError: The topic carries messages of another type.
+            ValueError: The topic does not exist, or an array in the message has a length that ROS does not allow.
+            TypeError: The topic carries messages of another type, or a field of the message holds a value of a wrong type.
         """
         self._topics.publish(topic, message)
 

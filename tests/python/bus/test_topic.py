@@ -72,6 +72,33 @@ def test_items_of_lists_and_arrays_are_checked(bus: Bus, message: Any, words: st
     assert bus.topics()[0].latest is None
 
 
+@pytest.mark.parametrize("kind", [mrs.messages.PoseWithCovariance, mrs.messages.TwistWithCovariance])
+@pytest.mark.parametrize(
+    ("covariance", "words"),
+    [
+        (np.zeros(35), "must be 36 numbers, got 35"),
+        ([0.0] * 37, "must be 36 numbers, got 37"),
+        (np.zeros(0), "must be 36 numbers, got 0"),
+        (np.zeros((6, 6)), r"must be an array of one dimension, got shape \(6, 6\)"),
+    ],
+)
+def test_a_covariance_has_36_numbers(bus: Bus, kind: Any, covariance: Any, words: str) -> None:
+    publisher = BusNode(bus, "clerk").create_publisher(kind, "/a")
+    with pytest.raises(ValueError, match=f"{kind.__name__}.covariance {words}$"):
+        publisher.publish(kind(covariance=covariance))
+    assert bus.topics()[0].latest is None
+    publisher.publish(kind(covariance=[0.0] * 36))
+    assert bus.topics()[0].latest is not None
+
+
+def test_ranges_have_one_dimension_and_any_length(bus: Bus) -> None:
+    publisher = BusNode(bus, "clerk").create_publisher(mrs.messages.LaserScan, "/a")
+    with pytest.raises(ValueError, match=r"LaserScan.ranges must be an array of one dimension, got shape \(2, 3\)"):
+        publisher.publish(mrs.messages.LaserScan(ranges=np.zeros((2, 3), np.float32)))
+    publisher.publish(mrs.messages.LaserScan(ranges=np.zeros(3, np.float32)))
+    assert bus.topics()[0].latest is not None
+
+
 def test_numbers_that_are_not_finite_may_be_sent(bus: Bus) -> None:
     scan = mrs.messages.LaserScan(ranges=[np.nan, np.inf, 1], range_max=np.inf)  # type: ignore
     BusNode(bus, "clerk").create_publisher(mrs.messages.LaserScan, "/a").publish(scan)
