@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 from rosbags.highlevel import AnyReader
@@ -15,7 +15,7 @@ from mobile_robot_simulator.recording.recorder import Format, Recorder
 
 FORMATS: tuple[Format, ...] = ("mcap", "sqlite3", "bag")
 KINDS = sorted(
-    (kind for kind in ros.Message.__subclasses__() if "/msg/" in getattr(kind, "ros_type", "")),
+    (kind for kind in vars(ros).values() if "/msg/" in getattr(kind, "ros_type", "")),
     key=lambda kind: kind.ros_type,
 )
 SPECIAL = np.array([np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-45, 3.4e38, 1.1], np.float32)
@@ -31,10 +31,11 @@ def filled(kind: type[ros.Message], numbers: Iterator[int]) -> Any:
         elif isinstance(value, np.ndarray):
             value = np.arange(value.size or 5).astype(value.dtype) + value.dtype.type(next(numbers))
         elif isinstance(value, list):
-            value = [filled(ros.TransformStamped, numbers) for _ in range(3)]
+            (item_kind,) = get_args(get_type_hints(kind)[item.name])
+            value = [filled(item_kind, numbers) for _ in range(3)]
         else:
             number = next(numbers)
-            value = {str: f"frame_{number}", float: number + 0.5, int: number}[type(value)]
+            value = {str: f"frame_{number}", float: number + 0.5, int: number, bool: True}[type(value)]
         setattr(message, item.name, value)
     return message
 

@@ -17,6 +17,7 @@ from mobile_robot_simulator import messages
 # Fields of the ROS definitions, in the same order.
 FIELDS = {
     "Time": ("builtin_interfaces/msg/Time", "sec nanosec"),
+    "Duration": ("builtin_interfaces/msg/Duration", "sec nanosec"),
     "Header": ("std_msgs/msg/Header", "stamp frame_id"),
     "Vector3": ("geometry_msgs/msg/Vector3", "x y z"),
     "Point": ("geometry_msgs/msg/Point", "x y z"),
