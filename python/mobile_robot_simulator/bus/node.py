@@ -121,20 +121,29 @@ class BusNode(Handle):
 
     # --- topics, timers, services ---
 
-    def create_publisher(self, msg_type: type[M], topic: str, qos_profile: Any = QoS.DEFAULT, **_: Any) -> BusPublisher[M]:
+    def create_publisher(
+        self,
+        msg_type: type[M],
+        topic: str,
+        qos_profile: Any = QoS.DEFAULT,
+        *,
+        publisher_class: type[BusPublisher[Any]] | None = None,
+        **_: Any,
+    ) -> BusPublisher[M]:
         """Creates a publisher for a topic. Other keywords of rclpy are ignored.
 
         Args:
             msg_type: Message class.
             topic: Name of the topic.
             qos_profile: A `QoS`, or a QoS profile of rclpy. The bus only uses whether it is latched.
+            publisher_class: Class of the publisher. By default, that of the node.
 
         Raises:
             TypeError: The type is not a message class, or the existing topic has another type.
             ValueError: The name is empty.
         """
         found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
-        publisher = self.publisher_class(self._bus.publish, found, _is_latched(qos_profile))
+        publisher = (publisher_class or self.publisher_class)(self._bus.publish, found, _is_latched(qos_profile))
         found.publishers = (*found.publishers, publisher)
         found.latched = found.latched or publisher.latched
         self._handles[publisher] = partial(self.destroy_publisher, publisher)

@@ -7,6 +7,8 @@ SERVICES = {
     "int8 ERROR_NONE=0\nint8 ERROR_REJECTED=1\nint8 ERROR_UNKNOWN_GOAL_ID=2\nint8 ERROR_GOAL_TERMINATED=3\n"
     "int8 return_code\naction_msgs/GoalInfo[] goals_canceling",
     "example_interfaces/srv/AddTwoInts": "int64 a\nint64 b\n---\nint64 sum",
+    "lifecycle_msgs/srv/ChangeState": "lifecycle_msgs/Transition transition\n---\nbool success",
+    "lifecycle_msgs/srv/GetState": "---\nlifecycle_msgs/State current_state",
     "nav_msgs/srv/GetPlan": "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance\n---\n"
     "nav_msgs/Path plan",
     "std_srvs/srv/Empty": "---",

@@ -18,6 +18,7 @@ from .action_client import ActionClient, ClientGoalHandle
 from .action_server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from .executors import SPINS, Executor, ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from .filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, Subscriber, TimeSynchronizer
+from .lifecycle import LIFECYCLE
 from .rclpy_qos import qos_contents
 from .ros_messages import generated_packages
 from .tf2 import (
@@ -123,6 +124,8 @@ RCLPY: dict[str, dict[str, object]] = {
     "rclpy.executors": {
         kind.__name__: kind for kind in (Executor, SingleThreadedExecutor, MultiThreadedExecutor, ExternalShutdownException)
     },
+    "rclpy.lifecycle": LIFECYCLE,
+    "rclpy.lifecycle.node": LIFECYCLE,
     "rclpy.logging": {"get_logger": _get_logger},
     "rclpy.node": {"Node": node.Node},
     "rclpy.parameter": {"Parameter": parameter.Parameter},

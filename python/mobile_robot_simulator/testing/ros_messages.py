@@ -140,7 +140,7 @@ def _parsed(ros_type: str, text: str) -> Any:
 
 
 def message_class(ros_type: str) -> Any:
-    """Returns the class of a message.
+    """Returns the class of a message or of a common service.
 
     Raises:
         ValueError: The type has no definition.

@@ -118,5 +118,5 @@ def test_an_import_of_something_missing_names_what_there_is():
             from geometry_msgs.msg import PoseStampd  # noqa: F401
         with pytest.raises(ImportError, match=r"nav_msgs\.srv has no Xyzzy; there are GetMap, GetPlan"):
             from nav_msgs.srv import Xyzzy  # noqa: F401
-        with pytest.raises(ModuleNotFoundError, match=r"no module rclpy\.lifecycle; there are rclpy\.action"):
-            import rclpy.lifecycle  # noqa: F401
+        with pytest.raises(ModuleNotFoundError, match=r"no module rclpy\.lifecycles; there are rclpy\.action"):
+            import rclpy.lifecycles  # noqa: F401

@@ -119,3 +119,17 @@ def test_an_action_gives_feedback_a_result_and_can_be_canceled(nodes):
     client.send_goal(0)
     sim.run_for(0.1)
     assert not client.accepted
+
+
+def test_a_lifecycle_node_talks_only_while_it_is_active(nodes):
+    sim = small_room()
+    node = sim.spawn(nodes("lifecycle_talker").LifecycleTalker)
+    heard = []
+    assert node.trigger_configure().name == "SUCCESS"
+    sim.subscribe("/lifecycle_chatter", node._pub.topic.msg_type, lambda message: heard.append(message.data))
+    sim.run_for(2.5)
+    assert heard == [] and node.trigger_activate().name == "SUCCESS"
+    sim.run_for(1.0)
+    assert heard == ["Lifecycle HelloWorld #3"] and node.trigger_deactivate().name == "SUCCESS"
+    sim.run_for(2.0)
+    assert len(heard) == 1 and [node.trigger_cleanup().name, node.trigger_shutdown().name] == ["SUCCESS"] * 2
