@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -149,10 +150,14 @@ class Parameters(BaseModel):
         """
         return type(self).checked({**self.model_dump(), **values})
 
-    def frame(self, parameter: str) -> str:
-        """Returns the full name of a frame: the value of a parameter such as `base_link_frame`, after `frame_prefix`."""
-        prefix, name = getattr(self, "frame_prefix", ""), getattr(self, parameter)
-        return f"{prefix}{name.lstrip('/')}" if prefix else name
+    @cached_property
+    def frames(self) -> Mapping[str, str]:
+        """Full name of each frame: the value of a parameter such as `base_link_frame`, after `frame_prefix`.
+
+        Computed once, because the nodes need frames for each message. It has an entry for every parameter that is a text.
+        """
+        prefix, texts = getattr(self, "frame_prefix", ""), {name: value for name, value in self if isinstance(value, str)}
+        return {name: f"{prefix}{text.lstrip('/')}" if prefix else text for name, text in texts.items()}
 
 
 FRAME_PREFIX: Any = Field("", description="prefix of all frames except the map's, such as robot1/")

@@ -19,7 +19,7 @@ def test_topics_and_frames_are_prefixed_whether_they_are_given_or_not():
         f"/one/{RobotParameters().velocity_topic.lstrip('/')}",
         f"/one/{RobotParameters().odometry_topic.lstrip('/')}",
     )
-    assert (robot.frame("base_link_frame"), robot.frame("odom_frame_id")) == ("one/base", "one/odom")
+    assert (robot.frames["base_link_frame"], robot.frames["odom_frame_id"]) == ("one/base", "one/odom")
 
 
 def test_seeds_depend_on_the_given_seed_and_the_name_only():

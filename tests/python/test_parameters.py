@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from typing import Any
 
 import numpy as np
@@ -239,3 +240,11 @@ def test_a_mount_can_be_an_array() -> None:
 def test_a_name_that_is_no_text_is_unknown() -> None:
     with pytest.raises(ValueError, match=r"^unknown parameter 3; known parameters: acceleration_limits"):
         check_names([3])  # type: ignore[list-item]
+
+
+def test_frames_have_the_prefix_and_are_no_values() -> None:
+    parameters, unused = (RobotParameters(frame_prefix="one/", base_link_frame="/base") for _ in range(2))
+    assert parameters.frames["base_link_frame"] == "one/base"
+    assert parameters == unused == pickle.loads(pickle.dumps(parameters))
+    assert parameters.model_dump() == unused.model_dump() and repr(parameters) == repr(unused)
+    assert parameters.changed({"frame_prefix": ""}).frames["base_link_frame"] == "/base"

@@ -227,8 +227,8 @@ class LaserScannerSimulator(Handle):
             static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
             handles.add(node.destroy_publisher, static)
             transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
-            header = Header(Time.from_nanoseconds(self._now_ns()), parameters.frame("base_link_frame"))
-            static.publish(TFMessage([TransformStamped(header, parameters.frame("laser_frame_id"), transform)]))
+            header = Header(Time.from_nanoseconds(self._now_ns()), parameters.frames["base_link_frame"])
+            static.publish(TFMessage([TransformStamped(header, parameters.frames["laser_frame_id"], transform)]))
 
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to the ground truth, transforms and odometry, as far as they are needed."""
@@ -260,7 +260,7 @@ class LaserScannerSimulator(Handle):
             if self._parameters.pose_source == "truth" and self._truth.has_heard:
                 missing["the robot's pose"] = self._truth.explain_missing(now_ns)
             else:
-                base, target = self._parameters.frame("base_link_frame"), self._parameters.map_frame_id
+                base, target = self._parameters.frames["base_link_frame"], self._parameters.map_frame_id
                 reason = self._transforms.explain_missing(target, base, now_ns)
                 missing["the robot's pose"] = f"the transform from {base} to {target}, {reason}"
         return missing
@@ -274,18 +274,18 @@ class LaserScannerSimulator(Handle):
     def _publish_scan(self) -> None:
         """Measures and publishes a scan, if the map and the pose are known."""
         assert self._scans is not None
-        now_ns, parameters = self._now_ns(), self._parameters
+        now_ns, parameters, grid = self._now_ns(), self._parameters, self._maps.grid
         map_from_base = self._base_pose(now_ns)
-        if self._maps.grid is None or map_from_base is None:
+        if grid is None or map_from_base is None:
             return
         self._update_mount(now_ns)
         scanner = self._scanner
-        ranges = self._measure(self._maps.grid, map_from_base)
+        ranges = self._measure(grid, map_from_base)
         if self._carrier is not None:
             self._carrier.publish_transforms()
         self._scans.publish(
             LaserScan(
-                Header(Time.from_nanoseconds(now_ns), parameters.frame("laser_frame_id")),
+                Header(Time.from_nanoseconds(now_ns), parameters.frames["laser_frame_id"]),
                 angle_min=scanner.angle_min,
                 angle_max=scanner.angle_max,
                 angle_increment=scanner.angle_increment,
@@ -305,11 +305,11 @@ class LaserScannerSimulator(Handle):
                 return self._carrier.pose
             if self._truth.has_heard:
                 return self._truth.pose(now_ns)
-        return self._transforms.lookup_or_root(parameters.map_frame_id, parameters.frame("base_link_frame"), now_ns)
+        return self._transforms.lookup_or_root(parameters.map_frame_id, parameters.frames["base_link_frame"], now_ns)
 
     def _update_mount(self, now_ns: int) -> None:
         """Sets the mount to the one in tf. Keeps the current mount if tf has none."""
-        base, frame = self._parameters.frame("base_link_frame"), self._parameters.frame("laser_frame_id")
+        base, frame = self._parameters.frames["base_link_frame"], self._parameters.frames["laser_frame_id"]
         mount = self._transforms.lookup(base, frame, now_ns) if frame != base else None
         if mount is not None and mount != self._scanner.mount:
             self._scanner = self._parameters.scanner(mount)

@@ -104,7 +104,7 @@ class RobotSnapshot:
         slip_share: Share of the commanded motion that is lost, see `MobileRobotSimulator.slip`.
         drift: Noise and seed of the last call of `MobileRobotSimulator.drift`.
         believed_pose: Pose that the odometry last reported, in the odometry frame.
-        transforms_stamp: Stamp of the last transforms, None before the first ones.
+        transforms_ns: Stamp of the last transforms [ns], None before the first ones.
         motion: The motion and its saved state.
         odometer: The odometer and its saved state.
         maps: State of the map listener, with the map.
@@ -118,7 +118,7 @@ class RobotSnapshot:
     slip_share: float | None
     drift: tuple[MotionNoise | None, int]
     believed_pose: Pose
-    transforms_stamp: Time | None
+    transforms_ns: int | None
     motion: tuple[Motion, MotionSnapshot]
     odometer: tuple[Odometer, OdometerSnapshot]
     maps: MapListenerSnapshot
@@ -185,7 +185,7 @@ class MobileRobotSimulator(Handle):
         self._start_pose = start_pose
         self._running: Handles | None = None
         self._publishers: RobotPublishers | None = None
-        self._transforms_stamp: Time | None = None
+        self._transforms_ns: int | None = None
         self._footprint = self._parameters.shape
         self._slip_share: float | None = None
         self._drift: tuple[MotionNoise | None, int] = (None, 0)
@@ -361,10 +361,11 @@ class MobileRobotSimulator(Handle):
 
         A scanner calls this before it publishes a scan. So each scan has a transform at its stamp, at any rate.
         """
-        if self._running is not None:
+        stamp_ns = self._stamp_ns()
+        if self._running is not None and stamp_ns != self._transforms_ns:
             now_ns = self._world.now_ns()
             odom_from_base = self._odometer.pose_at(self._motion.wheel_pose(now_ns).wrapped())
-            self._send_transforms(now_ns, self._stamp(), odom_from_base)
+            self._send_transforms(now_ns, self._odometry_header(stamp_ns), odom_from_base)
 
     def save(self) -> RobotSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
@@ -376,7 +377,7 @@ class MobileRobotSimulator(Handle):
             slip_share=self._slip_share,
             drift=self._drift,
             believed_pose=self._believed_pose,
-            transforms_stamp=self._transforms_stamp,
+            transforms_ns=self._transforms_ns,
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
             maps=self._maps.save(),
@@ -387,7 +388,7 @@ class MobileRobotSimulator(Handle):
         """Puts the robot back into a saved state."""
         self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
         self._footprint, self._slip_share, self._drift = state.footprint, state.slip_share, state.drift
-        self._believed_pose, self._transforms_stamp = state.believed_pose, state.transforms_stamp
+        self._believed_pose, self._transforms_ns = state.believed_pose, state.transforms_ns
         self._motion, motion_state = state.motion
         self._motion.restore(motion_state)
         self._odometer, odometer_state = state.odometer
@@ -545,18 +546,19 @@ class MobileRobotSimulator(Handle):
     def _publish(self) -> None:
         """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
         assert self._publishers is not None
-        now_ns, stamp = self._world.now_ns(), self._stamp()
+        now_ns, stamp_ns = self._world.now_ns(), self._stamp_ns()
+        header = self._odometry_header(stamp_ns)
         if self._parameters.clock_rate == 0.0:
-            self._send_clock(stamp)
+            self._send_clock(header.stamp)
         reading = self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
         self._believed_pose = reading.pose
-        odometry = self._odometry_message(now_ns, stamp, reading)
-        self._publishers.odometry.publish(odometry)
-        self._send_transforms(now_ns, stamp, reading.pose)
+        self._publishers.odometry.publish(self._odometry_message(now_ns, header, reading))
+        if stamp_ns != self._transforms_ns:
+            self._send_transforms(now_ns, header, reading.pose)
         if self._publishers.contacts is not None or self._publishers.stalled is not None:
-            self._publish_contacts(now_ns, stamp)
+            self._publish_contacts(now_ns, header.stamp)
         if self._publishers.truth is not None:
-            self._publishers.truth.publish(self._truth_message(now_ns, stamp))
+            self._publishers.truth.publish(self._truth_message(now_ns, header.stamp))
 
     def _publish_contacts(self, now_ns: int, stamp: Time) -> None:
         """Publishes the contacts that have begun since the last call, and a change of whether the robot is stalled."""
@@ -574,11 +576,14 @@ class MobileRobotSimulator(Handle):
             self._is_stalled = self._motion.is_blocked
             self._publishers.stalled.publish(messages.Bool(self._is_stalled))
 
-    def _odometry_message(self, now_ns: int, stamp: Time, reading: OdometerReading) -> Odometry:
+    def _odometry_header(self, stamp_ns: int) -> Header:
+        return Header(Time.from_nanoseconds(stamp_ns), self._parameters.frames["odom_frame_id"])
+
+    def _odometry_message(self, now_ns: int, header: Header, reading: OdometerReading) -> Odometry:
         vx, vy, wz = self._motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist
         return Odometry(
-            Header(stamp, self._parameters.frame("odom_frame_id")),
-            self._parameters.frame("base_link_frame"),
+            header,
+            self._parameters.frames["base_link_frame"],
             PoseWithCovariance(messages.Pose.from_planar(reading.pose), reading.covariance),
             TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), reading.twist_covariance),
         )
@@ -587,28 +592,34 @@ class MobileRobotSimulator(Handle):
         vx, vy, wz = self._motion.velocity(now_ns)
         return Odometry(
             Header(stamp, self._parameters.map_frame_id),
-            self._parameters.frame("base_link_frame"),
+            self._parameters.frames["base_link_frame"],
             PoseWithCovariance(messages.Pose.from_planar(self._motion.map_pose(now_ns)), PLANAR_COVARIANCE),
             TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
         )
 
-    def _send_transforms(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> None:
-        """Publishes the transforms, unless they have been published at this stamp. tf2 warns about repeated stamps."""
-        if self._publishers is not None and stamp != self._transforms_stamp:
-            self._transforms_stamp = stamp
-            self._publishers.transforms.publish(TFMessage(self._transform_messages(now_ns, stamp, odom_from_base)))
+    def _send_transforms(self, now_ns: int, header: Header, odom_from_base: Pose) -> None:
+        """Publishes odom -> base_link, and map -> odom and the true pose if they are wanted.
 
-    def _transform_messages(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> list[TransformStamped]:
-        """Returns odom -> base_link, and map -> odom and the true pose if they are published."""
-        parameters = self._parameters
-        odom, base = parameters.frame("odom_frame_id"), parameters.frame("base_link_frame")
-        links = [(odom, base, odom_from_base)]
+        Must be called at most once for each stamp, because tf2 warns about repeated stamps.
+
+        Args:
+            now_ns: Simulated time [ns].
+            header: Header of the odometry at that time.
+            odom_from_base: Pose of the robot that the odometry reports.
+        """
+        assert self._publishers is not None
+        stamp, parameters = header.stamp, self._parameters
+        self._transforms_ns = stamp.nanoseconds
+        transforms: list[TransformStamped] = []
         if parameters.publish_map_transform:
-            links.insert(0, (parameters.map_frame_id, odom, self._map_from_odom(now_ns, odom_from_base)))
+            map_from_odom = self._map_from_odom(now_ns, odom_from_base)
+            transforms.append(_transform(Header(stamp, parameters.map_frame_id), header.frame_id, map_from_odom))
+        transforms.append(_transform(header, parameters.frames["base_link_frame"], odom_from_base))
         if parameters.ground_truth_frame:
-            truth = parameters.frame("ground_truth_frame")
-            links.append((parameters.map_frame_id, truth, self._motion.map_pose(now_ns)))
-        return [TransformStamped(Header(stamp, parent), child, Transform.from_planar(pose)) for parent, child, pose in links]
+            map_from_truth = self._motion.map_pose(now_ns)
+            truth = parameters.frames["ground_truth_frame"]
+            transforms.append(_transform(Header(stamp, parameters.map_frame_id), truth, map_from_truth))
+        self._publishers.transforms.publish(TFMessage(transforms))
 
     def _map_from_odom(self, now_ns: int, odom_from_base: Pose) -> Pose:
         """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
@@ -618,11 +629,15 @@ class MobileRobotSimulator(Handle):
         return motion.map_from_own
 
     def _publish_clock(self) -> None:
-        self._send_clock(self._stamp())
+        self._send_clock(Time.from_nanoseconds(self._stamp_ns()))
 
     def _send_clock(self, stamp: Time) -> None:
         if self._publishers is not None and self._publishers.clock is not None:
             self._publishers.clock.publish(Clock(stamp))
 
-    def _stamp(self) -> Time:
-        return Time.from_nanoseconds(self._node.get_clock().now().nanoseconds)
+    def _stamp_ns(self) -> int:
+        return self._node.get_clock().now().nanoseconds
+
+
+def _transform(header: Header, child: str, pose: Pose) -> TransformStamped:
+    return TransformStamped(header, child, Transform.from_planar(pose))
