@@ -439,10 +439,12 @@ class Bus(Handle):
             action()
 
     def _send(self, publisher: BusPublisher[Any], message: Message) -> None:
-        topic = publisher.topic
-        topic.note(publisher, message, self.time_ns)
+        topic, time_ns = publisher.topic, self.time_ns
+        topic.latest, topic.latest_ns = message, time_ns
+        if publisher.latched:
+            topic.keep(publisher, message, time_ns)
         for tap in self.taps:
-            tap(topic.name, message, self.time_ns)
+            tap(topic.name, message, time_ns)
         for subscription in topic.subscriptions:
             self._immediate.append((partial(subscription.deliver, message), self._chain_length + 1))
 

@@ -101,12 +101,10 @@ class BusTopic(Handle):
         self.publishers = tuple(other for other in self.publishers if other is not publisher)
         self.kept.pop(publisher, None)
 
-    def note(self, publisher: BusPublisher[Any], message: Message, time_ns: int) -> None:
-        """Notes that a publisher has sent a message at a simulated time [ns]."""
-        self.latest, self.latest_ns = message, time_ns
-        if publisher.latched:
-            self.kept.pop(publisher, None)
-            self.kept[publisher] = message, time_ns
+    def keep(self, publisher: BusPublisher[Any], message: Message, time_ns: int) -> None:
+        """Keeps a message for new subscriptions that a latched publisher has sent at a simulated time [ns]."""
+        self.kept.pop(publisher, None)
+        self.kept[publisher] = message, time_ns
 
     def save(self) -> TopicSnapshot:
         """Returns the state that `restore` takes."""
