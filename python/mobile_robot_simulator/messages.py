@@ -70,7 +70,7 @@ class Message:
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
             return NotImplemented
-        return all(_same(getattr(self, item.name), getattr(other, item.name)) for item in fields(self))
+        return all(_same(getattr(self, name), getattr(other, name)) for name in _field_names(type(self)))  # type: ignore[arg-type]
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -190,7 +190,8 @@ class Time(Message):
         Args:
             nanoseconds: Time since zero [ns].
         """
-        return cls(*divmod(nanoseconds, 1_000_000_000))
+        sec, nanosec = divmod(nanoseconds, 1_000_000_000)
+        return cls(sec, nanosec)
 
     @property
     def nanoseconds(self) -> int:
@@ -277,7 +278,7 @@ class Pose(Message):
             pose: The pose; height, roll and pitch of the message are 0.
         """
         z, w = pose.quaternion
-        return cls(Point(pose.x, pose.y), Quaternion(z=z, w=w))
+        return cls(Point(pose.x, pose.y), Quaternion(0.0, 0.0, z, w))
 
     def to_planar(self) -> PlanarPose:
         """Returns the pose in the plane; height, roll and pitch are ignored."""
@@ -300,7 +301,7 @@ class Transform(Message):
             pose: The transform; height, roll and pitch of the message are 0.
         """
         z, w = pose.quaternion
-        return cls(Vector3(pose.x, pose.y), Quaternion(z=z, w=w))
+        return cls(Vector3(pose.x, pose.y), Quaternion(0.0, 0.0, z, w))
 
     def to_planar(self) -> PlanarPose:
         """Returns the transform in the plane; height, roll and pitch are ignored."""
