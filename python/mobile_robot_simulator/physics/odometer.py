@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +34,8 @@ PLANAR_COVARIANCE = _spatial_covariance(np.zeros((3, 3)))
 """Covariance (36,) of exact odometry in the plane: x, y and yaw are exact; height, roll and pitch are not measured."""
 
 
-class OdometerReading(NamedTuple):
+@dataclass(slots=True)
+class OdometerReading:
     """What an odometer estimates. Covariances are (36,) float64, row-major, over (x, y, z, rot x, rot y, rot z)."""
 
     pose: Pose
@@ -101,7 +101,7 @@ class Odometer:
             time_ns: The time [ns].
 
         """
-        if self.is_exact:
+        if self._noise is None and self._reading.covariance is PLANAR_COVARIANCE:
             self._reading = OdometerReading(wheels, PLANAR_COVARIANCE, None, PLANAR_COVARIANCE)
         elif time_ns > self._time_ns:
             self._reading = self._estimate(wheels, (time_ns - self._time_ns) / NANOSECONDS)

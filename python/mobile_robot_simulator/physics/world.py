@@ -94,6 +94,8 @@ class World(Handle):
         """Number of calls of `changed`."""
         self._frozen: list[tuple[Body | Obstacle, Placed]] = []
         """Each obstacle and robot with the shape and pose that others can collide with during the current step."""
+        self._stepped: list[Body] = []
+        """Robots that advance in time steps."""
         self._index_of: dict[Body, int] = {}
         """Index of each robot in `_frozen`."""
         self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
@@ -239,8 +241,7 @@ class World(Handle):
         self.changed()
 
     def _step_to(self, now: int) -> None:
-        stepped = [body for body in self._bodies if body.motion.is_stepped]
-        if not stepped:
+        if not self._stepped:
             self._stepped_ns = now - now % STEP_NS
             return
         if self._stepping:  # The trajectory function of an obstacle reads the world during a step.
@@ -251,7 +252,7 @@ class World(Handle):
                 self._stepped_ns += STEP_NS - self._stepped_ns % STEP_NS
                 for index, obstacle in enumerate(self.obstacles):
                     self._frozen[index] = obstacle, (obstacle.shape, obstacle.pose(self._stepped_ns))
-                for body in stepped:
+                for body in self._stepped:
                     motion = body.motion
                     motion.step(self._stepped_ns)
                     if body in self._index_of:
@@ -262,6 +263,7 @@ class World(Handle):
             self._stepping = False
 
     def _freeze(self) -> None:
+        self._stepped = [body for body in self._bodies if body.motion.is_stepped]
         self._frozen = self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns))
         self._index_of = {other: index for index, (other, _) in enumerate(self._frozen) if not isinstance(other, Obstacle)}
 
