@@ -40,6 +40,14 @@ TRANSITIONS: Mapping[GoalStatus, Sequence[GoalStatus]] = {
 """States that can follow each state, as in the design of ROS 2 actions (https://design.ros2.org/articles/actions.html)."""
 
 
+MOST_USES = 10_000
+"""Number of times that a callback can use a goal at one simulated time, before it counts as an endless loop."""
+
+
+AWAIT = "define it with async def, and await a Future that a timer completes"
+"""What a callback can do instead of waiting, for error messages."""
+
+
 class GoalResponse(Enum):
     """What a `goal_callback` returns."""
 
@@ -68,6 +76,7 @@ class ServerGoalHandle(Handle):
         self._server, self.info, self.request = server, info, request
         self.status: int = GoalStatus.ACCEPTED
         self.result = Future()
+        self._used_ns, self._uses = -1, 0
 
     @property
     def goal_id(self) -> Any:
@@ -81,7 +90,12 @@ class ServerGoalHandle(Handle):
 
     @property
     def is_cancel_requested(self) -> bool:
-        """True if a request to cancel the goal was accepted."""
+        """True if a request to cancel the goal was accepted.
+
+        Raises:
+            RuntimeError: It was read in an endless loop.
+        """
+        self._count_use()
         return self.status == GoalStatus.CANCELING
 
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
@@ -102,7 +116,9 @@ class ServerGoalHandle(Handle):
 
         Raises:
             TypeError: It is not the action's `Feedback`.
+            RuntimeError: It was called in an endless loop.
         """
+        self._count_use()
         self._server.publish_feedback(self, feedback)
 
     def succeed(self) -> None:
@@ -128,6 +144,14 @@ class ServerGoalHandle(Handle):
             raise RuntimeError(f"a goal of {self._server.name} that is {current.name} cannot become {status.name}")
         self.status = status
         self._server.publish_status()
+
+    def _count_use(self) -> None:
+        now_ns = self._server.time_ns
+        self._uses = self._uses + 1 if now_ns == self._used_ns else 1
+        self._used_ns = now_ns
+        if self._uses > MOST_USES:
+            self._uses = 0
+            raise RuntimeError(f"a callback used a goal {MOST_USES} times while simulated time stands still: {AWAIT}")
 
 
 @dataclass(frozen=True)
@@ -188,6 +212,11 @@ class ActionServer(Handle):
         self._status = node.create_publisher(impl.GoalStatusMessage, f"{self.name}/_action/status", QoS.LATCHED)
         self._bus.nodes.append(self)
         node._handles[self] = self.destroy
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time [ns]."""
+        return self._bus.time_ns
 
     def register_execute_callback(self, execute_callback: Callable[[ServerGoalHandle], Any]) -> None:
         """Replaces the `execute_callback`."""
@@ -325,10 +354,7 @@ def _no_sleep(action: str) -> Iterator[None]:
     """Makes `time.sleep` raise an error in the block."""
 
     def refuse(_: float) -> NoReturn:
-        raise RuntimeError(
-            f"the execute_callback of {action} must not sleep, because simulated time stands still: define it with "
-            "async def, and await a Future that a timer completes"
-        )
+        raise RuntimeError(f"the execute_callback of {action} must not sleep, because simulated time stands still: {AWAIT}")
 
     with patch.object(time, "sleep", refuse):
         yield

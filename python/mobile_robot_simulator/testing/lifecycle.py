@@ -290,8 +290,8 @@ class LifecycleNode(ManagedEntity, Node):
 
     def _change_state(self, request: Any, response: Any) -> Any:
         asked = request.transition
-        known = {it.id: it.label for it in TRANSITIONS}
-        label = asked.label or known.get(asked.id, f"do transition {asked.id}")
+        known = {(it.id, it.start): it.label for it in TRANSITIONS}
+        label = asked.label or known.get((asked.id, self._state), f"do transition {asked.id}")
         response.success = self._trigger(label) is TransitionCallbackReturn.SUCCESS
         return response
 

@@ -213,6 +213,21 @@ def test_an_error_in_a_callback_aborts_the_goal_and_is_raised_by_the_run(sim, se
 
 
 @pytest.mark.parametrize(
+    "use", [lambda goal: goal.is_cancel_requested, lambda goal: goal.publish_feedback(Fibonacci.Feedback())]
+)
+def test_a_callback_that_waits_in_a_loop_ends_with_an_error(sim, serve, send, use):
+    def execute(goal):
+        while not use(goal):
+            pass
+
+    serve(execute)
+    with pytest.raises(
+        RuntimeError, match="used a goal 10000 times while simulated time stands still: define it with async"
+    ):
+        send()
+
+
+@pytest.mark.parametrize(
     ("execute", "error", "words"),
     [
         (

@@ -117,6 +117,7 @@ def test_a_callback_must_return_a_result(node, state):
         (Transition(id=Transition.TRANSITION_CONFIGURE), True),
         (Transition(label="configure"), True),
         (Transition(id=Transition.TRANSITION_ACTIVATE), False),
+        (Transition(id=Transition.TRANSITION_ACTIVE_SHUTDOWN), False),
         (Transition(id=99), False),
     ],
 )
