@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import Any, SupportsFloat
+from typing import Any, SupportsFloat, SupportsIndex
 
 from .. import messages
 from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
@@ -328,7 +328,14 @@ class MobileRobotSimulator(Handle):
         Args:
             noise: Noise of the odometry; None for that of the parameters.
             seed: Seed of the noise.
+
+        Raises:
+            TypeError: The noise or the seed has the wrong type. Nothing changes.
         """
+        if not isinstance(noise, MotionNoise | None):
+            raise TypeError(f"the noise must be a MotionNoise or None, got {quoted(noise)}")
+        if not isinstance(seed, SupportsIndex):
+            raise TypeError(f"the seed must be an integer, got {quoted(seed)}")
         now_ns, self._drift = self._world.now_ns(), (noise, seed)
         self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
         self._odometer.set_noise(*self._odometry_noise())

@@ -143,10 +143,13 @@ class World(Handle):
             ValueError: The obstacle is not in the world.
         """
         self.now_ns()
-        if obstacle not in self.obstacles:
-            raise ValueError(f"the obstacle must be in the world, got {obstacle!r}")
+        self._check_is_here(obstacle)
         self.obstacles.remove(obstacle)
         self.changed()
+
+    def _check_is_here(self, obstacle: Obstacle) -> None:
+        if obstacle not in self.obstacles:
+            raise ValueError(f"the obstacle must be in the world, got {quoted(obstacle)}")
 
     def obstacle(self, name: str) -> Obstacle:
         """Returns the obstacle with this name: the first, if there are several.
@@ -161,7 +164,12 @@ class World(Handle):
         raise ValueError(f"unknown obstacle {quoted(name)}; " + (f"there are {known}" if known else "there are none"))
 
     def move(self, obstacle: Obstacle, pose: Pose | None, velocity: Velocity | None) -> None:
-        """Moves an obstacle from now on; see `Obstacle.move`."""
+        """Moves an obstacle from now on; see `Obstacle.move`.
+
+        Raises:
+            ValueError: The obstacle is not in the world, or cannot be moved.
+        """
+        self._check_is_here(obstacle)
         obstacle.move(self.now_ns(), pose=pose, velocity=velocity)
         self.changed()
 

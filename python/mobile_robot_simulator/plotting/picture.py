@@ -76,8 +76,11 @@ class Picture(ABC):
 
         Raises:
             ValueError: The file has another ending.
+            TypeError: It is not a path.
             OSError: The folder does not exist or cannot be written.
         """
+        if not isinstance(file, (str, os.PathLike)):
+            raise TypeError(f"a picture's file must be a text or a Path, got {quoted(file)}")
         path = Path(file)
         suffix = path.suffix.lower()
         if suffix not in _METADATA:
