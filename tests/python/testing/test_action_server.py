@@ -227,6 +227,24 @@ def test_a_callback_that_waits_in_a_loop_ends_with_an_error(sim, serve, send, us
         send()
 
 
+def test_a_goal_can_be_used_any_number_of_times_while_time_passes(sim, serve, send):
+    ready = Future()
+
+    async def execute(goal):
+        used = [goal.is_cancel_requested for _ in range(9000)]
+        await ready
+        used += [goal.is_cancel_requested for _ in range(9000)]
+        goal.succeed()
+        return Fibonacci.Result(sequence=[len(used)])
+
+    serve(execute)
+    goal = send()
+    sim.run_for(1.0)
+    ready.set_result(None)
+    sim.run_for(1.0)
+    assert list(goal.got.result().result.sequence) == [18000]
+
+
 @pytest.mark.parametrize(
     ("execute", "error", "words"),
     [
