@@ -90,3 +90,15 @@ def test_an_obstacle_whose_trajectory_fails_is_not_added():
     sim.add_obstacle(mrs.Shape.disc(0.1), (15, 15, 0))
     sim.run_for(1.0)
     assert len(sim._world.obstacles) == 1
+
+
+def test_robots_that_get_a_footprint_one_after_another_touch_each_other():
+    sim = pair()
+    for name, each in sim.robots.items():
+        each.robot.set_parameters(robot_radius=0.25)
+        drive(sim, 1.0, topic=f"/{name}/cmd_vel")
+        sim.run_for(0.5)
+    sim.run_for(5.0)
+    first, second = sim.robots.values()
+    assert second.pose.x - first.pose.x == pytest.approx(0.5, abs=0.02)
+    assert first.pose.x == pytest.approx(7.0, abs=0.3) and second.truth.contacts
