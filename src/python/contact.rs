@@ -9,7 +9,7 @@ use super::grid::GridArgument;
 use super::number::Argument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
-use super::shape::Shape;
+use super::shape::FootprintArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::ContactMode;
 
@@ -125,11 +125,11 @@ impl Contact {
 pub fn touches(
     py: Python<'_>,
     grid: GridArgument<'_>,
-    footprint: &Bound<'_, Shape>,
+    footprint: FootprintArgument<'_>,
     pose: PoseArgument,
     obstacles: ObstaclesArgument,
 ) -> PyResult<bool> {
-    let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (grid, footprint) = (grid.get().core(), footprint.get());
     Ok(py.detach(|| crate::touches((&*grid, &obstacles.0), footprint, pose.0))?)
 }
 
@@ -164,12 +164,12 @@ pub fn touches(
 pub fn clearance(
     py: Python<'_>,
     grid: GridArgument<'_>,
-    footprint: &Bound<'_, Shape>,
+    footprint: FootprintArgument<'_>,
     pose: PoseArgument,
     limit: Argument<f64>,
     obstacles: ObstaclesArgument,
 ) -> PyResult<f64> {
-    let (grid, footprint, limit) = (grid.get().core(), &footprint.get().0, limit.named("limit")?);
+    let (grid, footprint, limit) = (grid.get().core(), footprint.get(), limit.named("limit")?);
     Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
 }
 
@@ -210,13 +210,13 @@ pub fn clearance(
 pub fn clearance_batch<'py>(
     py: Python<'py>,
     grid: GridArgument<'py>,
-    footprint: &Bound<'py, Shape>,
+    footprint: FootprintArgument<'py>,
     poses: &Bound<'py, PyAny>,
     limit: Argument<f64>,
     obstacles: ObstaclesArgument,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (grid, footprint) = (grid.get().core(), footprint.get());
     let (poses, limit, threads) = (rows("poses", poses, None)?, limit.named("limit")?, thread_count(threads)?);
     let poses: &[[f64; 3]] = &poses;
     fill(py, None, &[poses.len()], |distances| {
@@ -272,7 +272,7 @@ pub fn clearance_batch<'py>(
 pub fn advance(
     py: Python<'_>,
     grid: GridArgument<'_>,
-    footprint: &Bound<'_, Shape>,
+    footprint: FootprintArgument<'_>,
     pose: PoseArgument,
     twist: Argument<[f64; 3]>,
     dt: Argument<f64>,
@@ -285,7 +285,7 @@ pub fn advance(
         "report" => ContactMode::Report,
         other => return Err(PyValueError::new_err(format!("mode must be 'stop', 'slide' or 'report', got '{other}'"))),
     };
-    let (grid, footprint) = (grid.get().core(), &footprint.get().0);
+    let (grid, footprint) = (grid.get().core(), footprint.get());
     let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
     let step = py.detach(|| crate::advance((&*grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
     Ok((Pose(step.0), step.1.map(Contact)))

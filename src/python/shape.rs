@@ -2,10 +2,11 @@
 
 use glam::DVec2;
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use super::arrays::points;
+use super::arrays::{points, type_name};
 use super::number::Argument;
 
 /// Outline of a robot or an obstacle in its own frame: a disc around the origin, or a simple polygon.
@@ -120,5 +121,26 @@ impl Shape {
             Some(radius) => Ok((class.getattr("disc")?, PyTuple::new(py, [radius])?)),
             None => Ok((class.getattr("polygon")?, PyTuple::new(py, [self.points(py)])?)),
         }
+    }
+}
+
+/// A footprint argument: a `Shape`.
+pub struct FootprintArgument<'py>(Bound<'py, Shape>);
+
+impl FootprintArgument<'_> {
+    /// Returns the shape.
+    pub fn get(&self) -> &crate::Shape {
+        &self.0.get().0
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for FootprintArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        value.cast::<Shape>().map(|shape| Self(shape.to_owned())).map_err(|_| {
+            let hint = "; make one with Shape.disc, Shape.rectangle or Shape.polygon";
+            PyTypeError::new_err(format!("footprint must be a Shape, got {}{hint}", type_name(&value)))
+        })
     }
 }

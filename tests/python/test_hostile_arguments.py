@@ -258,6 +258,13 @@ def test_an_argument_that_is_no_number_is_named(name: str, parameter: str, kind:
         call(**given | {parameter: 10**400 if kind is float else (1.0,)})
 
 
+@pytest.mark.parametrize("name", [name for name, (_, parameters) in FUNCTIONS.items() if "footprint" in parameters])
+def test_a_footprint_that_is_no_shape_is_named(name: str) -> None:
+    call, parameters = FUNCTIONS[name]
+    with pytest.raises(TypeError, match=r"^footprint must be a Shape, got float; make one with Shape\.disc"):
+        call(**{other: good()[other] for other in parameters} | {"footprint": 0.3})
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_hostile_arguments_raise_no_other_error(name: str) -> None:
     call, parameters = FUNCTIONS[name]
