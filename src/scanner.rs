@@ -353,14 +353,17 @@ impl LaserScanner {
             count += 1;
         }
         debug_assert!(poses.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
-        let mut views = [const { None }; Fans::MAX];
-        if !obstacles.is_empty() {
-            for (view, map_from_base) in views.iter_mut().zip(poses) {
-                let seen = View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range)?;
-                *view = (!seen.is_empty()).then_some(seen);
-            }
+        // Views are large. Without obstacles, the array is neither filled nor moved.
+        let mut views = (!obstacles.is_empty()).then_some([const { None }; Fans::MAX]);
+        for (view, map_from_base) in views.iter_mut().flatten().zip(poses) {
+            let seen = View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range)?;
+            *view = (!seen.is_empty()).then_some(seen);
         }
-        let mut sinks = views.into_iter().zip(sinks).map(|(view, sink)| WithObstacles { view, cos, sin, sink });
+        let mut views = views.iter_mut().flatten();
+        let mut sinks = sinks.map(|sink| {
+            let view = views.next().and_then(Option::take);
+            WithObstacles { view, cos, sin, sink }
+        });
         let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
         caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 })
