@@ -8,7 +8,7 @@ from typing import Any
 
 from .parameters import NODES
 
-TOPICS = ("velocity_topic", "odometry_topic", "laser_topic")
+TOPICS = ("velocity_topic", "odometry_topic", "laser_topic", "ground_truth_topic", "contact_topic", "stalled_topic")
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
 
 SHARED = ("map_service", "map_topic")
@@ -41,7 +41,7 @@ def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
         for key, value in _given(values).items():
             parameter = key.rpartition(":")[2]
             if parameter in TOPICS:
-                own[key] = f"/{name}/{value.lstrip('/')}"
+                own[key] = value and f"/{name}/{value.lstrip('/')}"
             elif parameter in SHARED:
                 own[key] = value and f"/{value.lstrip('/')}"
     return own

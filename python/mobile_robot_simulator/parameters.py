@@ -260,6 +260,8 @@ class RobotParameters(Parameters):
         if self.robot_radius and self.footprint:
             given = f"got {self.robot_radius} and {quoted(self.footprint)}"
             raise ValueError(f"only one of robot_radius and footprint may be given, {given}")
+        if self.ground_truth_frame in (self.base_link_frame, self.odom_frame_id, self.map_frame_id):
+            raise ValueError(f"ground_truth_frame must be a frame of its own, got {quoted(self.ground_truth_frame)}")
         return self
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mobile_robot_simulator.namespaces import RADIUS, of_namespace
+from mobile_robot_simulator.namespaces import RADIUS, SHARED, TOPICS, of_namespace
 from mobile_robot_simulator.parameters import LaserParameters, RobotParameters, for_node
 
 
@@ -32,3 +32,8 @@ def test_a_robot_gets_an_outline_unless_it_has_one():
     assert of_namespace("one", {})["robot_radius"] == RADIUS
     assert of_namespace("one", {"robot_radius": 0.0})["robot_radius"] == 0.0
     assert "robot_radius" not in of_namespace("one", {"footprint": [[0, 0], [1, 0], [0, 1]]})
+
+
+def test_every_topic_is_either_a_robots_own_or_shared():
+    names = {name for model in (RobotParameters, LaserParameters) for name in model.model_fields}
+    assert {name for name in names if name.endswith(("_topic", "_service"))} == {*TOPICS, *SHARED}

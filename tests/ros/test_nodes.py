@@ -210,6 +210,35 @@ def test_a_command_moves_the_robot_as_the_closed_form_says(world: Any) -> None:
     assert tuple(odom_pose(still)) == pytest.approx(tuple(mrs.Pose().integrate((0.5, 0.0, 0.8), 2.0)), abs=1e-9)
 
 
+def test_poses_match_their_stamps_also_if_the_process_follows_its_own_clock(world: Any, map_file: Path) -> None:
+    if VERSION == "1":
+        world.rospy.set_param("/use_sim_time", True)
+    try:
+        follows = {} if VERSION == "1" else {"use_sim_time": True}
+        parameters = {"publish_rate": 40.0, "publish_clock": True, "velocity_timeout": 10.0, "cmd_vel_stamped": False}
+        world.start("all", map_file=map_file, **parameters, **follows)
+        truth = world.subscribe("/ground_truth", ODOM)
+        world.publisher("/cmd_vel", TWIST)(twist(0.5, 0.0))
+        truth.next(lambda it: it.pose.pose.position.x > 0.05)
+        start = len(truth)
+        truth.wait_for(20)
+        moved = np.diff([it.pose.pose.position.x for it in truth[start:]])
+        elapsed = np.diff([seconds(it.header.stamp) for it in truth[start:]])
+        assert moved == pytest.approx(0.5 * elapsed, abs=1e-6)
+    finally:
+        if VERSION == "1":
+            world.rospy.set_param("/use_sim_time", False)
+
+
+def test_a_topic_of_another_type_is_refused_and_nothing_ends(world: Any, map_file: Path) -> None:
+    process = world.start("all", map_file=map_file, **QUIET)
+    scan = world.subscribe("/scan", SCAN)
+    scan.wait_for(2)
+    assert not world.set_parameter(LASER, "laser_topic", "/odom")
+    scan.wait_for(5)
+    assert process.running
+
+
 def test_scans_equal_scan_batch_at_the_published_pose(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
     scan, tf = world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)

@@ -37,6 +37,7 @@ RESTART_PARAMETERS = (
     "laser_mount",
     "laser_frequency",
     "base_link_frame",
+    "map_frame_id",
     "frame_prefix",
     "pose_source",
     "ground_truth_topic",
@@ -179,7 +180,7 @@ class LaserScannerSimulator(Handle):
             self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             scanning = self._node.create_timer(1.0 / self._parameters.laser_frequency, self._publish_scan)
             handles.add(self._node.destroy_timer, scanning)
-            if self._carrier is None or self._maps.grid is None:
+            if self._carrier is None or self._maps.grid is None or self._parameters.pose_source == "tf":
                 self._waiting.start(handles)
             self._running = handles
 
@@ -234,8 +235,9 @@ class LaserScannerSimulator(Handle):
         """Subscribes to the ground truth, transforms and odometry, as far as they are needed."""
         parameters = self._parameters
         uses_truth = parameters.pose_source == "truth"
-        if uses_truth and self._carrier is None and parameters.ground_truth_topic:
-            self._truth.start(parameters.ground_truth_topic, handles)
+        if uses_truth and self._carrier is None:
+            base = parameters.frames["base_link_frame"]
+            self._truth.start(parameters.ground_truth_topic, parameters.map_frame_id, base, handles)
         if not uses_truth or self._carrier is None or parameters.laser_frame_id != parameters.base_link_frame:
             self._listener.start(parameters.odometry_topic)
             if self._has_own_listener:

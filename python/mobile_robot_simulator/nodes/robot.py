@@ -39,6 +39,7 @@ from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
 from .steady_time import SteadyTime
+from .transforms import check_frame
 from .waiting import WaitingLog
 
 RESTART_PARAMETERS = (
@@ -65,7 +66,7 @@ CONSTRAINT_PARAMETERS = (
     "acceleration_limits",
     "deceleration_limits",
 )
-"""Parameters that constrain the motion. Changing one of these stops the robot until the next command."""
+"""Parameters that constrain the motion. After a change, the robot goes on from its pose with its velocity and command."""
 
 MAX_COMMAND = 1e3
 """Limit of each component of a command [m/s, rad/s]. Commands beyond it are refused."""
@@ -284,7 +285,7 @@ class MobileRobotSimulator(Handle):
                 self._restart()
                 raise
         self._change_motion(before, after)
-        if self._running is not None:
+        if self._running is not None and after.speed_factor != before.speed_factor:
             self._node.set_speed(after.speed_factor)
 
     def set_pose(self, pose: Pose) -> None:
@@ -449,13 +450,18 @@ class MobileRobotSimulator(Handle):
         return {thing: f"{how}; a robot with a footprint ignores commands without it" for thing, how in missing.items()}
 
     def _use_map(self, grid: OccupancyGrid) -> None:
-        """Moves in another map from now on. Warns if the robot is inside one of its walls."""
+        """Moves in another map from now on. Warns if the robot is inside one of its walls, or in another robot."""
         self._world.use_map(grid)
         if self._footprint is not None and touches(grid, self._footprint, self.pose):
             x, y, yaw = self.pose
             self._node.get_logger().warning(
                 f"the robot at ({x:.2f}, {y:.2f}, {yaw:.2f}) touches a wall of the map; move it with set_pose or initialpose"
             )
+            return
+        try:
+            self._world.check_place("the robot's place", self.pose, self._footprint, self)
+        except ValueError as error:
+            self._node.get_logger().warning(f"{error}; give each robot an initial_pose, or move it with set_pose")
 
     def _restart(self) -> None:
         """Restarts the node without stopping the robot."""
@@ -485,8 +491,8 @@ class MobileRobotSimulator(Handle):
         if self._footprint is not None and parameters.stalled_topic:
             stalled = node.create_publisher(messages.Bool, parameters.stalled_topic, QoS.LATCHED)
             handles.add(node.destroy_publisher, stalled)
-            self._is_stalled = False
-            stalled.publish(messages.Bool(False))
+            self._is_stalled = self._motion.is_blocked
+            stalled.publish(messages.Bool(self._is_stalled))
         return RobotPublishers(odometry, transforms, clock, truth, contacts, stalled)
 
     def _create_subscriptions(self, handles: Handles) -> None:
@@ -539,14 +545,11 @@ class MobileRobotSimulator(Handle):
         return response
 
     def _take_pose(self, message: PoseWithCovarianceStamped) -> None:
-        frame, logger = message.header.frame_id.removeprefix("/"), self._node.get_logger()
-        if frame not in ("", self._parameters.map_frame_id):
-            logger.warning(f"pose refused: it must be in frame {self._parameters.map_frame_id}, got {frame}")
-            return
         try:
+            check_frame(message.header, self._parameters.map_frame_id)
             self.set_pose(message.pose.pose.to_planar())
         except ValueError as error:
-            logger.warning(f"pose refused: {error}")
+            self._node.get_logger().warning(f"pose refused: {error}")
 
     # --- publishing ---
 

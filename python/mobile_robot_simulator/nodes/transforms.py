@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from .._core import Pose
 from ..handle import Handles
 from ..instant import NANOSECONDS
-from ..messages import Odometry, TFMessage, TransformStamped
+from ..messages import Header, Odometry, TFMessage, TransformStamped
 from ..physics.velocity_profile import STANDING, Velocity
 from .interface import Node, QoS
 
@@ -238,6 +238,17 @@ class _Link:
             return self.pose
         gap = self.stamp - self.before.stamp
         return self.before.pose.interpolate(self.pose, (elapsed + gap) / gap)
+
+
+def check_frame(header: Header, needed: str) -> None:
+    """Checks that a message is in a frame. An empty frame counts as the needed one.
+
+    Raises:
+        ValueError: It is in another frame.
+    """
+    frame = _without_slash(header.frame_id)
+    if frame not in ("", _without_slash(needed)):
+        raise ValueError(f"it must be in frame {needed}, got {frame}")
 
 
 def _without_slash(frame: str) -> str:

@@ -9,6 +9,7 @@ from ..handle import Handles
 from ..instant import NANOSECONDS
 from ..messages import Odometry
 from .interface import Node, QoS
+from .transforms import check_frame
 
 MAX_EXTRAPOLATION_NS = 1_000_000_000
 """The pose is extrapolated at most this long before or after the stamp of the last message [ns]."""
@@ -32,20 +33,28 @@ class TruthListener:
         self._node = node
         self._latest: Odometry | None = None
         self._topic = ""
+        self._frames = ("", "")
+        self._has_warned = False
 
     @property
     def has_heard(self) -> bool:
         """True if a true pose has ever arrived."""
         return self._latest is not None
 
-    def start(self, topic: str, handles: Handles) -> None:
-        """Subscribes to the topic.
+    def start(self, topic: str, map_frame: str, base_frame: str, handles: Handles) -> None:
+        """Subscribes to a topic. What came on another topic before is forgotten.
 
         Args:
-            topic: Name of the topic.
+            topic: Name of the topic; empty for none.
+            map_frame: Frame that the pose must be in.
+            base_frame: Frame of the robot that the pose must be of.
             handles: Takes what has to be released to stop.
         """
-        self._topic = self._node.resolve_topic_name(topic)
+        name = topic and self._node.resolve_topic_name(topic)
+        if (name, (map_frame, base_frame)) != (self._topic, self._frames):
+            self._latest, self._topic, self._frames, self._has_warned = None, name, (map_frame, base_frame), False
+        if not topic:
+            return
         handles.add(
             self._node.destroy_subscription, self._node.create_subscription(Odometry, topic, self._take, QoS.DEFAULT)
         )
@@ -81,11 +90,16 @@ class TruthListener:
         self._latest = state.latest
 
     def _take(self, message: Odometry) -> None:
-        twist = message.twist.twist
+        twist, (map_frame, base_frame) = message.twist.twist, self._frames
         try:
+            check_frame(message.header, map_frame)
+            if message.child_frame_id not in ("", base_frame):
+                raise ValueError(f"it must be of frame {base_frame}, got {message.child_frame_id}")
             # Checks that pose and velocity are finite.
             message.pose.pose.to_planar().integrate((twist.linear.x, twist.linear.y, twist.angular.z), 0.0)
         except ValueError as error:
-            self._node.get_logger().warning(f"ground truth refused: {error}")
+            if not self._has_warned:
+                self._has_warned = True
+                self._node.get_logger().warning(f"ground truth on {self._topic} refused: {error}")
             return
         self._latest = message

@@ -18,6 +18,8 @@ from ..parameters import WorldParameters
 from ..physics.obstacles import Obstacle
 from ..physics.world import World
 from .interface import Node, Publisher, QoS
+from .robot import MAX_COMMAND
+from .transforms import check_frame
 
 HEIGHT = 0.5
 """Height of all shapes in RViz [m]. The simulated world is flat."""
@@ -28,8 +30,8 @@ ROBOT, OBSTACLE, CONTACT = ColorRGBA(0.1, 0.4, 0.9, 1.0), ColorRGBA(0.9, 0.5, 0.
 CONTACT_NS = 2_000_000_000
 """Time for which a contact is shown [ns]."""
 
-LARGEST_SPEED = 1e3
-"""Limit of each component of the velocity of an obstacle [m/s, rad/s]."""
+LONGEST_NAME = 100
+"""Largest number of characters in the name of an obstacle; it is a part of names of topics."""
 
 
 class WorldServer:
@@ -53,7 +55,10 @@ class WorldServer:
 
     def __init__(self, node: Node, parameters: WorldParameters, world: World) -> None:
         self._node, self._parameters, self._world = node, parameters, world
-        self._own: dict[str, tuple[Obstacle, Handles]] = {}
+        self._own: dict[str, Obstacle] = {}
+        """Obstacles that came by a marker, by name."""
+        self._listening: dict[str, Handles] = {}
+        """Subscriptions of these obstacles, by name."""
         self._markers: Publisher[MarkerArray] | None = None
         self._running: Handles | None = None
 
@@ -70,16 +75,22 @@ class WorldServer:
 
         Raises:
             ValueError: A value is invalid, or `robots` would change. Nothing changes.
+            TypeError: A new topic name belongs to a topic of another message type. Nothing changes.
         """
-        parameters = self._parameters.changed(values)
-        if parameters.robots != self._parameters.robots:
-            raise ValueError(f"robots can only be set at startup and stays {list(self._parameters.robots)}")
-        if parameters != self._parameters:
-            was_running = self._running is not None
-            self.stop()
-            self._parameters = parameters
-            if was_running:
-                self.start()
+        before, after = self._parameters, self._parameters.changed(values)
+        if after.robots != before.robots:
+            raise ValueError(f"robots can only be set at startup and stays {list(before.robots)}")
+        if after == before or self._running is None:
+            self._parameters = after
+            return
+        self.stop()
+        self._parameters = after
+        try:
+            self.start()
+        except Exception:
+            self._parameters = before
+            self.start()
+            raise
 
     def start(self) -> None:
         """Starts to listen and to publish. Has no effect if the node is running.
@@ -102,6 +113,9 @@ class WorldServer:
                 self._markers = node.create_publisher(MarkerArray, parameters.markers_topic, QoS.DEFAULT)
                 handles.add(node.destroy_publisher, self._markers)
                 handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.markers_rate, self._show))
+            handles.add(self._stop_listening)
+            for obstacle in self._own.values():
+                self._listen(obstacle)
             self._running = handles
 
     def stop(self) -> None:
@@ -127,22 +141,28 @@ class WorldServer:
         elif marker.action == Marker.DELETE:
             self._remove(name)
         elif marker.action == Marker.ADD:
-            self._check_frame(marker.header)
+            check_frame(marker.header, self._parameters.map_frame_id)
             self._put(name, shape_of(marker), marker.pose.to_planar())
         else:
             raise ValueError(f"the action must be ADD (0), DELETE (2) or DELETEALL (3), got {marker.action}")
 
     def _put(self, name: str, shape: Shape, pose: Pose) -> None:
-        if name in self._own and self._own[name][0].shape == shape:
-            self._world.move(self._own[name][0], pose, None)
+        if name in self._own and self._own[name].shape == shape:
+            self._world.move(self._own[name], pose, None)
             return
-        if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            raise ValueError("ns must be a name of letters, digits and underscores that does not start with a digit")
+        if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) or len(name) > LONGEST_NAME:
+            needed = f"a name of at most {LONGEST_NAME} letters, digits and underscores that does not start with a digit"
+            raise ValueError(f"ns must be {needed}")
         if name in self._own:
             self._remove(name)
-        obstacle, node = Obstacle(name, shape, pose), self._node
+        obstacle = Obstacle(name, shape, pose)
+        self._listen(obstacle)
         self._world.place(obstacle)
-        topic = f"{self._parameters.obstacles_topic}/{name}"
+        self._own[name] = obstacle
+
+    def _listen(self, obstacle: Obstacle) -> None:
+        """Subscribes to poses and velocities of an obstacle."""
+        node, topic = self._node, f"{self._parameters.obstacles_topic}/{obstacle.name}"
         with Handles() as handles:
             take_pose = partial(self._take_pose, obstacle)
             poses = node.create_subscription(messages.PoseStamped, f"{topic}/pose", take_pose, QoS.DEFAULT)
@@ -150,14 +170,17 @@ class WorldServer:
             take_velocity = partial(self._take_velocity, obstacle)
             velocities = node.create_subscription(Twist, f"{topic}/cmd_vel", take_velocity, QoS.DEFAULT)
             handles.add(node.destroy_subscription, velocities)
-            self._own[name] = obstacle, handles
+            self._listening[obstacle.name] = handles
+
+    def _stop_listening(self) -> None:
+        while self._listening:
+            self._listening.popitem()[1].close()
 
     def _remove(self, name: str) -> None:
         if name not in self._own:
             raise ValueError("there is no such obstacle")
-        obstacle, handles = self._own.pop(name)
-        handles.close()
-        self._world.remove(obstacle)
+        self._listening.pop(name).close()
+        self._world.remove(self._own.pop(name))
 
     def _remove_all(self) -> None:
         for name in list(self._own):
@@ -173,25 +196,20 @@ class WorldServer:
 
     def _take_pose(self, obstacle: Obstacle, message: messages.PoseStamped) -> None:
         try:
-            self._check_frame(message.header)
+            check_frame(message.header, self._parameters.map_frame_id)
             self._world.move(obstacle, message.pose.to_planar(), None)
         except ValueError as error:
             self._node.get_logger().warning(f"pose of obstacle {obstacle.name} refused: {error}")
 
     def _take_velocity(self, obstacle: Obstacle, twist: Twist) -> None:
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
-        if all(abs(value) <= LARGEST_SPEED for value in velocity):
+        if all(abs(value) <= MAX_COMMAND for value in velocity):
             self._world.move(obstacle, None, velocity)
         else:
             self._node.get_logger().warning(
-                f"velocity of obstacle {obstacle.name} refused: |vx|, |vy| and |wz| must be at most {LARGEST_SPEED:g}, "
+                f"velocity of obstacle {obstacle.name} refused: |vx|, |vy| and |wz| must be at most {MAX_COMMAND:g}, "
                 f"got {velocity}"
             )
-
-    def _check_frame(self, header: Header) -> None:
-        frame, needed = header.frame_id.removeprefix("/"), self._parameters.map_frame_id
-        if frame not in ("", needed):
-            raise ValueError(f"it must be in frame {needed}, got {frame}")
 
     # --- markers ---
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from ..namespaces import SHARED, of_robot
@@ -19,8 +19,17 @@ from .node import RosProcess
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
 """Parameter class of each node, by the name of the node on the command line."""
 
-ALL: tuple[type[Parameters], ...] = (WorldParameters, *MODELS.values())
-"""Parameter classes of the nodes that run with `all`."""
+ALL: tuple[type[Parameters], ...] = (*MODELS.values(), WorldParameters)
+"""Parameter classes of the nodes that run with `all`, in the order in which they start: the robot decides the clock."""
+
+OF_ALL_ROBOTS = ("speed_factor", "unknown")
+"""Parameters that cannot differ between the robots of a process, because they share the time and the map."""
+
+ONLY_ALL = "robots has an effect only with all; each other command runs the node of one robot"
+"""Warning about the parameter `robots` of a process that cannot have several."""
+
+DERIVED = ("frame_prefix", "seed", "odometry_seed", *SHARED)
+"""Parameters from whose common value each robot of a process gets one of its own when it starts."""
 
 OF_A_ROBOT: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
 """Parameter classes of the nodes that each robot has."""
@@ -190,12 +199,31 @@ class Fleet:
         robot, dot, own_name = name.partition(".")
         return (robot, own_name) if dot and robot in self.names else ("", name)
 
+    def check_change(self, name: str, robot: str, node_has: Collection[str]) -> None:
+        """Checks that a parameter can change on the node of a robot.
+
+        Args:
+            name: Name of the parameter.
+            robot: Name of the robot; empty for nodes that belong to no robot.
+            node_has: Names of the node's parameters.
+
+        Raises:
+            ValueError: The parameter belongs to the node of another robot, or to the world.
+        """
+        owner, own_name = self.owner_of(name)
+        if owner:
+            raise ValueError(f"{name} can only be set at startup; set {own_name} on the nodes of {owner}")
+        if name == "robots" and name not in node_has:
+            raise ValueError("robots can only be set at startup")
+
     def robots_of(self, model: type[Parameters]) -> tuple[str, ...]:
         """Returns the robots that have a node with these parameters; one empty name if the node belongs to no robot."""
         return self.names if model in OF_A_ROBOT else ("",)
 
     def given_to(self, robot: str, given: Mapping[str, Any], resolve: Callable[[str], str]) -> dict[str, Any]:
         """Returns the values for the nodes of one robot, with frames and seeds of its own.
+
+        Raises ValueError if a parameter of one robot must be the same for all.
 
         Args:
             robot: Name of the robot; empty for nodes that belong to no robot, and for the only robot.
@@ -206,6 +234,9 @@ class Fleet:
         if not robot:
             return common
         own = {self.owner_of(name)[1]: value for name, value in given.items() if self.owner_of(name)[0] == robot}
+        for name in OF_ALL_ROBOTS:
+            if name in own:
+                raise ValueError(f"{name} must be the same for all robots: set {name}, not {robot}.{name}")
         if robot != self.names[0]:
             common["publish_clock"] = False
         values = of_robot(robot, {**common, **own})

@@ -58,7 +58,7 @@ class EitherSubscription:
         if self._subscription is None:
             try:
                 self._subscription = self._subscribe(self._type, self._callbacks[self._type])
-            except RuntimeError:
+            except TypeError:
                 # rclpy destroys a subscription only once its executor has let go of it. The next update tries again.
                 return
 

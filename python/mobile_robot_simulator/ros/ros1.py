@@ -22,6 +22,8 @@ from ..nodes.future import Future
 from ..nodes.interface import Logger, M, QoS
 from ..parameters import Parameters, RobotParameters
 from .configuration import (
+    DERIVED,
+    ONLY_ALL,
     Behaviour,
     Fleet,
     ParameterResolver,
@@ -92,6 +94,7 @@ class Ros1Node(RosNode):
         ros_class = ROS1.find_message_type(msg_type.ros_type)
         is_latched = qos_profile is QoS.LATCHED
         publisher = rospy.Publisher(self._named(topic), ros_class, queue_size=10, latch=is_latched)
+        _check_type(publisher, ros_class)
         return _Publisher(ros_class(), publisher, self._topics.advertise(publisher.resolved_name, msg_type), is_latched)
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
@@ -132,6 +135,7 @@ class Ros1Node(RosNode):
         subscriber = rospy.Subscriber(
             self._named(topic), ros_class, receive, queue_size=100, buff_size=2**24, tcp_nodelay=True
         )
+        _check_type(subscriber, ros_class)
         unregister: Callable[[], object] = subscriber.unregister
         return unregister
 
@@ -143,6 +147,18 @@ class Ros1Node(RosNode):
 
     def _offer_service(self, ros_type: Any, srv_name: str, answer: Callable[[Any, Any], Any]) -> Any:
         return rospy.Service(self._named(srv_name), ros_type, lambda request: answer(request, ros_type._response_class()))
+
+
+def _check_type(endpoint: Any, ros_class: Any) -> None:
+    """Ends a publisher or subscriber and raises TypeError if this process has its topic with another type already.
+
+    rospy would let both share one connection, and send messages of one type as those of the other.
+    """
+    present = endpoint.impl.data_class._type
+    if present != ros_class._type:
+        name = endpoint.resolved_name
+        endpoint.unregister()
+        raise TypeError(f"topic {name} cannot have messages of type {ros_class._type}: this process has {present} there")
 
 
 class _RosClock:
@@ -225,6 +241,8 @@ def run(name: str, arguments: list[str]) -> None:
             rospy.on_shutdown(process.executor.shutdown)
             given = _private_parameters()
             fleet = Fleet(given if name == "all" else {})
+            if name != "all" and "robots" in given:
+                _logger().warning(ONLY_ALL)
             warn_about_unknown(given, _logger(), fleet)
             resolver = ParameterResolver(name, DEFAULTS, map_file)
             behaviours = _create_behaviours(models, resolver, given, process, fleet)
@@ -368,13 +386,21 @@ class _MasterMonitor:
 
     def _change(self, name: str, value_for: Callable[[type[Parameters]], Any]) -> None:
         owner, own_name = self._fleet.owner_of(name)
-        behaviours = [behaviour for robot, behaviour in self._behaviours if owner in ("", robot)]
-        refusal = change_everywhere(behaviours, own_name, value_for)
+        # A robot's own value counts more than the common one.
+        behaviours = [
+            behaviour
+            for robot, behaviour in self._behaviours
+            if owner == robot or (not owner and f"{robot}.{name}" not in self._last_given)
+        ]
+        if self._fleet.names != ("",) and own_name in DERIVED:
+            refusal: str | None = f"with several robots, {own_name} can only be set at startup"
+        else:
+            refusal = change_everywhere(behaviours, own_name, value_for)
         if refusal is None:
             return
         _logger().warning(f"parameter change refused: {refusal}")
         on_server = f"~{name.replace('.', '/')}"
-        for behaviour in behaviours:
+        for behaviour in behaviours if owner or own_name not in DERIVED else ():
             value = getattr(behaviour.parameters, own_name, None)
             if value is not None:
                 rospy.set_param(on_server, value)

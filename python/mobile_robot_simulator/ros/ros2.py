@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from threading import Thread
 from typing import Any
@@ -12,8 +13,10 @@ from ..messages import Message
 from ..nodes.future import Future
 from ..nodes.interface import Logger, M, QoS
 from ..parameter_files import is_for_ros
-from ..parameters import Parameters, RobotParameters
+from ..parameters import Parameters, RobotParameters, WorldParameters
+from ..quoting import shortened
 from .configuration import (
+    ONLY_ALL,
     Behaviour,
     Fleet,
     ParameterResolver,
@@ -92,7 +95,8 @@ class Ros2Node(RosNode):
     def create_publisher(self, msg_type: type[M], topic: str, qos_profile: QoS) -> _Publisher:
         """Creates a publisher of messages of one type."""
         ros_class = ROS2.find_message_type(msg_type.ros_type)
-        publisher = self._node.create_publisher(ros_class, topic, _offered_qos(qos_profile))
+        with _refusals_as_type_errors(topic, msg_type):
+            publisher = self._node.create_publisher(ros_class, topic, _offered_qos(qos_profile))
         own_topic = self._topics.advertise(publisher.topic_name, msg_type)
         return _Publisher(ros_class(), publisher, own_topic, is_latched=qos_profile is QoS.LATCHED)
 
@@ -127,7 +131,8 @@ class Ros2Node(RosNode):
         self, msg_type: type[M], topic: str, receive: Callable[[Any], None], qos: QoS
     ) -> Callable[[], object]:
         ros_class = ROS2.find_message_type(msg_type.ros_type)
-        subscription = self._node.create_subscription(ros_class, topic, receive, _requested_qos(qos))
+        with _refusals_as_type_errors(topic, msg_type):
+            subscription = self._node.create_subscription(ros_class, topic, receive, _requested_qos(qos))
         return partial(self._node.destroy_subscription, subscription)
 
     def _find_service_type(self, ros_type: str) -> Any:
@@ -140,6 +145,15 @@ class Ros2Node(RosNode):
 
     def _offer_service(self, ros_type: Any, srv_name: str, answer: Callable[[Any, Any], Any]) -> Any:
         return self._node.create_service(ros_type, srv_name, answer)
+
+
+@contextmanager
+def _refusals_as_type_errors(topic: str, msg_type: type[Message]) -> Iterator[None]:
+    """Raises TypeError where rclpy refuses a topic, for example because it has messages of another type in this process."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise TypeError(f"topic {shortened(topic)} cannot have messages of type {msg_type.ros_type}: {error}") from None
 
 
 def _offered_qos(qos: QoS) -> QoSProfile:
@@ -216,18 +230,24 @@ def run(name: str, arguments: list[str]) -> None:
     nodes, spinning = list[Any](), list[_SpinningNode]()
     try:
         with process.executor.until_signalled():
-            fleet: Fleet | None = None
-            for model in models_of(name):
-                for robot in fleet.robots_of(model) if fleet else ("",):
+            fleet, ready = Fleet({}), list[tuple[Any, Parameters, str]]()
+            # The world comes first, because its parameters name the robots, and starts last.
+            for model in sorted(models_of(name), key=lambda model: model is not WorldParameters):
+                for robot in fleet.robots_of(model):
                     node = _create_node(model, robot, nodes[0].get_namespace() if nodes else "/")
                     nodes.append(node)
-                    fleet = fleet or Fleet(_given_to(node) if name == "all" else {})
+                    if model is WorldParameters:
+                        fleet = Fleet(_given_to(node))
+                    elif name != "all" and "robots" in _given_to(node):
+                        node.get_logger().warning(ONLY_ALL)
                     parameters = _declare_parameters(node, model, resolver, fleet, robot, nodes[0].resolve_topic_name)
                     if parameters is None:
                         nodes.pop().destroy_node()
-                        continue
-                    _start_behaviour(node, parameters, process, robot)
-                    spinning.append(_SpinningNode(node, process.executor))
+                    else:
+                        ready.append((node, parameters, robot))
+            for node, parameters, robot in sorted(ready, key=lambda item: isinstance(item[1], WorldParameters)):
+                _start_behaviour(node, parameters, process, robot, fleet)
+                spinning.append(_SpinningNode(node, process.executor))
             first = spinning[0].node
             check_publishers = partial(
                 process.topics.update, partial(_has_other_publishers, first), partial(_published_types, first)
@@ -286,18 +306,25 @@ def _declare_parameters(
     return parameters
 
 
-def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess, robot: str) -> None:
+def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess, robot: str, fleet: Fleet) -> None:
     clock = process.clock_for(parameters, node.get_clock(), use_sim_time=node.get_parameter("use_sim_time").value)
 
     def start() -> None:
         behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process, robot)
-        node.add_on_set_parameters_callback(process.executor.serialized(partial(_change_parameters, behaviour)))
+        node.add_on_set_parameters_callback(
+            process.executor.serialized(partial(_change_parameters, behaviour, robot, fleet))
+        )
         behaviour.start()
 
     process.executor.serialized(start)()
 
 
-def _change_parameters(behaviour: Behaviour, changes: list[Any]) -> Any:
+def _change_parameters(behaviour: Behaviour, robot: str, fleet: Fleet, changes: list[Any]) -> Any:
+    try:
+        for parameter in changes:
+            fleet.check_change(parameter.name, robot, type(behaviour.parameters).model_fields)
+    except ValueError as error:
+        return SetParametersResult(successful=False, reason=str(error))
     refusal = change_parameters(behaviour, {parameter.name: parameter.value for parameter in changes})
     return SetParametersResult(successful=refusal is None, reason=refusal or "")
 

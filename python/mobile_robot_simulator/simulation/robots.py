@@ -175,7 +175,7 @@ class Robots(Handle):
         robot = MobileRobotSimulator(
             NoCopyNode(self._bus, robot_parameters.node_name, namespace=f"/{name}"),
             robot_parameters,
-            start_pose=pose,
+            start_pose=None if start is None else pose,
             world=self._world,
             name=name,
         )

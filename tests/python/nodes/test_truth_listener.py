@@ -114,7 +114,7 @@ def test_a_truth_that_is_not_finite_is_refused(
     with caplog.at_level(logging.WARNING):
         truth.publish(message)
         rig.drive(0.5)
-    assert caplog.text.count("ground truth refused") == 2
+    assert caplog.text.count("ground truth on /ground_truth refused: ") == 1
     assert rig.is_seen_from(rig.scans[-1], room, rig.robot.believed_pose)
 
 
@@ -126,3 +126,25 @@ def test_a_saved_listener_remembers_the_truth(room: mrs.OccupancyGrid) -> None:
     rig.drive(0.4)
     rig.laser.restore(state)
     assert rig.laser.save().truth == state.truth
+
+
+@pytest.mark.parametrize(("frame", "child"), [("odom", "base_link"), ("map", "other")])
+def test_a_truth_in_another_frame_or_of_another_robot_is_refused(
+    room: mrs.OccupancyGrid, caplog: pytest.LogCaptureFixture, frame: str, child: str
+) -> None:
+    rig = Rig(room, robot={"ground_truth_topic": ""})
+    message = messages.Odometry(messages.Header(frame_id=frame), child)
+    with caplog.at_level(logging.WARNING):
+        rig.node.create_publisher(messages.Odometry, "ground_truth").publish(message)
+        rig.drive(0.5)
+    assert "ground truth on /ground_truth refused: it must be " in caplog.text
+    assert rig.is_seen_from(rig.scans[-1], room, rig.robot.believed_pose)
+
+
+def test_without_a_topic_from_now_on_tf_counts_again(room: mrs.OccupancyGrid) -> None:
+    rig = Rig(room)
+    rig.drive(1.0, 0.5, 0.4)
+    rig.laser.set_parameters(ground_truth_topic="")
+    rig.drive(3.0, 0.1, 0.4)
+    assert rig.scans[-1].header.stamp.nanoseconds == 3 * SECOND
+    assert rig.is_seen_from(rig.scans[-1], room, rig.robot.believed_pose)

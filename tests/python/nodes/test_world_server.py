@@ -136,7 +136,8 @@ def test_the_service_removes_what_markers_have_added_and_nothing_else(room: mrs.
             ),
             "obstacle box refused: .*finite",
         ),
-        (marker("no name"), "ns must be a name of letters"),
+        (marker("no name"), "ns must be a name of at most 100 letters"),
+        (marker("a" * 101), "ns must be a name of at most 100 letters"),
         (marker(action=Marker.DELETE), "there is no such obstacle"),
         (Marker(ns="box", type=Marker.CUBE), "obstacle box refused: "),
         (Marker(ns="box", type=Marker.CYLINDER, scale=messages.Vector3(1.0, 2.0)), "the same scale along x and y"),
@@ -196,3 +197,47 @@ def test_parameters_restart_the_server_and_the_obstacles_stay(room: mrs.Occupanc
     rig.server.stop()
     rig.run_for(1.0)
     assert len(rig.shown) - count == 20
+
+
+def test_what_cannot_be_listened_to_is_not_in_the_world(room: mrs.OccupancyGrid, caplog: pytest.LogCaptureFixture) -> None:
+    rig = Rig(room)
+    rig.node.create_publisher(messages.TwistStamped, "obstacles/box/cmd_vel")
+    with caplog.at_level(logging.WARNING):
+        rig.mark(marker())
+    assert "obstacle box refused" in caplog.text and rig.world.obstacles == []
+
+
+def test_a_wrong_topic_changes_nothing(room: mrs.OccupancyGrid) -> None:
+    rig = Rig(room)
+    rig.mark(marker())
+    with pytest.raises(TypeError, match="cmd_vel carries"):
+        rig.server.set_parameters(obstacles_topic="cmd_vel")
+    assert rig.server.parameters.obstacles_topic == "obstacles"
+    rig.send(messages.Twist(messages.Vector3(0.5)), "obstacles/box/cmd_vel")
+    rig.run_for(0.999)
+    assert rig.world.obstacles[0].pose(rig.bus.time_ns).x == pytest.approx(3.5, abs=2e-3)
+
+
+def test_obstacles_follow_the_server_to_another_topic_and_stop_listening_with_it(room: mrs.OccupancyGrid) -> None:
+    rig = Rig(room)
+    rig.mark(marker())
+    (box,) = rig.world.obstacles
+    rig.server.set_parameters(obstacles_topic="things")
+    moved = messages.PoseStamped(pose=messages.Pose.from_planar(mrs.Pose(5.0, 0.0, 0.0)))
+    rig.send(moved, "obstacles/box/pose")
+    assert box.pose(rig.bus.time_ns).x == 3.0
+    rig.send(moved, "things/box/pose")
+    assert box.pose(rig.bus.time_ns).x == 5.0
+    rig.server.stop()
+    rig.send(messages.Twist(messages.Vector3(0.5)), "things/box/cmd_vel")
+    rig.run_for(1.0)
+    assert box.pose(rig.bus.time_ns).x == 5.0
+
+
+def test_a_restart_of_a_stalled_robot_says_that_it_is_stalled(room: mrs.OccupancyGrid) -> None:
+    rig = Rig(room)
+    rig.mark(marker())
+    rig.drive(0.5, 8.0)
+    rig.robot.set_parameters(publish_rate=20.0)
+    rig.run_for(1.0)
+    assert rig.stalled[:2] == [False, True] and set(rig.stalled[2:]) <= {True}

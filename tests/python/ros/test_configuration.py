@@ -58,7 +58,7 @@ def absolute(name: str) -> str:
 
 
 def test_all_runs_every_node() -> None:
-    assert models_of("all") == [WorldParameters, RobotParameters, LaserParameters, MapParameters]
+    assert models_of("all") == [RobotParameters, LaserParameters, MapParameters, WorldParameters]
     assert models_of("laser") == [LaserParameters]
 
 
@@ -251,3 +251,19 @@ def test_a_parameter_without_a_default_cannot_be_deleted(tmp_path: Path) -> None
     defaults = resolver().defaults_of
     refusal = change_everywhere([server], "yaml_filename", lambda model: defaults(model)["yaml_filename"])
     assert refusal == f"yaml_filename has no default and stays {tmp_path / 'map.yaml'}"
+
+
+@pytest.mark.parametrize("name", ["speed_factor", "unknown"])
+def test_what_robots_share_cannot_differ_between_them(name: str) -> None:
+    given = {"robots": ["robot1"], f"robot1.{name}": 2.0}
+    with pytest.raises(ValueError, match=f"{name} must be the same for all robots: set {name}, not robot1.{name}"):
+        Fleet(given).given_to("robot1", given, absolute)
+
+
+def test_a_change_without_effect_is_refused() -> None:
+    fleet = Fleet({"robots": ["robot1"]})
+    with pytest.raises(ValueError, match=r"robot1\.seed can only be set at startup; set seed on the nodes of robot1"):
+        fleet.check_change("robot1.seed", "robot1", LaserParameters.model_fields)
+    with pytest.raises(ValueError, match="robots can only be set at startup"):
+        fleet.check_change("robots", "robot1", LaserParameters.model_fields)
+    fleet.check_change("seed", "robot1", LaserParameters.model_fields)

@@ -25,7 +25,7 @@ class Rig:
             assert callbacks[kind] == callback
             if self.refusals:
                 self.refusals -= 1
-                raise RuntimeError("existing topic name with incompatible type")
+                raise TypeError("existing topic name with incompatible type")
             self.active.append(kind)
             return kind
 
