@@ -40,7 +40,7 @@ const ROWS_PER_CHECK: usize = 4096;
 /// - [`Error::Count`]: `threads` is 0 or more than 1024.
 /// - [`Error::Threads`]: the system could not start the threads.
 /// - An error of `work`. Some chunks are not worked on then.
-/// - [`Error::Interrupted`]: the call was interrupted. Some chunks are not worked on then.
+/// - [`Error::Interrupted`]: the call was interrupted. Some chunks may not be worked on then.
 pub fn for_each_chunk<T: Send>(
     threads: Option<usize>,
     elements: &mut [T],
@@ -63,9 +63,11 @@ pub fn for_each_chunk_watched<T: Send>(
 ) -> Result<(), Error> {
     let work = |(index, chunk): (usize, &mut [T])| watch.check().and_then(|()| work(index, chunk));
     match pool_for(threads, elements.len())? {
-        None => elements.chunks_mut(length).enumerate().try_for_each(work),
-        Some(pool) => watch.run(&pool, || elements.par_chunks_mut(length).enumerate().try_for_each(work)),
+        None => elements.chunks_mut(length).enumerate().try_for_each(work)?,
+        Some(pool) => watch.run(&pool, || elements.par_chunks_mut(length).enumerate().try_for_each(work))?,
     }
+    // If the call was interrupted while the last chunks were worked on, the exception of the hook must not get lost.
+    watch.end()
 }
 
 /// Returns true if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).

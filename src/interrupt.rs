@@ -182,10 +182,24 @@ impl Drop for End<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::for_each_chunk_watched;
 
     /// A watch whose hook interrupts at once.
     fn interrupted() -> Watch {
         Watch { hook: Some(|| true), ..Watch::never() }
+    }
+
+    #[test]
+    fn an_interruption_during_the_last_chunk_is_an_error_although_all_are_done() {
+        let (watch, mut done) = (interrupted(), [0_u8; 10_000]);
+        let work = |_: usize, chunk: &mut [u8]| {
+            // Long enough for the calling thread to ask the hook.
+            thread::sleep(4 * INTERVAL);
+            chunk.fill(1);
+            Ok(())
+        };
+        let ended = for_each_chunk_watched(&watch, Some(2), &mut done, 10_000, work);
+        assert_eq!((ended, done), (Err(Error::Interrupted), [1; 10_000]));
     }
 
     #[test]
