@@ -61,12 +61,12 @@ def map_pose(transforms: Any) -> mrs.Pose:
 
 
 def test_topics_have_the_right_types_frames_stamps_and_rates(world: Any, map_file: Path) -> None:
-    world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=20.0, **QUIET)
+    world.start("all", map_file=map_file, publish_rate=50.0, laser_frequency=25.0, **QUIET)
     odom, scan, tf = world.subscribe("/odom", ODOM), world.subscribe("/scan", SCAN), world.subscribe("/tf", TF)
     scan.wait_for(5)
     began = len(odom), len(scan), len(tf)
     time.sleep(4.0)
-    for inbox, rate, start in ((odom, 50.0, began[0]), (scan, 20.0, began[1]), (tf, 50.0, began[2])):
+    for inbox, rate, start in ((odom, 50.0, began[0]), (scan, 25.0, began[1]), (tf, 50.0, began[2])):
         stamps = [seconds((it.transforms[0] if inbox is tf else it).header.stamp) for it in inbox[start:]]
         assert np.mean(np.diff(stamps)) == pytest.approx(1.0 / rate, rel=0.05)
         delays = np.array(inbox.times[start : start + len(stamps)]) - stamps
