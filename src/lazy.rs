@@ -13,7 +13,7 @@ use crate::interrupt::Watch;
 /// A value that is built when it is first needed.
 ///
 /// One thread builds it, and others that need it wait. Unlike `OnceLock` of the standard library, this does not hang in a
-/// forked process: a fork does not wait for a build, and the child builds the value anew.
+/// forked process: a fork does not wait for a build, and the child builds the value again.
 #[derive(Debug)]
 pub struct Lazy<T> {
     value: OnceLock<T>,
