@@ -60,6 +60,7 @@ print("works")
 """
 )
 
+# Handlers run at most every 50 ms, and a test counts two during a call. So each call takes at least 0.2 s.
 HANDLERS = (
     SETUP
     + """
@@ -92,15 +93,16 @@ def draw(grid):
     return grid.draw_free_poses(12_000_000, radius=0.3, seed=1, threads=threads)
 
 def scan_batch(grid):
-    return laser.scan_batch(grid, many[:50_000], noise=noise, seed=1, threads=threads, out=out)
+    return laser.scan_batch(grid, many[:100_000], noise=noise, seed=1, threads=threads, out=out)
 
 def cast_rays(grid):
-    return mrs.cast_rays(grid, many, 9.0, threads=threads)
+    return mrs.cast_rays(grid, many, 9.0, obstacles=obstacles, threads=threads)
 
 call = globals()[sys.argv[1]]
-many = np.tile(poses, (300, 1)) if call in (integrate_twist, cast_rays) else np.tile(poses, (10, 1))
-out = np.empty((50_000, 541), np.float32) if call is scan_batch else None
-large = np.tile(cells, {prepare: (24, 20), first_draw: (3, 3)}.get(call, (1, 1)))
+many = np.tile(poses, (500, 1)) if call in (integrate_twist, cast_rays) else np.tile(poses, (10, 1))
+out = np.empty((100_000, 541), np.float32) if call is scan_batch else None
+obstacles = [(mrs.Shape.disc(0.01), (x, y, 0.0)) for x, y in np.random.default_rng(3).uniform(0.0, 15.0, (100, 2))]
+large = np.tile(cells, {prepare: (48, 30), first_draw: (4, 4)}.get(call, (1, 1)))
 
 def new_grid():
     return mrs.OccupancyGrid(large, resolution=0.05)
