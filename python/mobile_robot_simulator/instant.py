@@ -62,7 +62,7 @@ class Instant:
     """Time [ns]."""
 
     def __init__(self, nanoseconds: int = 0, *, seconds: float = 0.0, **_: Any) -> None:
-        object.__setattr__(self, "nanoseconds", nanoseconds + round(seconds * NANOSECONDS) if seconds else nanoseconds)
+        _set_nanoseconds(self, nanoseconds + round(seconds * NANOSECONDS) if seconds else nanoseconds)
 
     def to_msg(self) -> Time:
         """Returns the time as a message."""
@@ -91,3 +91,7 @@ class Instant:
     def __sub__(self, other: Instant | Duration) -> Instant | Duration:
         left = self.nanoseconds - other.nanoseconds
         return Duration(nanoseconds=left) if isinstance(other, Instant) else Instant(left)
+
+
+_set_nanoseconds = Instant.__dict__["nanoseconds"].__set__
+"""Sets the field of a new `Instant`. Clocks make many, and this is twice as fast as `object.__setattr__`."""

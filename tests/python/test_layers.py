@@ -150,6 +150,7 @@ TESTED_ELSEWHERE = {
     "maps/map_image.py": "maps/test_map_files.py reads every encoding through load_map",
     "marker_messages.py": "nodes/test_world_server.py sends and receives them",
     "nodes/interface.py": "protocols only",
+    "nodes/robot_messages.py": "nodes/test_robot.py reads the messages",
     "plotting/layers.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
     "plotting/style.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
     "recording/format.py": "a type only",

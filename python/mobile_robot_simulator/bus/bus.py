@@ -287,13 +287,23 @@ class Bus(Handle):
         """Returns the messages that new subscriptions to latched topics receive, each with its topic and time [ns]."""
         return [(topic.name, message, time_ns) for topic in self.topics() for message, time_ns in topic.kept.values()]
 
-    def publish(self, publisher: BusPublisher[Any], message: Message) -> None:
+    def publish(self, publisher: BusPublisher[Any], message: Message | partial[Message]) -> None:
         """Passes a message through the filters, then sends it to the current subscriptions. Does not copy it.
+
+        Args:
+            publisher: Publisher that sends it.
+            message: The message, or a call that builds it. The call is made now if anybody receives the message, else when
+                `latest` is read.
 
         Raises:
             TypeError: The message is not of the topic's message class.
         """
         topic = publisher.topic
+        if isinstance(message, partial):
+            if not (topic.subscriptions or self.taps or self.filters or publisher.latched):
+                topic.last, topic.latest_ns = message, self.time_ns
+                return
+            message = message()
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
         if self.filters:
@@ -440,7 +450,7 @@ class Bus(Handle):
 
     def _send(self, publisher: BusPublisher[Any], message: Message) -> None:
         topic, time_ns = publisher.topic, self.time_ns
-        topic.latest, topic.latest_ns = message, time_ns
+        topic.last, topic.latest_ns = message, time_ns
         if publisher.latched:
             topic.keep(publisher, message, time_ns)
         for tap in self.taps:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Generic
 
 from ..handle import Handle
@@ -69,8 +70,8 @@ class BusTopic(Handle):
         name: Absolute name.
         msg_type: Class of the messages.
         subscriptions: Current subscriptions, in the order in which they were created.
-        latest: Last message sent, None before the first one.
-        latest_ns: Simulated time at which `latest` was sent [ns].
+        last: Last message sent, or the call that builds it; None before the first one.
+        latest_ns: Simulated time at which it was sent [ns].
         latched: True if the topic has had a latched publisher.
         publishers: Current publishers, in the order in which they were created.
         kept: What new subscriptions receive: the last message of each latched publisher, in the order of sending.
@@ -79,11 +80,18 @@ class BusTopic(Handle):
     name: str
     msg_type: type[Message]
     subscriptions: tuple[BusSubscription[Any], ...] = ()
-    latest: Message | None = None
+    last: Message | partial[Message] | None = None
     latest_ns: int = 0
     latched: bool = False
     publishers: tuple[BusPublisher[Any], ...] = ()
     kept: dict[BusPublisher[Any], Sent] = field(default_factory=dict)
+
+    @property
+    def latest(self) -> Message | None:
+        """Last message sent, None before the first one."""
+        if isinstance(self.last, partial):
+            self.last = self.last()
+        return self.last
 
     def subscribe(self, callback: Callable[[M], None]) -> BusSubscription[M]:
         """Adds a subscription for messages that are sent from now on."""
@@ -117,7 +125,7 @@ class BusTopic(Handle):
         for subscription in self.subscriptions:
             subscription.active = False
         self.subscriptions, self.publishers, self.latched = state.subscriptions, state.publishers, state.latched
-        self.latest, self.latest_ns, self.kept = state.latest, state.latest_ns, dict(state.kept)
+        self.last, self.latest_ns, self.kept = state.latest, state.latest_ns, dict(state.kept)
         for subscription in self.subscriptions:
             subscription.active = True
 
@@ -127,12 +135,12 @@ class BusPublisher(Handle, Generic[M]):
     """Sends copies of messages to a topic.
 
     Attributes:
-        send: Function that sends a publisher's message without copying it (`Bus.publish`).
+        send: Function that sends a publisher's message, or what a call builds, without copying it (`Bus.publish`).
         topic: Topic that the messages go to.
         latched: True if later subscriptions receive the last message.
     """
 
-    send: Callable[[BusPublisher[Any], Message], None]
+    send: Callable[[BusPublisher[Any], Message | partial[Message]], None]
     topic: BusTopic
     latched: bool = False
 
@@ -152,6 +160,17 @@ class BusPublisher(Handle, Generic[M]):
             raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")
         check_fields(message)
         self.send(self, copied(message))
+
+    def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
+        """Sends the message that `build(*arguments)` returns.
+
+        It is built now if anybody receives it, else when `BusTopic.latest` is read. So the arguments must not change
+        afterwards.
+
+        Raises:
+            TypeError: The topic carries messages of another type.
+        """
+        self.send(self, partial(build, *arguments))
 
     def get_subscription_count(self) -> int:
         """Returns the number of subscriptions of the topic."""

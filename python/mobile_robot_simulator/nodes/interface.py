@@ -1,8 +1,8 @@
 """The node interface: the few methods of rclpy's Node that the simulator's nodes use.
 
 The in-process bus, ROS 1 and ROS 2 each implement it, so each node's behaviour is written only once. All protocols keep the
-names and the argument order of rclpy. `set_speed`, `create_wall_timer` and `create_subscription_of_either` are
-additions.
+names and the argument order of rclpy. `set_speed`, `create_wall_timer`, `create_subscription_of_either` and
+`publish_lazily` are additions.
 """
 
 from __future__ import annotations
@@ -36,6 +36,12 @@ class Publisher(Protocol[M_contra]):
 
     def publish(self, message: M_contra, /) -> None:
         """Sends a message."""
+
+    def publish_lazily(self, build: Callable[..., M_contra], /, *arguments: Any) -> None:
+        """Sends the message that `build(*arguments)` returns.
+
+        The message may be built later, or never if nobody receives it. So the arguments must not change afterwards.
+        """
 
 
 class Timer(Protocol):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import messages
 from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose
@@ -281,23 +282,10 @@ class LaserScannerSimulator(Handle):
         if grid is None or map_from_base is None:
             return
         self._update_mount(now_ns)
-        scanner = self._scanner
         ranges = self._measure(grid, map_from_base)
         if self._carrier is not None:
-            self._carrier.publish_transforms()
-        self._scans.publish(
-            LaserScan(
-                Header(Time.from_nanoseconds(now_ns), parameters.frames["laser_frame_id"]),
-                angle_min=scanner.angle_min,
-                angle_max=scanner.angle_max,
-                angle_increment=scanner.angle_increment,
-                scan_time=1.0 / parameters.laser_frequency,
-                range_min=scanner.min_range,
-                range_max=_range_max(parameters),
-                ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
-                intensities=NO_INTENSITIES,
-            )
-        )
+            self._carrier.publish_transforms(now_ns)
+        self._scans.publish_lazily(_scan_message, now_ns, parameters, self._scanner, ranges)
 
     def _base_pose(self, now_ns: int) -> Pose | None:
         """Returns the pose of the robot's base in the map frame. None if it is unknown."""
@@ -330,6 +318,22 @@ class LaserScannerSimulator(Handle):
         )[0]
         self._scan_count += 1
         return ranges
+
+
+def _scan_message(
+    stamp_ns: int, parameters: LaserParameters, scanner: LaserScanner, ranges: NDArray[np.float32]
+) -> LaserScan:
+    return LaserScan(
+        Header(Time.from_nanoseconds(stamp_ns), parameters.frames["laser_frame_id"]),
+        angle_min=scanner.angle_min,
+        angle_max=scanner.angle_max,
+        angle_increment=scanner.angle_increment,
+        scan_time=1.0 / parameters.laser_frequency,
+        range_min=scanner.min_range,
+        range_max=_range_max(parameters),
+        ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
+        intensities=NO_INTENSITIES,
+    )
 
 
 def _range_max(parameters: LaserParameters) -> float:

@@ -17,27 +17,23 @@ from ..messages import (
     Header,
     Message,
     Odometry,
-    PoseWithCovariance,
     PoseWithCovarianceStamped,
     SetPose,
     TFMessage,
     Time,
-    Transform,
-    TransformStamped,
     Trigger,
-    TwistWithCovariance,
-    Vector3,
 )
 from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
-from ..physics.odometer import PLANAR_COVARIANCE, Odometer, OdometerReading, OdometerSnapshot
+from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
 from ..physics.world import Placed, World
 from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
+from .robot_messages import clock_message, odometry_message, transforms_message
 from .steady_time import SteadyTime
 from .transforms import check_frame
 from .waiting import WaitingLog
@@ -364,16 +360,18 @@ class MobileRobotSimulator(Handle):
             self._running = None
             self._motion.stop(self._world.now_ns())
 
-    def publish_transforms(self) -> None:
-        """Publishes the transforms now, unless they have been published at this stamp. Has no effect while it is stopped.
+    def publish_transforms(self, stamp_ns: int) -> None:
+        """Publishes the transforms of now, unless they have been published at this stamp. Has no effect while it is stopped.
 
         A scanner calls this before it publishes a scan. So each scan has a transform at its stamp, at any rate.
+
+        Args:
+            stamp_ns: Stamp of the scan [ns].
         """
-        stamp_ns = self._stamp_ns()
         if self._running is not None and stamp_ns != self._transforms_ns:
             now_ns = self._world.now_ns()
             odom_from_base = self._odometer.pose_at(self._motion.wheel_pose(now_ns).wrapped())
-            self._send_transforms(now_ns, self._odometry_header(stamp_ns), odom_from_base)
+            self._send_transforms(now_ns, Time.from_nanoseconds(stamp_ns), odom_from_base)
 
     def save(self) -> RobotSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
@@ -557,18 +555,34 @@ class MobileRobotSimulator(Handle):
         """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
         assert self._publishers is not None
         now_ns, stamp_ns = self._world.now_ns(), self._stamp_ns()
-        header = self._odometry_header(stamp_ns)
+        stamp = Time.from_nanoseconds(stamp_ns)
         if self._parameters.clock_rate == 0.0:
-            self._send_clock(header.stamp)
-        reading = self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
-        self._believed_pose = reading.pose
-        self._publishers.odometry.publish(self._odometry_message(now_ns, header, reading))
+            self._send_clock(stamp)
+        self._send_odometry(now_ns, stamp)
         if stamp_ns != self._transforms_ns:
-            self._send_transforms(now_ns, header, reading.pose)
+            self._send_transforms(now_ns, stamp, self._believed_pose)
         if self._publishers.contacts is not None or self._publishers.stalled is not None:
-            self._publish_contacts(now_ns, header.stamp)
+            self._publish_contacts(now_ns, stamp)
         if self._publishers.truth is not None:
-            self._publishers.truth.publish(self._truth_message(now_ns, header.stamp))
+            frames = self._parameters.map_frame_id, self._parameters.frames["base_link_frame"]
+            pose, velocity = self._motion.map_pose(now_ns), self._motion.velocity(now_ns)
+            self._publishers.truth.publish_lazily(odometry_message, stamp, frames, pose, velocity)
+
+    def _send_odometry(self, now_ns: int, stamp: Time) -> None:
+        """Reads the odometer and publishes what it says."""
+        assert self._publishers is not None
+        motion, frames = self._motion, self._parameters.frames
+        reading = self._odometer.read(motion.wheel_pose(now_ns).wrapped(), now_ns)
+        self._believed_pose = reading.pose
+        self._publishers.odometry.publish_lazily(
+            odometry_message,
+            stamp,
+            (frames["odom_frame_id"], frames["base_link_frame"]),
+            reading.pose,
+            motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist,
+            reading.covariance,
+            reading.twist_covariance,
+        )
 
     def _publish_contacts(self, now_ns: int, stamp: Time) -> None:
         """Publishes the contacts that have begun since the last call, and a change of whether the robot is stalled."""
@@ -586,50 +600,26 @@ class MobileRobotSimulator(Handle):
             self._is_stalled = self._motion.is_blocked
             self._publishers.stalled.publish(messages.Bool(self._is_stalled))
 
-    def _odometry_header(self, stamp_ns: int) -> Header:
-        return Header(Time.from_nanoseconds(stamp_ns), self._parameters.frames["odom_frame_id"])
-
-    def _odometry_message(self, now_ns: int, header: Header, reading: OdometerReading) -> Odometry:
-        vx, vy, wz = self._motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist
-        return Odometry(
-            header,
-            self._parameters.frames["base_link_frame"],
-            PoseWithCovariance(messages.Pose.from_planar(reading.pose), reading.covariance),
-            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), reading.twist_covariance),
-        )
-
-    def _truth_message(self, now_ns: int, stamp: Time) -> Odometry:
-        vx, vy, wz = self._motion.velocity(now_ns)
-        return Odometry(
-            Header(stamp, self._parameters.map_frame_id),
-            self._parameters.frames["base_link_frame"],
-            PoseWithCovariance(messages.Pose.from_planar(self._motion.map_pose(now_ns)), PLANAR_COVARIANCE),
-            TwistWithCovariance(TwistMessage(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), PLANAR_COVARIANCE),
-        )
-
-    def _send_transforms(self, now_ns: int, header: Header, odom_from_base: Pose) -> None:
+    def _send_transforms(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> None:
         """Publishes odom -> base_link, and map -> odom and the true pose if they are wanted.
 
         Must be called at most once for each stamp, because tf2 warns about repeated stamps.
 
         Args:
             now_ns: Simulated time [ns].
-            header: Header of the odometry at that time.
+            stamp: Stamp of the odometry at that time.
             odom_from_base: Pose of the robot that the odometry reports.
         """
         assert self._publishers is not None
-        stamp, parameters = header.stamp, self._parameters
+        frames, parameters = self._parameters.frames, self._parameters
         self._transforms_ns = stamp.nanoseconds
-        transforms: list[TransformStamped] = []
+        links = [(frames["odom_frame_id"], frames["base_link_frame"], odom_from_base)]
         if parameters.publish_map_transform:
             map_from_odom = self._map_from_odom(now_ns, odom_from_base)
-            transforms.append(_transform(Header(stamp, parameters.map_frame_id), header.frame_id, map_from_odom))
-        transforms.append(_transform(header, parameters.frames["base_link_frame"], odom_from_base))
+            links.insert(0, (parameters.map_frame_id, frames["odom_frame_id"], map_from_odom))
         if parameters.ground_truth_frame:
-            map_from_truth = self._motion.map_pose(now_ns)
-            truth = parameters.frames["ground_truth_frame"]
-            transforms.append(_transform(Header(stamp, parameters.map_frame_id), truth, map_from_truth))
-        self._publishers.transforms.publish(TFMessage(transforms))
+            links.append((parameters.map_frame_id, frames["ground_truth_frame"], self._motion.map_pose(now_ns)))
+        self._publishers.transforms.publish_lazily(transforms_message, stamp, links)
 
     def _map_from_odom(self, now_ns: int, odom_from_base: Pose) -> Pose:
         """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
@@ -643,11 +633,7 @@ class MobileRobotSimulator(Handle):
 
     def _send_clock(self, stamp: Time) -> None:
         if self._publishers is not None and self._publishers.clock is not None:
-            self._publishers.clock.publish(Clock(stamp))
+            self._publishers.clock.publish_lazily(clock_message, stamp)
 
     def _stamp_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds
-
-
-def _transform(header: Header, child: str, pose: Pose) -> TransformStamped:
-    return TransformStamped(header, child, Transform.from_planar(pose))

@@ -53,8 +53,11 @@ class Carrier(Protocol):
     def surroundings(self) -> list[Placed]:
         """Obstacles and other robots now; scanners see these in addition to the map."""
 
-    def publish_transforms(self) -> None:
-        """Publishes the transforms of the body now, unless it has done so already. Scanners call it before each scan."""
+    def publish_transforms(self, stamp_ns: int) -> None:
+        """Publishes the transforms of the body, unless it has done so at this stamp [ns].
+
+        Scanners call it before each scan.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -177,6 +177,9 @@ class _Publisher:
     topic: IntraProcessTopic
     is_latched: bool
 
+    def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
+        self.publish(build(*arguments))
+
     def publish(self, message: Message) -> None:
         self.topic.deliver(message)
         try:

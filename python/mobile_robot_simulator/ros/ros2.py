@@ -180,6 +180,9 @@ class _Publisher:
     def __init__(self, message: Any, publisher: Any, topic: IntraProcessTopic, *, is_latched: bool) -> None:
         self.message, self.publisher, self.topic, self.is_latched = message, publisher, topic, is_latched
 
+    def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
+        self.publish(build(*arguments))
+
     def publish(self, message: Message) -> None:
         self.topic.deliver(message)
         if self.is_latched or self.publisher.get_subscription_count() > 0:

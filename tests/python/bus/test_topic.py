@@ -52,6 +52,48 @@ def test_a_late_subscriber_receives_the_last_message_of_a_latched_topic(bus: Bus
     assert seen == [at(2)]
 
 
+def test_a_message_that_nobody_receives_is_built_when_it_is_read_and_only_once(bus: Bus, node: BusNode) -> None:
+    built: list[int] = []
+
+    def build(seconds: int) -> mrs.messages.Clock:
+        built.append(seconds)
+        return at(seconds)
+
+    publisher = node.create_publisher(mrs.messages.Clock, "/a")
+    publisher.publish_lazily(build, 1)
+    publisher.publish_lazily(build, 2)
+    assert built == []
+    assert bus.latest("/a") == at(2)
+    assert bus.latest("/a") is bus.latest("/a")
+    assert built == [2]
+
+
+@pytest.mark.parametrize("receiver", ["subscription", "tap", "filter", "latched"])
+def test_a_message_that_is_received_is_built_at_once(bus: Bus, node: BusNode, receiver: str) -> None:
+    seen: list[Any] = []
+    if receiver == "subscription":
+        node.create_subscription(mrs.messages.Clock, "/a", seen.append)
+    elif receiver == "tap":
+        bus.taps.append(lambda name, message, time_ns: seen.append(message))
+    elif receiver == "filter":
+        bus.filters.append(lambda name, message: seen.append(message))
+    publisher = node.create_publisher(mrs.messages.Clock, "/a", QoS.LATCHED if receiver == "latched" else QoS.DEFAULT)
+    built: list[int] = []
+    publisher.publish_lazily(lambda: built.append(1) or at(1))
+    assert built == [1]
+    if receiver == "latched":
+        node.create_subscription(mrs.messages.Clock, "/a", seen.append, QoS.LATCHED)
+    bus.run_until(0)
+    assert seen == [at(1)]
+    assert bus.latest("/a") == at(1)
+
+
+def test_a_message_that_is_built_must_be_of_the_type_of_the_topic(bus: Bus, node: BusNode) -> None:
+    node.create_subscription(mrs.messages.Clock, "/a", print)
+    with pytest.raises(TypeError, match=r"/a carries Clock, got Time"):
+        node.create_publisher(mrs.messages.Clock, "/a").publish_lazily(mrs.messages.Time)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("message", "words"),
     [

@@ -37,6 +37,35 @@ def simulation(seed: int = SEED) -> mrs.Simulation:
     return sim
 
 
+def test_a_message_that_is_read_late_is_the_same_as_one_that_is_recorded() -> None:
+    """While nobody receives a message, it is built when it is read. By then the robot has moved on."""
+    grid = mrs.floor_plan("office", seed=1, size=(12.0, 10.0))
+    start = grid.draw_free_pose(radius=0.5, seed=1)
+    read, recorded = (
+        mrs.Simulation(
+            grid,
+            start=start,
+            parameters={"odometry_alphas": (0.1,) * 6, "velocity_timeout": 0.0, "ground_truth_frame": "true_base"},
+            seed=SEED,
+        )
+        for _ in range(2)
+    )
+    messages: dict[str, mrs.messages.Message] = {}
+    recorded.record(lambda topic, message, time_ns: messages.update({topic: message}))
+    for sim in (read, recorded):
+        drive = mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5), angular=mrs.messages.Vector3(z=0.3))
+        sim.publish("/cmd_vel", drive)
+        sim.run_for(1.0)
+        sim.robot.slip(0.5)
+        sim.run_for(2.051)
+        sim.set_pose(grid.draw_free_pose(radius=0.5, seed=2))
+        sim.robot.stop()
+        sim.laser.stop()
+    assert len(messages) > 4
+    for name in ("/odom", "/scan", "/tf", "/clock"):
+        assert read.latest(name) == messages[name], name
+
+
 def recording(sim: mrs.Simulation, folder: Path, seconds: float = 6.0) -> str:
     """Records a simulation for a while. Returns the digest of the recording."""
     with Recorder(folder) as recorder:

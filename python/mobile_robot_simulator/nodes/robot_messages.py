@@ -1,0 +1,70 @@
+"""The messages of a robot: odometry, transforms and clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import Pose
+from ..messages import (
+    Clock,
+    Header,
+    Odometry,
+    PoseWithCovariance,
+    TFMessage,
+    Time,
+    Transform,
+    TransformStamped,
+    Twist,
+    TwistWithCovariance,
+    Vector3,
+)
+from ..messages import Pose as PoseMessage
+from ..physics.odometer import PLANAR_COVARIANCE
+from ..physics.velocity_profile import Velocity
+
+
+def clock_message(stamp: Time) -> Clock:
+    """Returns the message for /clock."""
+    return Clock(stamp)
+
+
+def odometry_message(
+    stamp: Time,
+    frames: tuple[str, str],
+    pose: Pose,
+    velocity: Velocity,
+    covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
+    twist_covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
+) -> Odometry:
+    """Returns the message for a pose and a velocity.
+
+    Args:
+        stamp: Time of both.
+        frames: Frame of the pose, and the robot's frame, in which the velocity is.
+        pose: Pose of the robot.
+        velocity: Velocity of the robot.
+        covariance: Covariance of the pose, (36,).
+        twist_covariance: Covariance of the velocity, (36,).
+    """
+    vx, vy, wz = velocity
+    return Odometry(
+        Header(stamp, frames[0]),
+        frames[1],
+        PoseWithCovariance(PoseMessage.from_planar(pose), covariance),
+        TwistWithCovariance(Twist(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), twist_covariance),
+    )
+
+
+def transforms_message(stamp: Time, links: Iterable[tuple[str, str, Pose]]) -> TFMessage:
+    """Returns the message for /tf.
+
+    Args:
+        stamp: Time of the transforms.
+        links: Name of the frame, name of the child frame, and pose of the child in the frame, for each transform.
+    """
+    return TFMessage(
+        [TransformStamped(Header(stamp, frame), child, Transform.from_planar(pose)) for frame, child, pose in links]
+    )
