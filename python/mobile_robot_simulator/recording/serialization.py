@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from ..messages import Message
+from .packer import Packer
 
 
 @cache
@@ -39,6 +40,12 @@ def to_ros2_bytes(message: Message) -> memoryview:
         ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
     """
     try:
+        packer = _packer(type(message))  # type: ignore[arg-type]
+        if packer is not None:
+            return memoryview(packer.pack(message))
+    except Exception:  # rosbags says what is wrong
+        pass
+    try:
         # The argument is a class, which is hashable. Mypy rejects it, because instances of the class are not hashable.
         for name, array_of, dtype in _array_fields(type(message)):  # type: ignore[arg-type]
             if array_of(message).dtype != dtype:
@@ -53,6 +60,15 @@ def to_ros2_bytes(message: Message) -> memoryview:
 def to_ros1_bytes(message: Message) -> memoryview:
     """Returns a message in the encoding of ROS 1. Raises the errors of `to_ros2_bytes`."""
     return ros2_types().cdr_to_ros1(to_ros2_bytes(message), message.ros_type)
+
+
+@cache
+def _packer(kind: type[Message]) -> Packer | None:
+    """Returns what packs messages of a class quickly, or None if there is nothing for it."""
+    try:
+        return Packer(ros2_types(), kind.ros_type)
+    except (KeyError, NotImplementedError):
+        return None
 
 
 @cache
