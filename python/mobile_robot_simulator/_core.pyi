@@ -1206,7 +1206,7 @@ def clearance_batch(
         grid: Map that the robot moves in. Outside the grid is free.
         footprint: Outline of the robot in its own frame.
         poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]. Anything that NumPy can convert
-            to float64 without loss. More than 100,000 poses are read in place, without a copy, so no other thread may write
+            to float64 without loss. More than 5,000 poses are read in place, without a copy, so no other thread may write
             to them during the call.
         limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
         obstacles: Pairs (Shape, pose), with poses in the map frame.
@@ -1294,7 +1294,7 @@ def cast_rays(
     """Returns the range of each ray: the distance at which it enters the first blocking cell or obstacle.
 
     The rays are independent; for the beams of a scanner, use `LaserScanner.scan_batch`. Ranges are exact: the grid traversal
-    follows Amanatides & Woo (1987), section 2. More than 100,000 rays are read in place, without a copy, so no other thread
+    follows Amanatides & Woo (1987), section 2. More than 5,000 rays are read in place, without a copy, so no other thread
     may write to them during the call.
 
     Args:

@@ -31,22 +31,26 @@ impl Deref for Rows<'_> {
 }
 
 /// Number of rows up to which a batch is copied, so that it may change during the call.
-const MAX_COPIED: usize = 100_000;
+const MAX_COPIED: usize = 5_000;
 
 /// Returns a batch of shape `(N, 3)` from anything that NumPy converts to `float64` without loss.
 ///
 /// A large batch in C order is read in place. Any other is copied, also one that may share memory with `out`.
 pub fn rows<'py>(name: &str, value: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
+    const WHAT: &str = "the rows of an array";
     let array = typed::<f64>(name, value)?;
-    let view = array.as_array();
-    let [count, 3] = *view.shape() else {
-        return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(view.shape()))));
+    let [count, 3] = *array.shape() else {
+        return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(array.shape()))));
     };
     if count > MAX_COPIED && array.is_c_contiguous() && !may_overlap(array.as_any(), out)? {
         return Ok(Rows::Borrowed(array));
     }
-    let rows = view.rows().into_iter().map(|row| [row[0], row[1], row[2]]);
-    Ok(Rows::Copied(memory::collected("the rows of an array", rows)?))
+    let view = array.as_array();
+    let rows = match view.as_slice() {
+        Some(numbers) => memory::collected(WHAT, numbers.as_chunks().0.iter().copied())?,
+        None => memory::collected(WHAT, view.rows().into_iter().map(|row| [row[0], row[1], row[2]]))?,
+    };
+    Ok(Rows::Copied(rows))
 }
 
 fn may_overlap<'py>(array: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<bool> {

@@ -179,7 +179,7 @@ pub fn clearance(
 ///     grid: Map that the robot moves in. Outside the grid is free.
 ///     footprint: Outline of the robot in its own frame.
 ///     poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]. Anything that NumPy can convert
-///         to float64 without loss. More than 100,000 poses are read in place, without a copy, so no other thread may write
+///         to float64 without loss. More than 5,000 poses are read in place, without a copy, so no other thread may write
 ///         to them during the call.
 ///     limit: Distance up to which to search [m]. In empty space, the cost grows with its square.
 ///     obstacles: Pairs (Shape, pose), with poses in the map frame.

@@ -12,7 +12,7 @@ use crate::raycast;
 /// Returns the range of each ray: the distance at which it enters the first blocking cell or obstacle.
 ///
 /// The rays are independent; for the beams of a scanner, use `LaserScanner.scan_batch`. Ranges are exact: the grid traversal
-/// follows Amanatides & Woo (1987), section 2. More than 100,000 rays are read in place, without a copy, so no other thread
+/// follows Amanatides & Woo (1987), section 2. More than 5,000 rays are read in place, without a copy, so no other thread
 /// may write to them during the call.
 ///
 /// Args:
