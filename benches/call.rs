@@ -7,7 +7,9 @@ use std::io::{Write, stdin, stdout};
 use std::path::Path;
 use std::time::Instant;
 
-use mobile_robot_simulator::{GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown};
+use mobile_robot_simulator::{
+    BeamLayout, GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown,
+};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
@@ -26,7 +28,7 @@ fn main() {
         .map(|row| std::array::from_fn(|axis| f64::from_le_bytes(*row[8 * axis..].first_chunk().expect("a float64"))))
         .collect();
     let options = ScannerOptions {
-        fov: 0.75 * std::f64::consts::TAU,
+        layout: BeamLayout::Fov(0.75 * std::f64::consts::TAU),
         beam_count: 541,
         max_range: 600.0 * resolution,
         ..ScannerOptions::default()

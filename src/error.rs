@@ -15,9 +15,35 @@ pub enum Error {
         /// Its domain.
         needed: &'static str,
     },
-    /// A field of view that looks like a number of degrees.
-    #[error("fov must be in (0, 2π] radians, got {}; {}° is {:.4} rad", shown(*.0), shown(*.0), .0.to_radians())]
-    Degrees(f64),
+    /// An angle that looks like a number of degrees.
+    #[error("{name} must be {needed}, got {}; {}° is {:.4} rad", shown(*value), shown(*value), value.to_radians())]
+    Degrees {
+        /// Name of the angle.
+        name: &'static str,
+        /// The number given.
+        value: f64,
+        /// Its domain.
+        needed: &'static str,
+    },
+    /// Ends of a field of beams that are equal, or more than a full turn apart.
+    #[error("angle_max must differ from angle_min by at most 2π, got {} and {}", shown(*angle_max), shown(*angle_min))]
+    Angles {
+        /// Angle of the first beam.
+        angle_min: f64,
+        /// Angle of the last beam.
+        angle_max: f64,
+    },
+    /// Steps between beams that are 0, or together more than a full turn.
+    #[error(
+        "angle_increment must be other than 0, and turn all beams by at most 2π, got {} for {beam_count} beams",
+        shown(*angle_increment)
+    )]
+    Steps {
+        /// Angle from one beam to the next.
+        angle_increment: f64,
+        /// Number of beams.
+        beam_count: usize,
+    },
     /// A maximum range that is not above the minimum range.
     #[error("max_range must be greater than min_range, got {} and {}", shown(*max_range), shown(*min_range))]
     Ranges {

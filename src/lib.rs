@@ -37,7 +37,8 @@
 //! - **Contact**: footprints, blocking cells and obstacles include their edges, so one shared point is contact. A footprint
 //!   stops within 1e-6 m of what it meets, and never inside it; see [`advance`].
 //! - **Beams**: beam `i` points at `angle_min + i · angle_increment`, with `angle_increment = fov / (beam_count - 1)`. A
-//!   full turn has `angle_increment = fov / beam_count`, so that no beam is repeated.
+//!   full turn has `angle_increment = fov / beam_count`, so that no beam is repeated. Other layouts, clockwise ones too:
+//!   see [`BeamLayout`].
 //! - **Noise**: the beam model of *Probabilistic Robotics*, table 6.1, with each part normalised; see [`BeamModel`].
 //! - **Same seed, same bytes**: results are the same for any number of threads, any split of a batch, any instruction set
 //!   and any machine. The random stream of a scan depends only on the seed and the index of the scan. Operations that a
@@ -48,6 +49,7 @@
 
 mod batch;
 mod beam_model;
+mod beams;
 mod contact;
 mod error;
 mod fork;
@@ -70,12 +72,13 @@ mod shape;
 mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
+pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use motion::{Limits, MotionNoise, Twist, integrate, integrate_batch, interpolate};
 pub use obstacles::Obstacles;
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
-pub use scanner::{LaserScanner, MAX_BEAMS, NoReturn, Noise, ScannerOptions};
+pub use scanner::{LaserScanner, NoReturn, Noise, ScannerOptions};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
 pub use world::World;

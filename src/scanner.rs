@@ -1,16 +1,16 @@
-//! Laser scanners: beam angles, single scans, batches of scans. Beam angles are defined here and nowhere else.
+//! Laser scanners: single scans and batches of scans.
 
-use std::f64::consts::TAU;
 use std::iter;
 
 use glam::DVec2;
 
 use crate::batch::{check_rows, for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
+use crate::beams::{BeamLayout, Beams};
 use crate::error::{Error, check_finite, check_number};
 use crate::memory;
 use crate::numeric::{GROUP, Group};
-use crate::obstacles::{Spread, View};
+use crate::obstacles::View;
 use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges, store};
@@ -19,8 +19,8 @@ use crate::world::World;
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScannerOptions {
-    /// Field of view \[rad\], in (0, 2π].
-    pub fov: f64,
+    /// Angles of the beams in the laser frame.
+    pub layout: BeamLayout,
     /// Number of beams, equal to the number of ranges of a scan.
     pub beam_count: usize,
     /// Smallest valid range \[m\].
@@ -33,7 +33,7 @@ pub struct ScannerOptions {
 
 impl Default for ScannerOptions {
     fn default() -> Self {
-        Self { fov: 4.71, beam_count: 541, min_range: 0.05, max_range: 30.0, mount: Pose::default() }
+        Self { layout: BeamLayout::Fov(4.71), beam_count: 541, min_range: 0.05, max_range: 30.0, mount: Pose::default() }
     }
 }
 
@@ -65,12 +65,6 @@ pub enum NoReturn {
 /// Distance of [`NoReturn::BelowMax`] from the maximum range \[m\].
 const BELOW_MAX: f32 = 0.1;
 
-/// Largest number of beams of a scanner.
-pub const MAX_BEAMS: usize = 1_000_000;
-
-/// A field of view within this of 2π \[rad\] counts as a full turn.
-const FULL_TURN_TOLERANCE: f64 = 1e-6;
-
 /// A planar laser scanner whose beams are spread evenly over its field of view.
 ///
 /// ```text
@@ -84,18 +78,12 @@ const FULL_TURN_TOLERANCE: f64 = 1e-6;
 ///                    beam 0: angle_min
 /// ```
 ///
-/// Beam `i` points at `angle_min + i · angle_increment` in the laser frame, counter-clockwise:
-///
-/// | field of view | `angle_min` | `angle_increment` |
-/// |---|---|---|
-/// | less than a full turn | `-fov / 2` | `fov / (beam_count - 1)`: a beam at both ends |
-/// | full turn (2π ± 1e-6) | `-fov / 2` | `fov / beam_count`: the two ends are the same direction, with one beam |
-/// | any, with a single beam | 0 | 0 |
+/// Beam `i` points at `angle_min + i · angle_increment` in the laser frame; see [`BeamLayout`]. If the increment is negative,
+/// the beams turn clockwise.
 #[derive(Debug, Clone)]
 pub struct LaserScanner {
     options: ScannerOptions,
-    angle_min: f64,
-    angle_increment: f64,
+    beams: Beams,
     /// Cosines of the beam angles, in groups; the last group is padded.
     cos: Vec<Group>,
     /// Sines of the beam angles, in groups; the last group is padded.
@@ -104,23 +92,18 @@ pub struct LaserScanner {
 }
 
 impl LaserScanner {
-    /// Returns the scanner with these parameters. [`LaserScanner`] tells where its beams point.
+    /// Returns the scanner with these parameters. [`BeamLayout`] tells where its beams point.
     ///
     /// # Errors
-    /// - [`Error::Degrees`]: `fov` looks like a number of degrees.
-    /// - [`Error::Number`]: `fov` is not in (0, 2π], `min_range` is negative, `max_range` is too large for a float32, or a
-    ///   number is not finite.
+    /// - [`Error::Degrees`]: an angle of the layout looks like a number of degrees.
+    /// - [`Error::Angles`], [`Error::Steps`]: the beams have no field, or turn by more than a full turn.
+    /// - [`Error::Number`]: an angle of the layout is not in its domain, `min_range` is negative, `max_range` is too large for
+    ///   a float32, or a number is not finite.
     /// - [`Error::Ranges`]: `max_range` is not above `min_range`.
     /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`].
     pub fn new(options: ScannerOptions) -> Result<Self, Error> {
-        let ScannerOptions { fov, beam_count, min_range, max_range, mount } = options;
-        if fov > TAU + 1.0 && fov <= 360.0 {
-            return Err(Error::Degrees(fov));
-        }
-        check_number("fov", fov, "in (0, 2π] radians", |value| value > 0.0 && value < TAU + FULL_TURN_TOLERANCE)?;
-        if !(1..=MAX_BEAMS).contains(&beam_count) {
-            return Err(Error::Count { name: "beam_count", value: beam_count, needed: "in 1..1000000" });
-        }
+        let ScannerOptions { layout, beam_count, min_range, max_range, mount } = options;
+        let beams = Beams::new(layout, beam_count)?;
         check_number("min_range", min_range, "at least 0", |value| value >= 0.0)?;
         check_finite("max_range", max_range)?;
         if max_range <= min_range {
@@ -130,16 +113,14 @@ impl LaserScanner {
         check_finite("mount x", mount.position.x)?;
         check_finite("mount y", mount.position.y)?;
         check_finite("mount yaw", mount.yaw)?;
-        let gaps = if (fov - TAU).abs() < FULL_TURN_TOLERANCE { beam_count } else { beam_count - 1 };
-        let (angle_min, angle_increment) = if beam_count == 1 { (0.0, 0.0) } else { (-0.5 * fov, fov / gaps as f64) };
         let groups = beam_count.div_ceil(GROUP);
         let (mut cos, mut sin) =
             (memory::filled("the beams", [1.0; GROUP], groups)?, memory::filled("the beams", [0.0; GROUP], groups)?);
         for beam in 0..beam_count {
             let (group, place) = (beam / GROUP, beam % GROUP);
-            (sin[group][place], cos[group][place]) = libm::sincos(angle_min + beam as f64 * angle_increment);
+            (sin[group][place], cos[group][place]) = libm::sincos(beams.angle(beam));
         }
-        Ok(Self { options, angle_min, angle_increment, cos, sin, kernel: None })
+        Ok(Self { options, beams, cos, sin, kernel: None })
     }
 
     /// Returns the parameters that the scanner was made with.
@@ -148,10 +129,16 @@ impl LaserScanner {
         self.options
     }
 
+    /// Returns the size of the field of the beams \[rad\], from one end to the other.
+    #[must_use]
+    pub fn fov(&self) -> f64 {
+        if let BeamLayout::Fov(fov) = self.options.layout { fov } else { self.beams.field() }
+    }
+
     /// Returns the angle of beam 0 in the laser frame \[rad\].
     #[must_use]
     pub fn angle_min(&self) -> f64 {
-        self.angle_min
+        self.beams.angle_min()
     }
 
     /// Returns the angle of the last beam in the laser frame \[rad\].
@@ -160,16 +147,16 @@ impl LaserScanner {
         self.angle(self.options.beam_count - 1)
     }
 
-    /// Returns the angle between two neighbouring beams \[rad\]; 0 if there is only one beam.
+    /// Returns the angle from one beam to the next \[rad\]: negative if they turn clockwise, 0 if there is only one.
     #[must_use]
     pub fn angle_increment(&self) -> f64 {
-        self.angle_increment
+        self.beams.angle_increment()
     }
 
     /// Returns the angle of a beam in the laser frame \[rad\].
     #[must_use]
     pub fn angle(&self, beam: usize) -> f64 {
-        self.angle_min + beam as f64 * self.angle_increment
+        self.beams.angle(beam)
     }
 
     /// Writes the true range \[m\] of each beam to `ranges`, seen from a robot at `map_from_base`.
@@ -180,7 +167,7 @@ impl LaserScanner {
     ///
     /// ```
     /// use mobile_robot_simulator::{
-    ///     GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown,
+    ///     BeamLayout, GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown,
     /// };
     ///
     /// // A row of ten cells of 1 m; the cell from x = 7 m to x = 8 m is occupied.
@@ -193,8 +180,8 @@ impl LaserScanner {
     ///     GridOptions { resolution: 1.0, origin, occupied_threshold, unknown: Unknown::Free },
     /// )?;
     ///
-    /// let fov = std::f64::consts::PI;
-    /// let options = ScannerOptions { fov, beam_count: 3, max_range: 20.0, ..ScannerOptions::default() };
+    /// let layout = BeamLayout::Fov(std::f64::consts::PI);
+    /// let options = ScannerOptions { layout, beam_count: 3, max_range: 20.0, ..ScannerOptions::default() };
     /// let laser = LaserScanner::new(options)?;
     /// let mut ranges = [0.0; 3];
     /// laser.scan(&grid, Pose::new(2.0, 0.5, 0.0), &mut ranges)?;
@@ -356,7 +343,7 @@ impl LaserScanner {
         // Views are large. Without obstacles, the array is neither filled nor moved.
         let mut views = (!obstacles.is_empty()).then_some([const { None }; Fans::MAX]);
         for (view, map_from_base) in views.iter_mut().flatten().zip(poses) {
-            let seen = View::new(obstacles, map_from_laser(map_from_base), self.spread(), *max_range)?;
+            let seen = View::new(obstacles, map_from_laser(map_from_base), self.beams, *max_range)?;
             *view = (!seen.is_empty()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();
@@ -367,11 +354,6 @@ impl LaserScanner {
         let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
         caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 })
-    }
-
-    fn spread(&self) -> Spread {
-        let Self { options: ScannerOptions { beam_count, .. }, angle_min, angle_increment, .. } = *self;
-        Spread { angle_min, angle_increment, beam_count }
     }
 }
 

@@ -9,7 +9,8 @@ use std::path::Path;
 
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{
-    GridOptions, LaserScanner, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
+    BeamLayout, GridOptions, LaserScanner, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose, ScannerOptions, Unknown,
+    random,
 };
 use rand::{Rng, RngExt};
 
@@ -132,7 +133,12 @@ fn all_kernels_are_exact() {
     let kernels = kernels();
     let mut count = 0;
     for (index, (name, grid)) in (1..).zip(grids()) {
-        let options = ScannerOptions { fov: TAU, beam_count: BEAMS, max_range: 100.0, ..ScannerOptions::default() };
+        let options = ScannerOptions {
+            layout: BeamLayout::Fov(TAU),
+            beam_count: BEAMS,
+            max_range: 100.0,
+            ..ScannerOptions::default()
+        };
         let laser = LaserScanner::new(options).expect("a scanner");
         let scans = if index as usize <= GRIDS.len() { SCANS } else { REAL_SCANS };
         let starts = poses(&grid, scans, index);

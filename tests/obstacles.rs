@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use glam::DVec2;
 use mobile_robot_simulator::raycast::cast_rays;
 use mobile_robot_simulator::{
-    BeamModel, BeamModelOptions, GridOptions, LaserScanner, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose,
-    ScannerOptions, Shape, Unknown, random,
+    BeamLayout, BeamModel, BeamModelOptions, GridOptions, LaserScanner, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
+    Pose, ScannerOptions, Shape, Unknown, random,
 };
 use rand::RngExt;
 
@@ -169,7 +169,7 @@ fn each_beam_of_a_scan_agrees_with_the_reference() {
         let fov = [TAU, 4.71, 1.0, 6.0, 1e-3][round % 5];
         let beam_count = [1, 2, 361, 541, 700][round / 5 % 5];
         let mount = Pose::new(0.2, -0.1, [0.0, 3.0, -1.5][round % 3]);
-        let scanner = ScannerOptions { fov, beam_count, min_range: 0.0, max_range: 6.0, mount };
+        let scanner = ScannerOptions { layout: BeamLayout::Fov(fov), beam_count, min_range: 0.0, max_range: 6.0, mount };
         let scanner = LaserScanner::new(scanner).unwrap();
         let shapes = shapes(&mut stream, round % 6);
         let obstacles = set(&shapes);
@@ -259,7 +259,7 @@ fn a_batch_does_not_depend_on_threads_or_splits() {
 #[test]
 fn obstacles_out_of_sight_do_not_change_a_scan() {
     let grid = grid(40, (0..1600).map(|index| if index % 37 == 0 { 100 } else { 0 }).collect(), 0.25, Pose::default());
-    let scanner = LaserScanner::new(ScannerOptions { fov: 2.0, ..ScannerOptions::default() }).unwrap();
+    let scanner = LaserScanner::new(ScannerOptions { layout: BeamLayout::Fov(2.0), ..ScannerOptions::default() }).unwrap();
     let model = BeamModel::new(BeamModelOptions::default()).unwrap();
     let scan = |obstacles: &Obstacles| {
         let mut readings = vec![0.0; 541];

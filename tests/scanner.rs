@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use mobile_robot_simulator::raycast::{Caster, Kernel};
 use mobile_robot_simulator::{
-    BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
-    Pose, ScannerOptions, Shape, Unknown,
+    BeamLayout, BeamModel, BeamModelOptions, GridOptions, LaserScanner, NoReturn, Noise, OCCUPIED_THRESHOLD, Obstacles,
+    OccupancyGrid, Pose, ScannerOptions, Shape, Unknown,
 };
 use rayon::prelude::*;
 
@@ -40,21 +40,22 @@ fn poses(count: usize) -> Vec<[f64; 3]> {
 
 #[test]
 fn the_first_and_last_beam_are_at_the_ends_of_the_field_of_view() {
-    let laser = scanner(ScannerOptions { fov: PI, beam_count: 5, ..ScannerOptions::default() });
+    let laser = scanner(ScannerOptions { layout: BeamLayout::Fov(PI), beam_count: 5, ..ScannerOptions::default() });
     let angles: Vec<f64> = (0..5).map(|beam| laser.angle(beam)).collect();
     assert_eq!(angles, [-FRAC_PI_2, -FRAC_PI_2 / 2.0, 0.0, FRAC_PI_2 / 2.0, FRAC_PI_2]);
     assert_eq!((laser.angle_min(), laser.angle_max()), (-FRAC_PI_2, FRAC_PI_2));
 }
 
 #[test]
+#[allow(clippy::approx_constant, reason = "drivers round it")]
 fn in_a_full_turn_no_two_beams_point_in_the_same_direction() {
-    for fov in [TAU, TAU - 1e-7, TAU + 1e-7] {
-        let laser = scanner(ScannerOptions { fov, beam_count: 8, ..ScannerOptions::default() });
+    for fov in [TAU, TAU - 1e-7, TAU + 1e-7, 6.2832] {
+        let laser = scanner(ScannerOptions { layout: BeamLayout::Fov(fov), beam_count: 8, ..ScannerOptions::default() });
         assert_eq!(laser.angle_increment(), fov / 8.0);
         assert_eq!(laser.angle_max(), laser.angle_min() + 7.0 * laser.angle_increment());
     }
-    let nearly = scanner(ScannerOptions { fov: TAU - 1e-5, beam_count: 8, ..ScannerOptions::default() });
-    assert_eq!(nearly.angle_increment(), (TAU - 1e-5) / 7.0);
+    let nearly = scanner(ScannerOptions { layout: BeamLayout::Fov(TAU - 3e-5), beam_count: 8, ..ScannerOptions::default() });
+    assert_eq!(nearly.angle_increment(), (TAU - 3e-5) / 7.0);
 }
 
 #[test]
@@ -251,8 +252,8 @@ fn scan(laser: &LaserScanner, grid: &OccupancyGrid, start: [f64; 3]) -> Vec<f32>
 fn the_error_names_the_bad_option_or_argument() {
     let good = ScannerOptions::default();
     let error = |options| LaserScanner::new(options).unwrap_err().to_string();
-    assert_eq!(error(ScannerOptions { fov: 0.0, ..good }), "fov must be in (0, 2π] radians, got 0");
-    assert_eq!(error(ScannerOptions { fov: 6.3, ..good }), "fov must be in (0, 2π] radians, got 6.3");
+    assert_eq!(error(ScannerOptions { layout: BeamLayout::Fov(0.0), ..good }), "fov must be in (0, 2π] radians, got 0");
+    assert_eq!(error(ScannerOptions { layout: BeamLayout::Fov(6.3), ..good }), "fov must be in (0, 2π] radians, got 6.3");
     assert_eq!(error(ScannerOptions { beam_count: 0, ..good }), "beam_count must be in 1..1000000, got 0");
     assert_eq!(error(ScannerOptions { min_range: -1.0, ..good }), "min_range must be at least 0, got -1");
     assert_eq!(

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use mobile_robot_simulator::raycast::Kernel;
 use mobile_robot_simulator::{
-    GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
+    BeamLayout, GridOptions, LaserScanner, OCCUPIED_THRESHOLD, OccupancyGrid, Pose, ScannerOptions, Unknown, random,
 };
 use rand::RngExt;
 
@@ -95,7 +95,7 @@ pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
 /// Returns a scanner with 541 beams over 270° and a maximum range of 600 cells.
 pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
     let options = ScannerOptions {
-        fov: 0.75 * TAU,
+        layout: BeamLayout::Fov(0.75 * TAU),
         beam_count: 541,
         max_range: 600.0 * grid.resolution(),
         ..ScannerOptions::default()

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Never, Self
 
 __all__ = [
+    "FULL_TURN_TOLERANCE",
     "BeamModel",
     "Contact",
     "LaserScanner",
@@ -27,6 +28,8 @@ __all__ = [
 ]
 
 __version__: str
+FULL_TURN_TOLERANCE: float
+"""A field of beams within this of 2π [rad] counts as a full turn."""
 
 # A pose (x, y, yaw), a twist (vx, vy, wz), and obstacles as (Shape, pose) pairs, in every form that functions take.
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
@@ -527,12 +530,18 @@ class BeamModel:
 class LaserScanner:
     """A planar laser scanner with evenly spaced beams.
 
-    Beam i points at `angle_min + i * angle_increment` in the scanner's frame. The field of view is centred on the x axis,
-    with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full circle (within 1e-6) has no second end:
+    Beam i points at `angle_min + i * angle_increment` in the scanner's frame. A field of view `fov` is centred on the x axis,
+    with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full turn (within 2e-5) has no second end:
     `angle_increment = fov / beam_count`. A single beam points along the x axis. The defaults are those of a SICK S300.
 
+    Instead of `fov`, the field can be given by `angle_min` and `angle_max`, with the same rules, or by `angle_min` and
+    `angle_increment`. If `angle_max` is less than `angle_min`, or the increment is negative, the beams turn clockwise.
+
     Args:
-        fov: Field of view [rad], above 0 and at most 2π.
+        fov: Field of view [rad], above 0 and at most 2π. None means the default, or the field given by the angles.
+        angle_min: Angle of the first beam [rad], -2π to 2π.
+        angle_max: Angle of the last beam [rad], -2π to 2π; in a full turn, the angle at which the turn is complete.
+        angle_increment: Angle from one beam to the next [rad]. All beams together must turn by at most 2π.
         beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
         min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
         max_range: Range of a beam that hits nothing [m], greater than `min_range`.
@@ -551,7 +560,10 @@ class LaserScanner:
     def __new__(
         cls,
         *,
-        fov: float = 4.71,
+        fov: float | None = 4.71,
+        angle_min: float | None = None,
+        angle_max: float | None = None,
+        angle_increment: float | None = None,
         beam_count: int | None = 541,
         min_range: float = 0.05,
         max_range: float = 30.0,
@@ -559,7 +571,7 @@ class LaserScanner:
     ) -> Self: ...
     @property
     def fov(self) -> float:
-        """Field of view [rad]."""
+        """Field of view [rad]: the one given, or the angle between the ends of the field."""
     @property
     def beam_count(self) -> int:
         """Number of beams and of ranges in a scan."""
@@ -580,7 +592,7 @@ class LaserScanner:
         """Angle of the last beam in the scanner's frame [rad]."""
     @property
     def angle_increment(self) -> float:
-        """Angle from one beam to the next [rad]."""
+        """Angle from one beam to the next [rad]: negative if they turn clockwise."""
     @property
     def angles(self) -> NDArray[np.float64]:
         """Angles of the beams in the scanner's frame, (beam_count,) float64 [rad]."""

@@ -62,19 +62,18 @@ def translate(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _beams(angles: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns field of view and number of beams.
+    """Returns the field and the number of beams.
 
     If less than half an increment is missing to a full circle, the scan is a full circle.
     """
     low, high, step = (float(angles[name]) for name in ANGLES)
     _positive("scan_angle_increment", step)
-    if not low < high or not math.isclose(low, -high, abs_tol=step / 2.0):
-        raise ValueError(
-            f"scan_angle_min must be -scan_angle_max (to turn the scanner, use laser_mount), got {low} and {high}"
-        )
+    if not low < high:
+        raise ValueError(f"scan_angle_min must be less than scan_angle_max, got {low} and {high}")
     if high - low > 2.0 * math.pi - step / 2.0:
-        return {"laser_fov": 2.0 * math.pi, "laser_beam_count": round(2.0 * math.pi / step)}
-    return {"laser_fov": high - low, "laser_beam_count": round((high - low) / step) + 1}
+        ends = {"laser_angle_min": low, "laser_angle_max": low + 2.0 * math.pi}
+        return ends | {"laser_beam_count": round(2.0 * math.pi / step)}
+    return {"laser_angle_min": low, "laser_angle_max": high, "laser_beam_count": round((high - low) / step) + 1}
 
 
 def _positive(name: str, value: Any) -> float:

@@ -13,7 +13,7 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from ._core import BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
+from ._core import FULL_TURN_TOLERANCE, BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
 from .quoting import nearest, quoted, shortened
 from .yaml_documents import parse, value_of
 
@@ -58,6 +58,8 @@ Number = Annotated[float, BeforeValidator(_reject_bool), Field(allow_inf_nan=Fal
 Rate = Annotated[Number, Field(gt=0.0, le=1e6)]
 Weight = Annotated[Number, Field(ge=0.0)]
 Count = Annotated[int, BeforeValidator(_reject_bool)]
+LARGEST_ANGLE = 2.0 * math.pi + FULL_TURN_TOLERANCE
+Angle = Annotated[Number, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
 Seed = Annotated[Count, AfterValidator(_check_seed)]
 Name = Annotated[str, Field(min_length=1)]
 PoseTriple = Annotated[tuple[Number, Number, Number], _numbers("x", "y", "yaw")]
@@ -308,7 +310,12 @@ class LaserParameters(Parameters):
     laser_mount: PoseTriple | None = Field(
         None, description="pose [x, y, yaw] of the scanner on the robot [m, m, rad], published to /tf_static; null for none"
     )
-    laser_fov: Annotated[Number, Field(gt=0.0, le=2.0 * math.pi + 1e-6)] = Field(4.71, description="field of view [rad]")
+    laser_fov: Annotated[Number, Field(gt=0.0, le=LARGEST_ANGLE)] = Field(4.71, description="field of view [rad]")
+    laser_angle_min: Angle | None = Field(
+        None, description="smallest angle of the beams [rad], together with laser_angle_max and instead of laser_fov"
+    )
+    laser_angle_max: Angle | None = Field(None, description="largest angle of the beams [rad]")
+    laser_clockwise: bool = Field(False, description="measure clockwise, from the largest angle to the smallest")
     laser_beam_count: Annotated[Count, Field(ge=1, le=1_000_000)] = Field(
         541, description="number of beams, and of ranges in a scan"
     )
@@ -351,6 +358,11 @@ class LaserParameters(Parameters):
             raise ValueError(
                 f"laser_min_range must be less than laser_max_range {self.laser_max_range}, got {self.laser_min_range}"
             )
+        low, high = self.laser_angle_min, self.laser_angle_max
+        if (low is None) != (high is None):
+            raise ValueError(f"laser_angle_min and laser_angle_max must be given together, got {low} and {high}")
+        if low is not None and high is not None and not 0.0 < high - low <= LARGEST_ANGLE:
+            raise ValueError(f"laser_angle_max must exceed laser_angle_min by at most 2π, got {high} and {low}")
         if self.laser_mount is not None and self.laser_frame_id == self.base_link_frame:
             raise ValueError(
                 "laser_mount needs a laser_frame_id other than base_link_frame, "
@@ -380,12 +392,22 @@ class LaserParameters(Parameters):
 
         """
         return LaserScanner(
-            fov=self.laser_fov,
+            **self._beam_layout(),
             beam_count=self.laser_beam_count,
             min_range=self.laser_min_range,
             max_range=self.laser_max_range,
             mount=mount or Pose(*(self.laser_mount or (0.0, 0.0, 0.0))),
         )
+
+    def _beam_layout(self) -> dict[str, float]:
+        """Returns the arguments of `LaserScanner` for the angles of the beams."""
+        if self.laser_angle_min is None or self.laser_angle_max is None:
+            if not self.laser_clockwise:
+                return {"fov": self.laser_fov}
+            low, high = -0.5 * self.laser_fov, 0.5 * self.laser_fov
+        else:
+            low, high = self.laser_angle_min, self.laser_angle_max
+        return {"angle_min": high, "angle_max": low} if self.laser_clockwise else {"angle_min": low, "angle_max": high}
 
 
 class WorldParameters(Parameters):

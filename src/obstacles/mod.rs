@@ -6,7 +6,7 @@ mod view;
 use glam::DVec2;
 
 pub(crate) use body::Body;
-pub(crate) use view::{Spread, View};
+pub(crate) use view::View;
 
 use crate::error::Error;
 use crate::memory;

@@ -12,25 +12,16 @@
 //!
 //! Only beams between `bearing - half_angle` and `bearing + half_angle` are tested against the outline.
 
-use std::f64::consts::TAU;
-
 use glam::DVec2;
 
 use super::{Body, OBSTACLES, Obstacles};
+use crate::beams::Beams;
 use crate::error::Error;
 use crate::memory;
 use crate::pose::Pose;
 
 /// Extra angle \[rad\] on both sides of an obstacle, far larger than the rounding error of its bearing.
 const ANGLE_MARGIN: f64 = 1e-9;
-
-/// Angles of the beams of a scan in the laser frame: beam `i` points at `angle_min + i · angle_increment` \[rad\].
-#[derive(Debug, Clone, Copy)]
-pub struct Spread {
-    pub angle_min: f64,
-    pub angle_increment: f64,
-    pub beam_count: usize,
-}
 
 /// The obstacles that a scan can see from one pose.
 pub struct View<'a> {
@@ -56,7 +47,7 @@ impl<'a> View<'a> {
     ///
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
-    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, spread: Spread, max_range: f64) -> Result<Self, Error> {
+    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, beams: Beams, max_range: f64) -> Result<Self, Error> {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
         let mut seen = Vec::new();
@@ -68,19 +59,15 @@ impl<'a> View<'a> {
                 continue;
             }
             let inside = body.contains(origin);
-            if distance > reach && spread.beam_count > 1 {
+            if distance > reach && beams.count() > 1 {
                 let offset = DVec2::new(cos, -sin).rotate(offset);
                 let bearing = libm::atan2(offset.y, offset.x);
                 let half_angle = libm::asin(reach / distance) + ANGLE_MARGIN;
-                // The interval may cross ±π, so the beams one turn earlier and one turn later are selected too.
-                for turn in [-TAU, 0.0, TAU] {
-                    let beams = spread.beams_within(bearing + turn - half_angle, bearing + turn + half_angle);
-                    if beams.0 < beams.1 {
-                        memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams })?;
-                    }
+                for beams in beams.within(bearing - half_angle, bearing + half_angle).filter(|beams| beams.0 < beams.1) {
+                    memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams })?;
                 }
             } else {
-                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, spread.beam_count) })?;
+                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, beams.count()) })?;
             }
         }
         Ok(Self { origin, heading, max_range, seen })
@@ -110,15 +97,5 @@ impl<'a> View<'a> {
                 }
             }
         }
-    }
-}
-
-impl Spread {
-    /// Returns the first beam between two angles \[rad\] of the laser frame, and one past the last. Empty if first >= past.
-    fn beams_within(self, low: f64, high: f64) -> (usize, usize) {
-        // `as usize` saturates: negative values become 0.
-        let first = ((low - self.angle_min) / self.angle_increment).ceil() as usize;
-        let past = ((high - self.angle_min) / self.angle_increment).floor() + 1.0;
-        (first, (past as usize).min(self.beam_count))
     }
 }

@@ -102,6 +102,7 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::interrupt::set_hook(super::interrupt::handle_signals);
+        module.add("FULL_TURN_TOLERANCE", crate::FULL_TURN_TOLERANCE)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -14,16 +14,22 @@ use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{NoReturn, Noise, ScannerOptions};
+use crate::{BeamLayout, NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
-/// Beam i points at `angle_min + i * angle_increment` in the scanner's frame. The field of view is centred on the x axis,
-/// with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full circle (within 1e-6) has no second end:
+/// Beam i points at `angle_min + i * angle_increment` in the scanner's frame. A field of view `fov` is centred on the x axis,
+/// with a beam at both ends: `angle_increment = fov / (beam_count - 1)`. A full turn (within 2e-5) has no second end:
 /// `angle_increment = fov / beam_count`. A single beam points along the x axis. The defaults are those of a SICK S300.
 ///
+/// Instead of `fov`, the field can be given by `angle_min` and `angle_max`, with the same rules, or by `angle_min` and
+/// `angle_increment`. If `angle_max` is less than `angle_min`, or the increment is negative, the beams turn clockwise.
+///
 /// Args:
-///     fov: Field of view [rad], above 0 and at most 2π.
+///     fov: Field of view [rad], above 0 and at most 2π. None means the default, or the field given by the angles.
+///     angle_min: Angle of the first beam [rad], -2π to 2π.
+///     angle_max: Angle of the last beam [rad], -2π to 2π; in a full turn, the angle at which the turn is complete.
+///     angle_increment: Angle from one beam to the next [rad]. All beams together must turn by at most 2π.
 ///     beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
 ///     min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
 ///     max_range: Range of a beam that hits nothing [m], greater than `min_range`.
@@ -44,24 +50,53 @@ fn default() -> ScannerOptions {
     ScannerOptions::default()
 }
 
+/// Returns the layout that these arguments describe.
+fn layout(
+    fov: Option<Argument<f64>>,
+    angle_min: Option<Argument<f64>>,
+    angle_max: Option<Argument<f64>>,
+    angle_increment: Option<Argument<f64>>,
+) -> PyResult<BeamLayout> {
+    let arguments = [("fov", fov), ("angle_min", angle_min), ("angle_max", angle_max), ("angle_increment", angle_increment)];
+    let given: Vec<_> = arguments.iter().filter(|(_, number)| number.is_some()).map(|(name, _)| *name).collect();
+    let text = format!("the beams need fov, or angle_min with angle_max or angle_increment, got {}", given.join(" and "));
+    let named = |(name, number): (&str, Option<Argument<f64>>)| number.map(|number| number.named(name)).transpose();
+    let [fov, angle_min, angle_max, angle_increment] = arguments.map(named);
+    match (fov?, angle_min?, angle_max?, angle_increment?) {
+        (None, None, None, None) => Ok(default().layout),
+        (Some(fov), None, None, None) => Ok(BeamLayout::Fov(fov)),
+        (None, Some(angle_min), Some(angle_max), None) => Ok(BeamLayout::Ends { angle_min, angle_max }),
+        (None, Some(angle_min), None, Some(angle_increment)) => Ok(BeamLayout::Steps { angle_min, angle_increment }),
+        _ => Err(PyValueError::new_err(text)),
+    }
+}
+
 #[pymethods]
 impl LaserScanner {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(*, fov=4.71, beam_count=541, min_range=0.05, max_range=30.0, mount=(0.0, 0.0, 0.0))",
+        text_signature = "(*, fov=4.71, angle_min=None, angle_max=None, angle_increment=None, beam_count=541, \
+                          min_range=0.05, max_range=30.0, mount=(0.0, 0.0, 0.0))",
         signature = (
             *args,
-            fov = default().fov.into(),
+            fov = None,
+            angle_min = None,
+            angle_max = None,
+            angle_increment = None,
             beam_count = None,
             min_range = default().min_range.into(),
             max_range = default().max_range.into(),
             mount = PoseArgument(default().mount),
         )
     )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn new(
         args: &Bound<'_, PyTuple>,
-        fov: Argument<f64>,
+        fov: Option<Argument<f64>>,
+        angle_min: Option<Argument<f64>>,
+        angle_max: Option<Argument<f64>>,
+        angle_increment: Option<Argument<f64>>,
         beam_count: Option<&Bound<'_, PyAny>>,
         min_range: Argument<f64>,
         max_range: Argument<f64>,
@@ -73,15 +108,16 @@ impl LaserScanner {
         }
         let beam_count = beam_count.map(|value| whole_number("beam_count", value, "in 1..1000000")).transpose()?;
         let beam_count = beam_count.unwrap_or(default().beam_count);
-        let (fov, min_range, max_range) = (fov.named("fov")?, min_range.named("min_range")?, max_range.named("max_range")?);
-        let options = ScannerOptions { fov, beam_count, min_range, max_range, mount: mount.0 };
+        let layout = layout(fov, angle_min, angle_max, angle_increment)?;
+        let (min_range, max_range) = (min_range.named("min_range")?, max_range.named("max_range")?);
+        let options = ScannerOptions { layout, beam_count, min_range, max_range, mount: mount.0 };
         Ok(Self(crate::LaserScanner::new(options)?))
     }
 
-    /// Field of view [rad].
+    /// Field of view [rad]: the one given, or the angle between the ends of the field.
     #[getter]
     fn fov(&self) -> f64 {
-        self.0.options().fov
+        self.0.fov()
     }
 
     /// Number of beams and of ranges in a scan.
@@ -120,7 +156,7 @@ impl LaserScanner {
         self.0.angle_max()
     }
 
-    /// Angle from one beam to the next [rad].
+    /// Angle from one beam to the next [rad]: negative if they turn clockwise.
     #[getter]
     fn angle_increment(&self) -> f64 {
         self.0.angle_increment()
@@ -336,17 +372,34 @@ impl LaserScanner {
     }
 
     fn __repr__(&self) -> String {
-        let ScannerOptions { fov, beam_count, min_range, max_range, mount } = self.0.options();
+        let ScannerOptions { layout, beam_count, min_range, max_range, mount } = self.0.options();
         let [x, y, yaw] = mount.to_array();
+        let layout = match layout {
+            BeamLayout::Fov(fov) => format!("fov={fov:?}"),
+            BeamLayout::Ends { angle_min, angle_max } => format!("angle_min={angle_min:?}, angle_max={angle_max:?}"),
+            BeamLayout::Steps { angle_min, angle_increment } => {
+                format!("angle_min={angle_min:?}, angle_increment={angle_increment:?}")
+            }
+        };
         format!(
-            "LaserScanner(fov={fov:?}, beam_count={beam_count}, min_range={min_range:?}, max_range={max_range:?}, \
+            "LaserScanner({layout}, beam_count={beam_count}, min_range={min_range:?}, max_range={max_range:?}, \
              mount=({x:?}, {y:?}, {yaw:?}))"
         )
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
         let keywords = PyDict::new(py);
-        keywords.set_item("fov", self.fov())?;
+        match self.0.options().layout {
+            BeamLayout::Fov(fov) => keywords.set_item("fov", fov)?,
+            BeamLayout::Ends { angle_min, angle_max } => {
+                keywords.set_item("angle_min", angle_min)?;
+                keywords.set_item("angle_max", angle_max)?;
+            }
+            BeamLayout::Steps { angle_min, angle_increment } => {
+                keywords.set_item("angle_min", angle_min)?;
+                keywords.set_item("angle_increment", angle_increment)?;
+            }
+        }
         keywords.set_item("beam_count", self.beam_count())?;
         keywords.set_item("min_range", self.min_range())?;
         keywords.set_item("max_range", self.max_range())?;

@@ -82,7 +82,8 @@ def test_signatures_show_the_real_defaults(made: Any) -> None:
     real = {f"alpha{number}": value for number, value in enumerate(getattr(made, "alpha", ()), 1)}
     for name, value in shown.items():
         found = real[name] if name in real else getattr(made, name)
-        assert (tuple(found) if isinstance(found, _core.Pose) else found) == value, name
+        # None means that another argument says it.
+        assert value is None or (tuple(found) if isinstance(found, _core.Pose) else found) == value, name
 
 
 PACKAGE = Path(mrs.__file__).parent

@@ -19,10 +19,17 @@ from mobile_robot_simulator.parameters import NODES
         ({"scan_use_inf": False}, {"no_return": "below_max"}),
         ({"scan_noise_std": 0.0}, {"apply_noise": False}),
         ({"scan_noise_std": 0.02}, {"sigma_hit": 0.02}),
-        ({"scan_angle_increment": 0.02617}, {"laser_fov": 2 * math.pi, "laser_beam_count": 240}),
+        (
+            {"scan_angle_increment": 0.02617},
+            {"laser_angle_min": -math.pi, "laser_angle_max": math.pi, "laser_beam_count": 240},
+        ),
         (
             {"scan_angle_min": -1.0, "scan_angle_max": 1.0, "scan_angle_increment": 0.1},
-            {"laser_fov": 2.0, "laser_beam_count": 21},
+            {"laser_angle_min": -1.0, "laser_angle_max": 1.0, "laser_beam_count": 21},
+        ),
+        (
+            {"scan_angle_min": -0.5, "scan_angle_max": 1.0, "scan_angle_increment": 0.1},
+            {"laser_angle_min": -0.5, "laser_angle_max": 1.0, "laser_beam_count": 16},
         ),
     ],
 )
@@ -33,7 +40,7 @@ def test_values_are_translated(given: dict[str, Any], expected: dict[str, Any]) 
         assert meaning == expected
 
 
-@pytest.mark.parametrize("given", [{"update_duration": 0.0}, {"scan_publish_dur": "fast"}, {"scan_angle_min": -1.0}])
+@pytest.mark.parametrize("given", [{"update_duration": 0.0}, {"scan_publish_dur": "fast"}, {"scan_angle_min": 4.0}])
 def test_values_without_a_translation_are_refused(given: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(given))):
         translate(given)

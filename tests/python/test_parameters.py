@@ -147,6 +147,31 @@ def test_errors_name_the_parameter_the_requirement_and_the_value(name: str, valu
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"laser_angle_min": 0.0}, "laser_angle_min and laser_angle_max must be given together, got 0.0 and None"),
+        (
+            {"laser_angle_min": 1.0, "laser_angle_max": 1.0},
+            "laser_angle_max must exceed laser_angle_min by at most 2π, got 1.0",
+        ),
+        ({"laser_angle_min": -4.0, "laser_angle_max": 4.0}, "laser_angle_max must exceed laser_angle_min by at most 2π"),
+        ({"laser_angle_min": -7.0, "laser_angle_max": 0.0}, "laser_angle_min must be greater than or equal to -6.28"),
+    ],
+)
+def test_angles_of_beams_that_do_not_fit_are_refused(values: dict[str, float], words: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        LaserParameters.checked(values)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("turn", [6.28319, 6.2832, 2 * 3.1416, 2 * 3.14159])
+def test_what_drivers_state_for_a_full_turn_is_accepted(turn: float) -> None:
+    for values in ({"laser_fov": turn}, {"laser_angle_min": -turn / 2, "laser_angle_max": turn / 2}):
+        scanner = LaserParameters.checked({**values, "laser_beam_count": 360}).scanner()
+        assert scanner.angle_increment == pytest.approx(turn / 360, rel=1e-12)
+
+
 def test_weights_must_not_all_be_zero() -> None:
     with pytest.raises(ValueError, match="at least one of z_hit, z_short, z_max, z_rand must be positive"):
         LaserParameters.checked({"z_hit": 0.0, "z_max": 0.0})

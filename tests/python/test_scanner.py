@@ -56,8 +56,9 @@ def test_defaults_are_roughly_a_sick_s300() -> None:
         (1e-3, 1_000, 1e-3 / 999),
         (2 * PI, 360, 2 * PI / 360),
         (2 * PI, 2, PI),
-        (2 * PI - 0.9e-6, 4, (2 * PI - 0.9e-6) / 4),
-        (2 * PI - 1.1e-6, 4, (2 * PI - 1.1e-6) / 3),
+        (6.2832, 4, 6.2832 / 4),
+        (2 * PI - 1.9e-5, 4, (2 * PI - 1.9e-5) / 4),
+        (2 * PI - 2.1e-5, 4, (2 * PI - 2.1e-5) / 3),
     ],
 )
 def test_beams_spread_evenly_over_the_field_of_view(fov: float, beam_count: int, increment: float) -> None:
@@ -89,11 +90,47 @@ def test_a_single_beam_points_ahead(post: mrs.OccupancyGrid, fov: float) -> None
     assert laser.scan(post, (0.5, 2.5, 0.0)).tolist() == [1.5]
 
 
-@pytest.mark.parametrize("fov", [0.5, 4.71, 6.0])
+@pytest.mark.parametrize(
+    "layout",
+    [
+        {"fov": 0.5},
+        {"fov": 4.71},
+        {"fov": 2 * PI},
+        {"angle_min": -3.1416, "angle_max": 3.1416},
+        {"angle_min": 0.0, "angle_max": 6.28319},
+        {"angle_min": 3.14159, "angle_max": -3.14159},
+        {"angle_min": 1.0, "angle_max": -0.5},
+        {"angle_min": -1.0, "angle_increment": 0.01},
+        {"angle_min": -1.0, "angle_increment": -0.01},
+    ],
+)
 @pytest.mark.parametrize("beam_count", [2, 181, 541])
-def test_slam_toolbox_counts_the_beams_correctly(fov: float, beam_count: int) -> None:
-    laser = mrs.LaserScanner(fov=fov, beam_count=beam_count)
+def test_programs_count_the_beams_of_each_layout(layout: dict[str, float], beam_count: int) -> None:
+    """slam_toolbox, AMCL and laser_geometry count this way; messages hold float32."""
+    laser = mrs.LaserScanner(beam_count=beam_count, **layout)
+    low, high, step = map(np.float32, (laser.angle_min, laser.angle_max, laser.angle_increment))
     assert round((laser.angle_max - laser.angle_min) / laser.angle_increment) + 1 == beam_count
+    assert round(float((high - low) / step)) + 1 == beam_count
+
+
+def test_beams_can_have_any_field() -> None:
+    ends = mrs.LaserScanner(angle_min=-0.5, angle_max=1.0, beam_count=4)
+    assert ends.angles.tolist() == [-0.5, 0.0, 0.5, 1.0]
+    assert mrs.LaserScanner(angle_min=-0.5, angle_increment=0.5, beam_count=4).angles.tolist() == ends.angles.tolist()
+    assert mrs.LaserScanner(angle_min=0.0, angle_max=2 * PI, beam_count=4).angles == pytest.approx([0, PI / 2, PI, 1.5 * PI])
+    assert mrs.LaserScanner(angle_min=PI, angle_max=-PI, beam_count=4).angles == pytest.approx([PI, PI / 2, 0, -PI / 2])
+    assert (ends.fov, mrs.LaserScanner(angle_min=1.0, angle_max=-0.5).fov) == (1.5, 1.5)
+
+
+def test_a_clockwise_scan_is_the_reversed_scan_of_the_other_direction(room: mrs.OccupancyGrid) -> None:
+    obstacles = [(mrs.Shape.disc(0.3), (2.0, 1.0, 0.0))]
+    poses = [(1.2, 1.0, 0.3), (2.2, 2.1, -2.0)]
+    for low, high in ((-1.0, 2.0), (-2.355, 2.355), (0.1, 6.0)):
+        up = mrs.LaserScanner(angle_min=low, angle_max=high, beam_count=333)
+        down = mrs.LaserScanner(angle_min=high, angle_max=low, beam_count=333)
+        assert np.array_equal(down.angles, up.angles[::-1])
+        scans = [laser.scan_batch(room, poses, obstacles=obstacles) for laser in (up, down)]
+        assert np.array_equal(scans[0], scans[1][:, ::-1])
 
 
 # --- Ranges ---
@@ -519,11 +556,26 @@ def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> Non
         ({"fov": 0.0}, ValueError, "fov must be in (0, 2π] radians, got 0"),
         ({"fov": -1.0}, ValueError, "fov must be in (0, 2π] radians, got -1"),
         ({"fov": 6.3}, ValueError, "fov must be in (0, 2π] radians, got 6.3"),
-        ({"fov": 2 * PI + 2e-6}, ValueError, "fov must be in (0, 2π] radians"),
+        ({"fov": 2 * PI + 3e-5}, ValueError, "fov must be in (0, 2π] radians"),
         ({"fov": math.nan}, ValueError, "fov must be in (0, 2π] radians, got NaN"),
         ({"fov": math.inf}, ValueError, "fov must be in (0, 2π] radians, got inf"),
         ({"fov": "4.71"}, TypeError, "fov"),
-        ({"fov": None}, TypeError, "fov"),
+        ({"angle_min": -135, "angle_max": 135}, ValueError, "angle_min must be in [-2π, 2π] radians, got -135; -135° is"),
+        (
+            {"angle_min": 1.0, "angle_max": 1.0},
+            ValueError,
+            "angle_max must differ from angle_min by at most 2π, got 1 and 1",
+        ),
+        (
+            {"angle_min": -4.0, "angle_max": 4.0},
+            ValueError,
+            "angle_max must differ from angle_min by at most 2π, got 4 and -4",
+        ),
+        ({"angle_min": 0.0, "angle_increment": 0.02}, ValueError, "turn all beams by at most 2π, got 0.02 for 541 beams"),
+        ({"angle_min": 0.0, "angle_increment": 0.0}, ValueError, "angle_increment must be other than 0"),
+        ({"angle_min": 0.0}, ValueError, "angle_min with angle_max or angle_increment, got angle_min"),
+        ({"angle_max": 1.0, "fov": 1.0}, ValueError, "angle_max or angle_increment, got fov and angle_max"),
+        ({"angle_min": 0.0, "angle_max": "1"}, TypeError, "angle_max"),
         ({"beam_count": 0}, ValueError, "beam_count must be in 1..1000000, got 0"),
         ({"beam_count": -5}, ValueError, "beam_count must be in 1..1000000, got -5"),
         ({"beam_count": 1_000_001}, ValueError, "beam_count must be in 1..1000000, got 1000001"),
@@ -640,6 +692,17 @@ def test_invalid_readings_are_rejected(
     with pytest.raises(error) as caught:
         call(mrs.LaserScanner())
     assert message in reference.message_of(caught.value)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    ["angle_min=-0.5, angle_max=1.0", "angle_min=1.0, angle_max=-0.5", "angle_min=0.0, angle_increment=-0.1", "fov=2.0"],
+)
+def test_copies_have_the_same_beams(layout: str) -> None:
+    laser = eval(f"LaserScanner({layout}, beam_count=7)", vars(mrs))
+    copied = pickle.loads(pickle.dumps(laser))
+    assert np.array_equal(copied.angles, laser.angles) and repr(copied) == repr(laser)
+    assert f"({layout}, " in repr(laser)
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda laser: pickle.loads(pickle.dumps(laser))])

@@ -604,3 +604,20 @@ def test_a_message_with_the_same_map_does_not_replace_the_grid() -> None:
     used = sim.laser._maps.grid
     sim.run_for(1.0)
     assert sim.laser._maps.grid is used
+
+
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        ({"laser_angle_min": -0.5, "laser_angle_max": 1.0}, (-0.5, 1.0)),
+        ({"laser_angle_min": -0.5, "laser_angle_max": 1.0, "laser_clockwise": True}, (1.0, -0.5)),
+        ({"laser_fov": 2.0, "laser_clockwise": True}, (1.0, -1.0)),
+        ({"laser_angle_min": 0.0, "laser_angle_max": 6.28319, "laser_beam_count": 4}, (0.0, 0.75 * 6.28319)),
+    ],
+)
+def test_scans_have_the_angles_of_the_parameters(values: dict[str, Any], ends: tuple[float, float]) -> None:
+    sim = simulation(**values)
+    sim.run_for(0.1)
+    scan = sim.latest("/scan")
+    assert (scan.angle_min, scan.angle_max) == pytest.approx(ends)
+    assert round((scan.angle_max - scan.angle_min) / scan.angle_increment) + 1 == len(scan.ranges)
