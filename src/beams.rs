@@ -112,6 +112,11 @@ impl Beams {
         Ok(Self { low, high, step, gaps, count, is_clockwise })
     }
 
+    /// Returns the beams of a scanner that looks up from below: beam `i` points at minus its angle.
+    pub(crate) fn mirrored(self) -> Self {
+        Self { low: -self.high, high: -self.low, is_clockwise: !self.is_clockwise, ..self }
+    }
+
     /// Returns the angle of beam 0 \[rad\].
     pub(crate) fn angle_min(&self) -> f64 {
         self.angle(0)
@@ -198,6 +203,22 @@ mod tests {
             let down = beams(BeamLayout::Steps { angle_min: high, angle_increment: -step }, count);
             assert!((0..count).all(|beam| (down.angle(beam) - up.angle(count - 1 - beam)).abs() < 1e-14));
         }
+    }
+
+    #[test]
+    fn mirrored_beams_point_at_the_opposite_angles() {
+        for (angle_min, angle_max) in [(-1.0, 2.0), (-PI, PI), (0.0, TAU), (2.0, -1.0), (PI, -PI)] {
+            for count in [2, 360, 541] {
+                let (all, steps) =
+                    (beams(BeamLayout::Ends { angle_min, angle_max }, count), (angle_max - angle_min).signum());
+                let mirrored = all.mirrored();
+                assert!((0..count).all(|beam| (mirrored.angle(beam) + all.angle(beam)).abs() < 1e-14), "{angle_min}");
+                assert_eq!(mirrored.angle_increment().signum(), -steps);
+                assert_eq!(mirrored.mirrored(), all);
+            }
+        }
+        let level = beams(BeamLayout::Fov(4.71), 541);
+        assert!((0..541).all(|beam| level.mirrored().angle(beam) == level.angle(540 - beam)));
     }
 
     #[test]

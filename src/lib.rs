@@ -60,6 +60,7 @@ mod interrupt;
 mod lazy;
 mod memory;
 mod motion;
+mod mount;
 mod numeric;
 mod obstacles;
 mod pose;
@@ -69,6 +70,7 @@ pub mod random;
 pub mod raycast;
 mod scanner;
 mod shape;
+mod slant;
 mod world;
 
 pub use beam_model::{BeamModel, BeamModelOptions};
@@ -77,6 +79,7 @@ pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, c
 pub use error::Error;
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use motion::{Limits, MotionNoise, Twist, integrate, integrate_batch, interpolate};
+pub use mount::Mount;
 pub use obstacles::Obstacles;
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use scanner::{LaserScanner, NoReturn, Noise, ScannerOptions};

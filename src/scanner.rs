@@ -9,11 +9,13 @@ use crate::beam_model::{BeamModel, Sampler};
 use crate::beams::{BeamLayout, Beams};
 use crate::error::{Error, check_finite, check_number};
 use crate::memory;
+use crate::mount::{Attitude, Mount};
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::View;
 use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges, store};
+use crate::slant::Slant;
 use crate::world::World;
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
@@ -28,12 +30,12 @@ pub struct ScannerOptions {
     /// Range reported for a beam without a return \[m\].
     pub max_range: f64,
     /// Pose of the laser frame in the robot's base frame: `base_from_laser`.
-    pub mount: Pose,
+    pub mount: Mount,
 }
 
 impl Default for ScannerOptions {
     fn default() -> Self {
-        Self { layout: BeamLayout::Fov(4.71), beam_count: 541, min_range: 0.05, max_range: 30.0, mount: Pose::default() }
+        Self { layout: BeamLayout::Fov(4.71), beam_count: 541, min_range: 0.05, max_range: 30.0, mount: Mount::default() }
     }
 }
 
@@ -79,15 +81,22 @@ const BELOW_MAX: f32 = 0.1;
 /// ```
 ///
 /// Beam `i` points at `angle_min + i · angle_increment` in the laser frame; see [`BeamLayout`]. If the increment is negative,
-/// the beams turn clockwise.
+/// the beams turn clockwise. A tilted scanner measures in space; see [`Mount`] and [`scan`](Self::scan).
 #[derive(Debug, Clone)]
 pub struct LaserScanner {
     options: ScannerOptions,
+    /// Beams in the laser frame.
     beams: Beams,
-    /// Cosines of the beam angles, in groups; the last group is padded.
+    /// Pose in the base frame from which the beams spread in the plane, seen from above.
+    base_from_fan: Pose,
+    /// Beams in that frame; `None` if the scanner is tilted.
+    horizontal: Option<Beams>,
+    /// Cosines of the angles of the beams in that frame, in groups; the last group is padded.
     cos: Vec<Group>,
-    /// Sines of the beam angles, in groups; the last group is padded.
+    /// Sines of these angles, in groups; the last group is padded.
     sin: Vec<Group>,
+    /// Slant of the beams; `None` if the scanner is not tilted.
+    slant: Option<Slant>,
     kernel: Option<Kernel>,
 }
 
@@ -110,17 +119,23 @@ impl LaserScanner {
             return Err(Error::Ranges { min_range, max_range });
         }
         check_number("max_range", max_range, "within the range of float32", |value| value <= f32::MAX.into())?;
-        check_finite("mount x", mount.position.x)?;
-        check_finite("mount y", mount.position.y)?;
-        check_finite("mount yaw", mount.yaw)?;
+        mount.checked()?;
         let groups = beam_count.div_ceil(GROUP);
         let (mut cos, mut sin) =
             (memory::filled("the beams", [1.0; GROUP], groups)?, memory::filled("the beams", [0.0; GROUP], groups)?);
-        for beam in 0..beam_count {
-            let (group, place) = (beam / GROUP, beam % GROUP);
-            (sin[group][place], cos[group][place]) = libm::sincos(beams.angle(beam));
+        let (heading, horizontal, slant) = match mount.attitude() {
+            Attitude::Level => (mount.heading(), Some(beams), None),
+            Attitude::UpsideDown => (mount.heading(), Some(beams.mirrored()), None),
+            Attitude::Tilted => (0.0, None, Some(Slant::new(mount, beams, max_range, &mut cos, &mut sin)?)),
+        };
+        if let Some(beams) = horizontal {
+            for beam in 0..beam_count {
+                let (group, place) = (beam / GROUP, beam % GROUP);
+                (sin[group][place], cos[group][place]) = libm::sincos(beams.angle(beam));
+            }
         }
-        Ok(Self { options, beams, cos, sin, kernel: None })
+        let base_from_fan = Pose { yaw: heading, ..mount.planar() };
+        Ok(Self { options, beams, base_from_fan, horizontal, cos, sin, slant, kernel: None })
     }
 
     /// Returns the parameters that the scanner was made with.
@@ -162,7 +177,8 @@ impl LaserScanner {
     /// Writes the true range \[m\] of each beam to `ranges`, seen from a robot at `map_from_base`.
     ///
     /// `ranges[i]` is the distance from the laser to the nearest blocking cell or obstacle along beam `i`: 0 if the laser is
-    /// inside one, `max_range` without a return. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The
+    /// inside one, `max_range` without a return. Walls and obstacles have any height. A tilted scanner measures the distance in
+    /// space, and also meets the floor if its height is known. `min_range` is not applied, see [`mark_invalid`](Self::mark_invalid). The
     /// robot may be off the grid.
     ///
     /// ```
@@ -288,7 +304,7 @@ impl LaserScanner {
         }
     }
 
-    /// Returns the end points `[x, y]` \[m\] in the map frame of the valid returns of a scan taken from `map_from_base`.
+    /// Returns the end points, seen from above, `[x, y]` \[m\] in the map frame of the valid returns of a scan taken from `map_from_base`.
     ///
     /// A reading is valid if `min_range <= reading < max_range`; the other readings give no point. Points are in the order
     /// of beams.
@@ -299,14 +315,17 @@ impl LaserScanner {
         if readings.len() != self.options.beam_count {
             return Err(Error::Length { name: "readings", value: readings.len(), needed: self.options.beam_count });
         }
-        let map_from_laser = map_from_base * self.options.mount;
+        let map_from_fan = map_from_base * self.base_from_fan;
         let valid = self.options.min_range as f32..self.options.max_range as f32;
         let returns = readings
             .iter()
             .zip(self.cos.as_flattened().iter().zip(self.sin.as_flattened()))
-            .filter(|(reading, _)| valid.contains(reading));
-        let point = |(&reading, (&cos, &sin)): (&f32, (&f64, &f64))| {
-            map_from_laser.transform_point(DVec2::new(cos, sin) * f64::from(reading)).to_array()
+            .enumerate()
+            .filter(|(_, (reading, _))| valid.contains(reading));
+        let point = |(beam, (&reading, (&cos, &sin))): (usize, (&f32, (&f64, &f64)))| {
+            let reading = f64::from(reading);
+            let distance = self.slant.as_ref().map_or(reading, |slant| slant.horizontal(beam, reading));
+            map_from_fan.transform_point(DVec2::new(cos, sin) * distance).to_array()
         };
         let mut points = memory::with_room("the end points", returns.clone().count())?;
         points.extend(returns.map(point));
@@ -331,25 +350,25 @@ impl LaserScanner {
         poses: impl Iterator<Item = Pose> + Clone,
         sinks: impl Iterator<Item = impl Sink>,
     ) -> Result<(), Error> {
-        let Self { cos, sin, options: ScannerOptions { beam_count, max_range, mount, .. }, .. } = self;
-        let map_from_laser = |map_from_base: Pose| map_from_base * *mount;
+        let Self { cos, sin, slant, options: ScannerOptions { beam_count, max_range, .. }, .. } = self;
+        let map_from_fan = |map_from_base: Pose| map_from_base * self.base_from_fan;
         let mut starts = [Start::default(); Fans::MAX];
         let mut count = 0;
         for (start, map_from_base) in starts.iter_mut().zip(poses.clone()) {
-            *start = Start::new(grid, grid.pose_in_grid(map_from_laser(map_from_base)));
+            *start = Start::new(grid, grid.pose_in_grid(map_from_fan(map_from_base)));
             count += 1;
         }
         debug_assert!(poses.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
-        // Views are large. Without obstacles, the array is neither filled nor moved.
-        let mut views = (!obstacles.is_empty()).then_some([const { None }; Fans::MAX]);
+        // Views are large. Without obstacles and slant, the array is neither filled nor moved.
+        let mut views = (!obstacles.is_empty() || slant.is_some()).then_some([const { None }; Fans::MAX]);
         for (view, map_from_base) in views.iter_mut().flatten().zip(poses) {
-            let seen = View::new(obstacles, map_from_laser(map_from_base), self.beams, *max_range)?;
-            *view = (!seen.is_empty()).then_some(seen);
+            let seen = View::new(obstacles, map_from_fan(map_from_base), self.horizontal, *beam_count, *max_range)?;
+            *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();
         let mut sinks = sinks.map(|sink| {
             let view = views.next().and_then(Option::take);
-            WithObstacles { view, cos, sin, sink }
+            Beyond { view, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
@@ -388,22 +407,27 @@ impl<S: Sink, N: Iterator<Item = S>> Sink for SinkPerScan<S, N> {
     }
 }
 
-/// Shortens the ranges to the nearest obstacle, then passes them on to `sink`.
-struct WithObstacles<'a, S> {
-    /// The obstacles that this scan can see; `None` if it can see none.
+/// Adds what is not in the grid to the ranges, then passes them on to `sink`.
+struct Beyond<'a, S> {
+    /// The obstacles that this scan can see; `None` if there is nothing to add.
     view: Option<View<'a>>,
+    /// Slant of the beams; `None` if the scanner is not tilted.
+    slant: Option<&'a Slant>,
     cos: &'a [Group],
     sin: &'a [Group],
     sink: S,
 }
 
-impl<S: Sink> Sink for WithObstacles<'_, S> {
+impl<S: Sink> Sink for Beyond<'_, S> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
         let Some(view) = &self.view else { return self.sink.take(group, ranges) };
         let mut ranges = *ranges;
         let (cos, sin) = (&self.cos[group], &self.sin[group]);
         view.shorten(group * GROUP, |lane| DVec2::new(cos[lane], sin[lane]), &mut ranges);
+        if let Some(slant) = self.slant {
+            ranges = slant.ranges(group, &ranges);
+        }
         self.sink.take(group, &ranges);
     }
 }

@@ -169,7 +169,8 @@ fn each_beam_of_a_scan_agrees_with_the_reference() {
         let fov = [TAU, 4.71, 1.0, 6.0, 1e-3][round % 5];
         let beam_count = [1, 2, 361, 541, 700][round / 5 % 5];
         let mount = Pose::new(0.2, -0.1, [0.0, 3.0, -1.5][round % 3]);
-        let scanner = ScannerOptions { layout: BeamLayout::Fov(fov), beam_count, min_range: 0.0, max_range: 6.0, mount };
+        let scanner =
+            ScannerOptions { layout: BeamLayout::Fov(fov), beam_count, min_range: 0.0, max_range: 6.0, mount: mount.into() };
         let scanner = LaserScanner::new(scanner).unwrap();
         let shapes = shapes(&mut stream, round % 6);
         let obstacles = set(&shapes);

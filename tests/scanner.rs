@@ -70,7 +70,9 @@ fn a_mounted_scanner_sees_what_a_robot_at_its_pose_would_see() {
     let mount = Pose::new(0.4, -0.2, 1.1);
     let base = Pose::new(2.0, 4.5, -0.4);
     let (mut mounted, mut moved) = (vec![0.0; 541], vec![0.0; 541]);
-    scanner(ScannerOptions { mount, ..ScannerOptions::default() }).scan(&grid, base, &mut mounted).expect("a kernel");
+    scanner(ScannerOptions { mount: mount.into(), ..ScannerOptions::default() })
+        .scan(&grid, base, &mut mounted)
+        .expect("a kernel");
     scanner(ScannerOptions::default()).scan(&grid, base * mount, &mut moved).expect("a kernel");
     assert_eq!(mounted, moved);
 }
@@ -261,7 +263,7 @@ fn the_error_names_the_bad_option_or_argument() {
         "max_range must be greater than min_range, got 0.05 and 0.05"
     );
     let mount = Pose::new(0.0, f64::INFINITY, 0.0);
-    assert_eq!(error(ScannerOptions { mount, ..good }), "mount y must be finite, got inf");
+    assert_eq!(error(ScannerOptions { mount: mount.into(), ..good }), "mount y must be finite, got inf");
 
     let (grid, laser) = (room(), scanner(good));
     let batch = |poses: &[[f64; 3]], threads, count| {

@@ -537,6 +537,9 @@ class LaserScanner:
     Instead of `fov`, the field can be given by `angle_min` and `angle_max`, with the same rules, or by `angle_min` and
     `angle_increment`. If `angle_max` is less than `angle_min`, or the increment is negative, the beams turn clockwise.
 
+    A scanner may be mounted upside down or tilted. A tilted one measures the distance in space to walls and obstacles, which
+    have any height, and to the floor if z is positive. A tilt of at most 1e-5 rad counts as level or upside down.
+
     Args:
         fov: Field of view [rad], above 0 and at most 2π. None means the default, or the field given by the angles.
         angle_min: Angle of the first beam [rad], -2π to 2π.
@@ -545,7 +548,8 @@ class LaserScanner:
         beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
         min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
         max_range: Range of a beam that hits nothing [m], greater than `min_range`.
-        mount: Pose (x, y, yaw) of the scanner in the robot's frame [m, m, rad].
+        mount: Pose of the scanner in the robot's frame: (x, y, yaw) [m, m, rad], or in space (x, y, z, roll, pitch, yaw) with
+            the angles of URDF, or (x, y, z, qx, qy, qz, qw) with a quaternion.
 
     Raises:
         ValueError: A value is outside its range or not finite.
@@ -555,6 +559,15 @@ class LaserScanner:
         >>> import mobile_robot_simulator as mrs
         >>> mrs.LaserScanner(fov=2.0, beam_count=5).angles
         array([-1. , -0.5,  0. ,  0.5,  1. ])
+
+        0.5 m above the floor, and looking down by 30°:
+
+        >>> import math
+        >>> import numpy as np
+        >>> free = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+        >>> down = mrs.LaserScanner(beam_count=1, mount=(0.0, 0.0, 0.5, 0.0, math.radians(30), 0.0))
+        >>> down.scan(free, (0.5, 0.5, 0.0))
+        array([1.], dtype=float32)
     """
 
     def __new__(
@@ -583,7 +596,13 @@ class LaserScanner:
         """Range of a beam that hits nothing [m]."""
     @property
     def mount(self) -> Pose:
-        """Pose of the scanner in the robot's frame."""
+        """Pose of the scanner in the robot's frame, seen from above."""
+    @property
+    def mount_in_space(self) -> tuple[float, float, float, float, float, float]:
+        """Pose (x, y, z, roll, pitch, yaw) of the scanner in the robot's frame, in space [m, m, m, rad, rad, rad]."""
+    @property
+    def mount_quaternion(self) -> tuple[float, float, float, float]:
+        """Rotation of the scanner in the robot's frame, as a unit quaternion (x, y, z, w)."""
     @property
     def angle_min(self) -> float:
         """Angle of the first beam in the scanner's frame [rad]."""
@@ -700,7 +719,7 @@ class LaserScanner:
             [-inf, 2.0, inf]
         """
     def end_points(self, pose: _PoseLike, readings: ArrayLike) -> NDArray[np.float64]:
-        """Returns the points in the map frame where the valid beams of one scan ended.
+        """Returns the points in the map frame, seen from above, where the valid beams of one scan ended.
 
         A reading is valid if it is at least `min_range` and below `max_range`.
 

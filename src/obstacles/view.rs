@@ -45,9 +45,17 @@ struct Seen<'a> {
 impl<'a> View<'a> {
     /// Returns the obstacles within `max_range` of a laser at `map_from_laser`. Allocates only if there is at least one.
     ///
+    /// `beams` are `None` if they are not evenly spread in the plane; then each may hit each obstacle.
+    ///
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
-    pub fn new(obstacles: &'a Obstacles, map_from_laser: Pose, beams: Beams, max_range: f64) -> Result<Self, Error> {
+    pub fn new(
+        obstacles: &'a Obstacles,
+        map_from_laser: Pose,
+        beams: Option<Beams>,
+        beam_count: usize,
+        max_range: f64,
+    ) -> Result<Self, Error> {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
         let mut seen = Vec::new();
@@ -59,7 +67,7 @@ impl<'a> View<'a> {
                 continue;
             }
             let inside = body.contains(origin);
-            if distance > reach && beams.count() > 1 {
+            if let Some(beams) = beams.filter(|beams| distance > reach && beams.count() > 1) {
                 let offset = DVec2::new(cos, -sin).rotate(offset);
                 let bearing = libm::atan2(offset.y, offset.x);
                 let half_angle = libm::asin(reach / distance) + ANGLE_MARGIN;
@@ -67,7 +75,7 @@ impl<'a> View<'a> {
                     memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams })?;
                 }
             } else {
-                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, beams.count()) })?;
+                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, beam_count) })?;
             }
         }
         Ok(Self { origin, heading, max_range, seen })

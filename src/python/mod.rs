@@ -13,6 +13,7 @@ mod interrupt;
 mod limits;
 mod motion;
 mod motion_noise;
+mod mount;
 mod number;
 mod obstacles;
 mod pose;

@@ -257,10 +257,16 @@ impl<'py> FromPyObject<'_, 'py> for PoseArgument {
             return Ok(Self(crate::Pose::from(numbers).checked()?));
         }
         let text = format!("a pose must be three numbers (x, y, yaw), got {}: {}", type_name(&value), short_repr(&value));
-        // Numbers of a wrong count are a wrong value; anything else is a wrong type.
-        let is_number = |item: PyResult<Bound<'_, PyAny>>| item.is_ok_and(|item| item.extract::<f64>().is_ok());
-        let is_numbers =
-            value.len().is_ok_and(|count| count != 3) && value.try_iter().is_ok_and(|items| items.take(4).all(is_number));
-        Err(if is_numbers { PyValueError::new_err(text) } else { PyTypeError::new_err(text) })
+        Err(refused(&value, text, &[3]))
     }
+}
+
+/// Returns the error for an argument that is not as many numbers as needed.
+///
+/// Numbers of a wrong count are a wrong value; anything else is a wrong type.
+pub fn refused(value: &Bound<'_, PyAny>, text: String, counts: &[usize]) -> PyErr {
+    let is_number = |item: PyResult<Bound<'_, PyAny>>| item.is_ok_and(|item| item.extract::<f64>().is_ok());
+    let are_numbers = value.len().is_ok_and(|count| !counts.contains(&count))
+        && value.try_iter().is_ok_and(|items| items.take(8).all(is_number));
+    if are_numbers { PyValueError::new_err(text) } else { PyTypeError::new_err(text) }
 }

@@ -8,13 +8,14 @@ use pyo3::types::{PyDict, PyTuple};
 use super::arrays::{check_out, fill, rows, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
+use super::mount::MountArgument;
 use super::number::Argument;
 use super::obstacles::ObstaclesArgument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{BeamLayout, NoReturn, Noise, ScannerOptions};
+use crate::{BeamLayout, Mount, NoReturn, Noise, ScannerOptions};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -25,6 +26,9 @@ use crate::{BeamLayout, NoReturn, Noise, ScannerOptions};
 /// Instead of `fov`, the field can be given by `angle_min` and `angle_max`, with the same rules, or by `angle_min` and
 /// `angle_increment`. If `angle_max` is less than `angle_min`, or the increment is negative, the beams turn clockwise.
 ///
+/// A scanner may be mounted upside down or tilted. A tilted one measures the distance in space to walls and obstacles, which
+/// have any height, and to the floor if z is positive. A tilt of at most 1e-5 rad counts as level or upside down.
+///
 /// Args:
 ///     fov: Field of view [rad], above 0 and at most 2π. None means the default, or the field given by the angles.
 ///     angle_min: Angle of the first beam [rad], -2π to 2π.
@@ -33,7 +37,8 @@ use crate::{BeamLayout, NoReturn, Noise, ScannerOptions};
 ///     beam_count: Number of beams and of ranges in a scan, 1 to 1000000. None means the default.
 ///     min_range: Smallest valid range [m]. It does not change scans; `mark_invalid` and `end_points` use it.
 ///     max_range: Range of a beam that hits nothing [m], greater than `min_range`.
-///     mount: Pose (x, y, yaw) of the scanner in the robot's frame [m, m, rad].
+///     mount: Pose of the scanner in the robot's frame: (x, y, yaw) [m, m, rad], or in space (x, y, z, roll, pitch, yaw) with
+///         the angles of URDF, or (x, y, z, qx, qy, qz, qw) with a quaternion.
 ///
 /// Raises:
 ///     ValueError: A value is outside its range or not finite.
@@ -43,6 +48,15 @@ use crate::{BeamLayout, NoReturn, Noise, ScannerOptions};
 ///     >>> import mobile_robot_simulator as mrs
 ///     >>> mrs.LaserScanner(fov=2.0, beam_count=5).angles
 ///     array([-1. , -0.5,  0. ,  0.5,  1. ])
+///
+///     0.5 m above the floor, and looking down by 30°:
+///
+///     >>> import math
+///     >>> import numpy as np
+///     >>> free = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+///     >>> down = mrs.LaserScanner(beam_count=1, mount=(0.0, 0.0, 0.5, 0.0, math.radians(30), 0.0))
+///     >>> down.scan(free, (0.5, 0.5, 0.0))
+///     array([1.], dtype=float32)
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct LaserScanner(crate::LaserScanner);
 
@@ -71,6 +85,13 @@ fn layout(
     }
 }
 
+/// Returns a mount as three numbers if it is in the plane, else as six.
+fn shown(mount: Mount) -> String {
+    let numbers =
+        if mount == mount.planar().into() { mount.planar().to_array().to_vec() } else { mount.to_array().to_vec() };
+    numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", ")
+}
+
 #[pymethods]
 impl LaserScanner {
     #[new]
@@ -87,7 +108,7 @@ impl LaserScanner {
             beam_count = None,
             min_range = default().min_range.into(),
             max_range = default().max_range.into(),
-            mount = PoseArgument(default().mount),
+            mount = MountArgument(default().mount),
         )
     )]
     #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
@@ -100,7 +121,7 @@ impl LaserScanner {
         beam_count: Option<&Bound<'_, PyAny>>,
         min_range: Argument<f64>,
         max_range: Argument<f64>,
-        mount: PoseArgument,
+        mount: MountArgument,
     ) -> PyResult<Self> {
         if !args.is_empty() {
             let text = "LaserScanner takes its arguments by name, such as fov=4.71 (radians) and beam_count=541, got ";
@@ -138,10 +159,22 @@ impl LaserScanner {
         self.0.options().max_range
     }
 
-    /// Pose of the scanner in the robot's frame.
+    /// Pose of the scanner in the robot's frame, seen from above.
     #[getter]
     fn mount(&self) -> Pose {
-        Pose(self.0.options().mount)
+        Pose(self.0.options().mount.planar())
+    }
+
+    /// Pose (x, y, z, roll, pitch, yaw) of the scanner in the robot's frame, in space [m, m, m, rad, rad, rad].
+    #[getter]
+    fn mount_in_space(&self) -> (f64, f64, f64, f64, f64, f64) {
+        self.0.options().mount.to_array().into()
+    }
+
+    /// Rotation of the scanner in the robot's frame, as a unit quaternion (x, y, z, w).
+    #[getter]
+    fn mount_quaternion(&self) -> (f64, f64, f64, f64) {
+        self.0.options().mount.to_quaternion().into()
     }
 
     /// Angle of the first beam in the scanner's frame [rad].
@@ -339,7 +372,7 @@ impl LaserScanner {
         })
     }
 
-    /// Returns the points in the map frame where the valid beams of one scan ended.
+    /// Returns the points in the map frame, seen from above, where the valid beams of one scan ended.
     ///
     /// A reading is valid if it is at least `min_range` and below `max_range`.
     ///
@@ -373,7 +406,7 @@ impl LaserScanner {
 
     fn __repr__(&self) -> String {
         let ScannerOptions { layout, beam_count, min_range, max_range, mount } = self.0.options();
-        let [x, y, yaw] = mount.to_array();
+        let mount = shown(mount);
         let layout = match layout {
             BeamLayout::Fov(fov) => format!("fov={fov:?}"),
             BeamLayout::Ends { angle_min, angle_max } => format!("angle_min={angle_min:?}, angle_max={angle_max:?}"),
@@ -383,7 +416,7 @@ impl LaserScanner {
         };
         format!(
             "LaserScanner({layout}, beam_count={beam_count}, min_range={min_range:?}, max_range={max_range:?}, \
-             mount=({x:?}, {y:?}, {yaw:?}))"
+             mount=({mount}))"
         )
     }
 
@@ -403,7 +436,7 @@ impl LaserScanner {
         keywords.set_item("beam_count", self.beam_count())?;
         keywords.set_item("min_range", self.min_range())?;
         keywords.set_item("max_range", self.max_range())?;
-        keywords.set_item("mount", self.mount())?;
+        keywords.set_item("mount", self.mount_in_space())?;
         recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

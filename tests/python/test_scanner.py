@@ -152,6 +152,29 @@ def test_the_mount_moves_and_turns_the_beams(post: mrs.OccupancyGrid) -> None:
     assert aside.scan(post, (4.5, 2.5, PI / 2)).tolist() == [0.0]
 
 
+def test_a_scanner_can_be_mounted_upside_down_or_tilted(post: mrs.OccupancyGrid) -> None:
+    level = mrs.LaserScanner(fov=2.0, beam_count=5, max_range=9.0, mount=(0.1, 0.0, 0.2))
+    turned = mrs.LaserScanner(fov=2.0, beam_count=5, max_range=9.0, mount=(0.1, 0.0, 0.3, PI, 0.0, 0.2))
+    assert turned.scan(post, (0.5, 2.5, 0.0)).tolist() == level.scan(post, (0.5, 2.5, 0.0)).tolist()[::-1]
+    ahead = mrs.LaserScanner(beam_count=1, max_range=9.0, mount=(0.0, 0.0, 0.0, 0.0, PI / 3, 0.0))
+    assert ahead.scan(post, (0.5, 2.5, 0.0)).tolist() == pytest.approx([2.0 * 1.5])
+    above_the_floor = mrs.LaserScanner(beam_count=1, max_range=9.0, mount=(0.0, 0.0, 0.5, 0.0, PI / 3, 0.0))
+    assert above_the_floor.scan(post, (0.5, 2.5, 0.0)).tolist() == pytest.approx([0.5 / math.sin(PI / 3)])
+
+
+def test_a_mount_can_be_given_in_three_ways() -> None:
+    plane, space = mrs.LaserScanner(mount=(0.1, 0.2, 0.3)), mrs.LaserScanner(mount=(0.1, 0.2, 0.0, 0.0, 0.0, 0.3))
+    assert plane.mount_in_space == space.mount_in_space == (0.1, 0.2, 0.0, 0.0, 0.0, 0.3)
+    assert plane.mount == space.mount == mrs.Pose(0.1, 0.2, 0.3)
+    assert repr(plane) == repr(space) and repr(plane).endswith("mount=(0.1, 0.2, 0.3))")
+    tilted = mrs.LaserScanner(mount=(0.1, 0.2, 0.4, 0.5, -0.6, 0.7))
+    turned = mrs.LaserScanner(mount=(0.1, 0.2, 0.4, *tilted.mount_quaternion))
+    assert turned.mount_in_space == pytest.approx(tilted.mount_in_space, abs=1e-15)
+    copied = pickle.loads(pickle.dumps(tilted))
+    assert copied.mount_in_space == tilted.mount_in_space and repr(copied) == repr(tilted)
+    assert repr(tilted).endswith("mount=(0.1, 0.2, 0.4, 0.5, -0.6, 0.7))")
+
+
 def test_all_ranges_in_a_wall_are_zero(post: mrs.OccupancyGrid) -> None:
     assert not mrs.LaserScanner(fov=2 * PI, beam_count=64).scan(post, (2.5, 2.5, 0.3)).any()
 
@@ -595,7 +618,10 @@ def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> Non
         ({"max_range": 1e39}, ValueError, "max_range"),
         ({"mount": (0.0, 0.0)}, ValueError, "three numbers"),
         ({"mount": (0.0, math.nan, 0.0)}, ValueError, "mount"),
-        ({"mount": "front"}, TypeError, "three numbers (x, y, yaw), got str: 'front'"),
+        ({"mount": "front"}, TypeError, "seven (x, y, z, qx, qy, qz, qw), got str: 'front'"),
+        ({"mount": (0.0, 0.0, 0.3, 0.0, math.inf, 0.0)}, ValueError, "mount pitch must be finite, got inf"),
+        ({"mount": (0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0)}, ValueError, "quaternion must be positive and finite, got 0"),
+        ({"mount": (0.0, 0.0, 0.0, 0.0)}, ValueError, "a mount must be three numbers (x, y, yaw), six (x, y, z, roll"),
         ({"mount": None}, TypeError, "mount"),
         ({"beams": 5}, TypeError, "beams"),
     ],
