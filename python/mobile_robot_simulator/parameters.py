@@ -48,6 +48,13 @@ def _numbers(*names: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
+def _check_mount(value: object) -> object:
+    items = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(items, Sequence) or isinstance(items, str) or len(items) not in (3, 6):
+        raise ValueError("Input should be 3 numbers [x, y, yaw] or 6 numbers [x, y, z, roll, pitch, yaw]")
+    return items
+
+
 def _check_seed(value: int) -> int:
     if not 0 <= value < 2**64:
         raise ValueError("Input should be in 0..2**64 - 1")
@@ -63,6 +70,7 @@ Angle = Annotated[Number, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
 Seed = Annotated[Count, AfterValidator(_check_seed)]
 Name = Annotated[str, Field(min_length=1)]
 PoseTriple = Annotated[tuple[Number, Number, Number], _numbers("x", "y", "yaw")]
+MountNumbers = Annotated[tuple[Number, ...], BeforeValidator(_check_mount)]
 Alpha = Annotated[Number, Field(ge=0.0)]
 Alphas = Annotated[
     tuple[Alpha, Alpha, Alpha, Alpha, Alpha, Alpha], _numbers("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6")
@@ -307,8 +315,10 @@ class LaserParameters(Parameters):
     laser_frame_id: Name = Field(
         "base_link", description="frame of the scanner; its pose on the robot is read from tf if tf has one"
     )
-    laser_mount: PoseTriple | None = Field(
-        None, description="pose [x, y, yaw] of the scanner on the robot [m, m, rad], published to /tf_static; null for none"
+    laser_mount: MountNumbers | None = Field(
+        None,
+        description="pose of the scanner on the robot, [x, y, yaw] or [x, y, z, roll, pitch, yaw] [m, rad], published to "
+        "/tf_static; null for none",
     )
     laser_fov: Annotated[Number, Field(gt=0.0, le=LARGEST_ANGLE)] = Field(4.71, description="field of view [rad]")
     laser_angle_min: Angle | None = Field(
@@ -384,11 +394,12 @@ class LaserParameters(Parameters):
             z_rand=self.z_rand,
         )
 
-    def scanner(self, mount: Pose | None = None) -> LaserScanner:
+    def scanner(self, mount: Pose | Sequence[float] | None = None) -> LaserScanner:
         """Returns the scanner that these parameters describe.
 
         Args:
-            mount: Pose of the scanner in the robot's frame. Default: `laser_mount`, or the identity if that is not given.
+            mount: Pose of the scanner in the robot's frame, in any form that `LaserScanner` takes. Default: `laser_mount`,
+                or the identity if that is not given.
 
         """
         return LaserScanner(
@@ -396,7 +407,7 @@ class LaserParameters(Parameters):
             beam_count=self.laser_beam_count,
             min_range=self.laser_min_range,
             max_range=self.laser_max_range,
-            mount=mount or Pose(*(self.laser_mount or (0.0, 0.0, 0.0))),
+            mount=mount or self.laser_mount or Pose(),
         )
 
     def _beam_layout(self) -> dict[str, float]:

@@ -166,6 +166,7 @@ def good() -> dict[str, Any]:
         **dict.fromkeys(("seed", "row", "col", "n", "count", "index", "first_index", "next_index", "threads"), 1),
         **dict.fromkeys(("poses", "rays", "twists"), np.full((2, 3), 0.5)),
         "fov": 1.0,
+        **dict.fromkeys(("angle_min", "angle_max", "angle_increment"), None),
         "beam_count": 5,
         "min_range": 0.1,
         "max_range": 5.0,

@@ -89,6 +89,7 @@ FRAME: dict[type[Parameters], dict[str, str]] = {RobotParameters: {}, LaserParam
         ("seed", 2**64 - 1),
         ("z_hit", 17),
         ("laser_mount", [0.1, 0, -0.5]),
+        ("laser_mount", [0.1, 0, 0.3, 3.14, 0, -0.5]),
         ("laser_mount", None),
         ("sigma_hit", "0.05e0"),
     ],
@@ -224,14 +225,17 @@ def test_parameters_build_the_noise_models_and_the_scanner() -> None:
     assert LaserParameters().scanner().mount == mrs.Pose()
 
 
+MOUNT = "laser_mount must be 3 numbers [x, y, yaw] or 6 numbers [x, y, z, roll, pitch, yaw]"
+
+
 @pytest.mark.parametrize(
     ("model", "values", "message"),
     [
-        (LaserParameters, {"laser_mount": (1, 2)}, "laser_mount must be 3 numbers [x, y, yaw], got (1, 2)"),
-        (LaserParameters, {"laser_mount": [1, 2, 3, 4]}, "laser_mount must be 3 numbers [x, y, yaw], got [1, 2, 3, 4]"),
-        (LaserParameters, {"laser_mount": 3}, "laser_mount must be 3 numbers [x, y, yaw], got 3"),
-        (LaserParameters, {"laser_mount": {1, 2, 3}}, "laser_mount must be 3 numbers [x, y, yaw], got {1, 2, 3}"),
-        (LaserParameters, {"laser_mount": "abc"}, "laser_mount must be 3 numbers [x, y, yaw], got 'abc'"),
+        (LaserParameters, {"laser_mount": (1, 2)}, MOUNT + ", got (1, 2)"),
+        (LaserParameters, {"laser_mount": [1, 2, 3, 4]}, MOUNT + ", got [1, 2, 3, 4]"),
+        (LaserParameters, {"laser_mount": 3}, MOUNT + ", got 3"),
+        (LaserParameters, {"laser_mount": {1, 2, 3}}, MOUNT + ", got {1, 2, 3}"),
+        (LaserParameters, {"laser_mount": "abc"}, MOUNT + ", got 'abc'"),
         (LaserParameters, {"laser_mount": [1, "a", 3]}, "laser_mount[1] must be a valid number, got 'a'"),
         (
             RobotParameters,

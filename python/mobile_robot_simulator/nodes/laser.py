@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import messages
-from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose
+from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
-from ..messages import Header, LaserScan, TFMessage, Time, TransformStamped
+from ..messages import Header, LaserScan, Quaternion, TFMessage, Time, TransformStamped, Vector3
 from ..parameters import LaserParameters
 from ..physics.world import Carrier
 from .interface import Node, Publisher, QoS
@@ -23,6 +23,8 @@ from .waiting import WaitingLog
 
 RANGE_MAX_MARGIN = 0.001
 """With `no_return: max`, `range_max` of a scan exceeds the reading of a beam without a return by this [m]."""
+
+POINT = Shape.disc(1e-9)
 
 NO_INTENSITIES = np.zeros(0, np.float32)
 
@@ -53,6 +55,7 @@ class LaserSnapshot:
     Attributes:
         parameters: Parameters.
         scanner: Scanner with its mount.
+        mount: The mount that tf had last, None before that.
         beam_model: Noise of the ranges.
         maps: State of the map listener, with the map.
         scan_count: Number of scans so far. The noise of a scan depends on its number.
@@ -65,6 +68,7 @@ class LaserSnapshot:
 
     parameters: LaserParameters
     scanner: LaserScanner
+    mount: Pose | tuple[float, ...] | None
     beam_model: BeamModel
     maps: MapListenerSnapshot
     scan_count: int
@@ -91,8 +95,9 @@ class LaserScannerSimulator(Handle):
         The node requests the map from `map_service` and retries until it arrives. A map on `map_topic` replaces the current
         one.
     Frames:
-        The mount is the scanner's pose in the frame of the robot's base. It comes from tf, or from `laser_mount` while tf
-        does not have it. If tf has no map frame, the root of the tf tree that contains the base replaces it.
+        The mount is the scanner's pose in the frame of the robot's base, in space. It comes from tf, or from `laser_mount`
+        while tf does not have it. Scans wait until one of the two is known. If tf has no map frame, the root of the tf tree
+        that contains the base replaces it.
 
     Args:
         node: Node to publish and subscribe through.
@@ -122,6 +127,8 @@ class LaserScannerSimulator(Handle):
         self._transforms = self._listener.buffer
         self._truth = TruthListener(node)
         self._waiting = WaitingLog(node, "the laser", self._find_missing)
+        self._mount: Pose | tuple[float, ...] | None = None
+        self._has_warned = False
         self._scan_count = 0
         self._running: Handles | None = None
         self._scans: Publisher[LaserScan] | None = None
@@ -175,13 +182,15 @@ class LaserScannerSimulator(Handle):
         """Starts to publish scans, the first one after one period. Has no effect if the node is running."""
         if self._running is not None:
             return
+        self._has_warned = False
         with Handles() as handles:
             self._create_publishers(handles)
             self._create_subscriptions(handles)
             self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             scanning = self._node.create_timer(1.0 / self._parameters.laser_frequency, self._publish_scan)
             handles.add(self._node.destroy_timer, scanning)
-            if self._carrier is None or self._maps.grid is None or self._parameters.pose_source == "tf":
+            needs_mount = not self._update_mount(self._now_ns())
+            if self._carrier is None or self._maps.grid is None or self._parameters.pose_source == "tf" or needs_mount:
                 self._waiting.start(handles)
             self._running = handles
 
@@ -196,6 +205,7 @@ class LaserScannerSimulator(Handle):
         return LaserSnapshot(
             parameters=self._parameters,
             scanner=self._scanner,
+            mount=self._mount,
             beam_model=self._beam_model,
             maps=self._maps.save(),
             scan_count=self._scan_count,
@@ -209,6 +219,7 @@ class LaserScannerSimulator(Handle):
     def restore(self, state: LaserSnapshot) -> None:
         """Puts the node back into a saved state."""
         self._parameters, self._scanner, self._beam_model = state.parameters, state.scanner, state.beam_model
+        self._mount = state.mount
         self._maps.restore(state.maps)
         self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
         self._transforms.restore(state.transforms)
@@ -228,7 +239,9 @@ class LaserScannerSimulator(Handle):
         if parameters.laser_mount is not None:
             static = node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
             handles.add(node.destroy_publisher, static)
-            transform = messages.Transform.from_planar(Pose(*parameters.laser_mount))
+            scanner = parameters.scanner()
+            x, y, z, *_ = scanner.mount_in_space
+            transform = messages.Transform(Vector3(x, y, z), Quaternion(*scanner.mount_quaternion))
             header = Header(Time.from_nanoseconds(self._now_ns()), parameters.frames["base_link_frame"])
             static.publish(TFMessage([TransformStamped(header, parameters.frames["laser_frame_id"], transform)]))
 
@@ -247,6 +260,7 @@ class LaserScannerSimulator(Handle):
     def _use_parameters(self, parameters: LaserParameters) -> None:
         scanner, beam_model = parameters.scanner(), parameters.beam_model
         self._parameters, self._scanner, self._beam_model = parameters, scanner, beam_model
+        self._mount = None
         self._maps.set_unknown(parameters.unknown)
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
         if not math.isclose(sum(weights.values()), 1.0, rel_tol=1e-9):
@@ -266,6 +280,10 @@ class LaserScannerSimulator(Handle):
                 base, target = self._parameters.frames["base_link_frame"], self._parameters.map_frame_id
                 reason = self._transforms.explain_missing(target, base, now_ns)
                 missing["the robot's pose"] = f"the transform from {base} to {target}, {reason}"
+        if not self._update_mount(now_ns):
+            base, frame = self._parameters.frames["base_link_frame"], self._parameters.frames["laser_frame_id"]
+            reason = self._transforms.explain_missing(base, frame, now_ns)
+            missing["its mount"] = f"laser_mount, or the transform from {frame} to {base}, {reason}"
         return missing
 
     def _prepare(self, grid: OccupancyGrid) -> None:
@@ -279,9 +297,10 @@ class LaserScannerSimulator(Handle):
         assert self._scans is not None
         now_ns, parameters, grid = self._now_ns(), self._parameters, self._maps.grid
         map_from_base = self._base_pose(now_ns)
-        if grid is None or map_from_base is None:
+        is_mounted = self._update_mount(now_ns)
+        if grid is None or map_from_base is None or not is_mounted:
             return
-        self._update_mount(now_ns)
+        self._check_position(grid, map_from_base)
         ranges = self._measure(grid, map_from_base)
         if self._carrier is not None:
             self._carrier.publish_transforms(now_ns)
@@ -297,12 +316,28 @@ class LaserScannerSimulator(Handle):
                 return self._truth.pose(now_ns)
         return self._transforms.lookup_or_root(parameters.map_frame_id, parameters.frames["base_link_frame"], now_ns)
 
-    def _update_mount(self, now_ns: int) -> None:
-        """Sets the mount to the one in tf. Keeps the current mount if tf has none."""
+    def _update_mount(self, now_ns: int) -> bool:
+        """Sets the mount to the one in tf, if tf has one. Returns False if the mount is unknown.
+
+        The mount is known once tf has had it, with `laser_mount`, and if the scanner's frame is that of the robot.
+        """
         base, frame = self._parameters.frames["base_link_frame"], self._parameters.frames["laser_frame_id"]
-        mount = self._transforms.lookup(base, frame, now_ns) if frame != base else None
-        if mount is not None and mount != self._scanner.mount:
-            self._scanner = self._parameters.scanner(mount)
+        if frame == base:
+            return True
+        mount: Pose | tuple[float, ...] | None = self._transforms.lookup(base, frame, now_ns)
+        space = None if mount is None else self._transforms.lookup_in_space(base, frame)
+        if space is not None and not space.is_level:
+            mount = (*space.translation, *space.vector, space.w)
+        if mount is not None and mount != self._mount:
+            self._mount, self._scanner = mount, self._parameters.scanner(mount)
+        return self._mount is not None or self._parameters.laser_mount is not None
+
+    def _check_position(self, grid: OccupancyGrid, map_from_base: Pose) -> None:
+        """Warns if the scanner is inside a wall, once after each start."""
+        if not self._has_warned and touches(grid, POINT, map_from_laser := map_from_base * self._scanner.mount):
+            self._has_warned = True
+            x, y, _ = map_from_laser
+            self._node.get_logger().warning(f"the laser is inside a wall, at ({x:.2f}, {y:.2f}): all true ranges are 0")
 
     def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> Any:
         """Measures the next scan, with noise if `apply_noise` is set. Returns its ranges, (beam_count,) float32 [m]."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from .._core import Pose
 from ..handle import Handles
 from ..instant import NANOSECONDS
-from ..messages import Header, Odometry, TFMessage, TransformStamped
+from ..messages import Header, Odometry, TFMessage, Transform, TransformStamped
 from ..physics.velocity_profile import STANDING, Velocity
 from .interface import Node, QoS
+from .rigid_transform import RigidTransform
 
 MAX_EXTRAPOLATION_NS = 1_000_000_000
 """A pose is extrapolated at most this long before or after the stamp of the last transform [ns]."""
@@ -58,7 +59,7 @@ class TransformBuffer:
             before = before.before
         if before is not None and (before.parent != parent or before.stamp > stamp):
             before = None
-        self._links[child] = _Link(parent, stamp, pose, static, before and replace(before, before=None))
+        self._links[child] = _Link(parent, stamp, pose, transform.transform, static, before and replace(before, before=None))
 
     def add_twist(self, odometry: Odometry) -> None:
         """Stores the twist of an odometry message's child frame. A twist that is not finite counts as zero."""
@@ -80,6 +81,20 @@ class TransformBuffer:
         """
         up_from_source = self._ancestors(_without_slash(source), time_ns)
         up_from_target = self._ancestors(_without_slash(target), time_ns)
+        for frame, frame_from_source in up_from_source.items():
+            if frame in up_from_target:
+                return up_from_target[frame].inverse() * frame_from_source
+        return None
+
+    def lookup_in_space(self, target: str, source: str) -> RigidTransform | None:
+        """Returns the last known pose of the source frame in the target frame, in space. None if they are not connected.
+
+        Args:
+            target: Frame of the result.
+            source: Frame whose pose is wanted.
+        """
+        up_from_source = self._ancestors_in_space(_without_slash(source))
+        up_from_target = self._ancestors_in_space(_without_slash(target))
         for frame, frame_from_source in up_from_source.items():
             if frame in up_from_target:
                 return up_from_target[frame].inverse() * frame_from_source
@@ -134,6 +149,16 @@ class TransformBuffer:
 
     def _knows(self, frame: str) -> bool:
         return frame in self._links or any(link.parent == frame for link in self._links.values())
+
+    def _ancestors_in_space(self, frame: str) -> dict[str, RigidTransform]:
+        """Like `_ancestors`, in space and with the last transforms."""
+        pose = RigidTransform()
+        found = {frame: pose}
+        while (link := self._links.get(frame)) is not None and link.parent not in found:
+            pose = RigidTransform.from_message(link.transform.translation, link.transform.rotation) * pose
+            frame = link.parent
+            found[frame] = pose
+        return found
 
     def _ancestors(self, frame: str, time_ns: int) -> dict[str, Pose]:
         """Returns a frame's pose in itself, in its parent, in its parent's parent and so on, by the ancestor's name."""
@@ -213,11 +238,12 @@ class TransformListener:
 
 @dataclass(frozen=True)
 class _Link:
-    """Pose of a frame in its parent at a stamp [ns], and the previous such pose."""
+    """Pose of a frame in its parent at a stamp [ns], in the plane and in space, and the previous such pose."""
 
     parent: str
     stamp: int
     pose: Pose
+    transform: Transform
     static: bool
     before: _Link | None
 

@@ -14,7 +14,7 @@ from ..handle import Handle
 from ..instant import NANOSECONDS, Duration, Instant
 from ..messages import Header, Point, Pose, TFMessage, Time, TransformStamped, Vector3
 from ..nodes.interface import QoS
-from .rigid_transform import RigidTransform
+from ..nodes.rigid_transform import RigidTransform
 
 CACHE_TIME = Duration(seconds=10)
 """How long a buffer keeps transforms by default."""

@@ -41,7 +41,11 @@ class Rig:
     def link(self, parent: str, child: str, pose: Any, *, static: bool = False, seconds: float | None = None) -> None:
         stamp = self.bus.time_ns if seconds is None else round(seconds * SECOND)
         header = mrs.messages.Header(mrs.messages.Time.from_nanoseconds(stamp), parent)
-        transform = mrs.messages.TransformStamped(header, child, messages.Transform.from_planar(mrs.Pose(*pose)))
+        self.send(
+            mrs.messages.TransformStamped(header, child, messages.Transform.from_planar(mrs.Pose(*pose))), static=static
+        )
+
+    def send(self, transform: mrs.messages.TransformStamped, *, static: bool) -> None:
         publisher = self.node.create_publisher(mrs.messages.TFMessage, "/tf_static", QoS.LATCHED) if static else self._tf
         publisher.publish(mrs.messages.TFMessage([transform]))
 
@@ -83,6 +87,7 @@ def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0
 def test_a_scan_field_by_field(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, laser_frame_id="laser", laser_fov=3.0, laser_min_range=0.2, laser_frequency=8.0)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
+    rig.link("base_link", "laser", (0.0, 0.0, 0.0), static=True)
     rig.run_to(0.125)
     (scan,) = rig.scans
     scanner = mrs.LaserScanner(fov=3.0, beam_count=61, min_range=0.2, max_range=12.0)
@@ -222,14 +227,50 @@ def test_a_mount_may_be_a_chain_of_transforms(room: mrs.OccupancyGrid) -> None:
     assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=(0.3, 0.1, 0.7)), atol=1e-5)
 
 
-def test_a_mount_may_arrive_late(room: mrs.OccupancyGrid) -> None:
+def test_scans_wait_until_the_mount_is_known(room: mrs.OccupancyGrid) -> None:
     rig = Rig(room, laser_frame_id="laser")
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
+    assert rig.scans == []
     rig.link("base_link", "laser", MOUNT, static=True)
     rig.run_to(0.2)
-    assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5)), atol=1e-5)
-    assert np.allclose(rig.scans[1].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=MOUNT), atol=1e-5)
+    (scan,) = rig.scans
+    assert np.allclose(scan.ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=MOUNT), atol=1e-5)
+
+
+def test_a_laser_inside_a_wall_says_so_once(caplog: pytest.LogCaptureFixture) -> None:
+    cells = np.zeros((40, 40), np.int8)
+    cells[:, 22] = 100
+    for x, expected in ((1.0, []), (2.0, ["the laser is inside a wall, at (2.25, 2.00): all true ranges are 0"])):
+        caplog.clear()
+        rig = Rig(mrs.OccupancyGrid(cells, resolution=0.1), laser_frame_id="laser", laser_mount=[0.25, 0.0, 0.0])
+        rig.link("map", "base_link", (x, 2.0, 0.0))
+        rig.run_to(0.5)
+        assert len(rig.scans) == 5
+        assert [record.message for record in caplog.records] == expected
+
+
+def test_a_mount_in_space_is_read_from_tf(room: mrs.OccupancyGrid) -> None:
+    """The chain from the robot to the scanner turns upside down, and then tilts."""
+    rig = Rig(room, laser_frame_id="laser")
+    rig.link("map", "base_link", (1.0, 2.0, 0.5))
+    upside_down = mrs.LaserScanner(mount=(0.1, 0.0, 0.2, math.pi, 0.0, 0.3))
+    tilted = mrs.LaserScanner(mount=(0.1, 0.0, 0.2, 0.2, 0.1, 0.3))
+    for period, mounted in enumerate((upside_down, tilted), 1):
+        x, y, z, *_ = mounted.mount_in_space
+        above = mrs.messages.Transform(mrs.messages.Vector3(0.0, 0.0, z))
+        turned = mrs.messages.Transform(mrs.messages.Vector3(x, y, 0.0), mrs.messages.Quaternion(*mounted.mount_quaternion))
+        for parent, child, transform in (("base_link", "mast", above), ("mast", "laser", turned)):
+            rig.send(mrs.messages.TransformStamped(mrs.messages.Header(frame_id=parent), child, transform), static=True)
+        rig.run_to(0.1 * period)
+        alike = rig.laser.parameters.scanner(mounted.mount_in_space)
+        expected = alike.mark_invalid(alike.scan(room, (1.0, 2.0, 0.5)))
+        assert np.allclose(rig.scans[-1].ranges, expected, atol=1e-5)
+    level = rig.laser.parameters.scanner((0.1, 0.0, 0.3)).scan(room, (1.0, 2.0, 0.5))
+    assert np.isfinite(level).any() and not np.allclose(rig.scans[-1].ranges, rig.scans[0].ranges)
+    assert np.allclose(
+        level, rig.laser.parameters.scanner((0.1, 0.0, 0.2, math.pi, 0.0, 0.3)).scan(room, (1.0, 2.0, 0.5))[::-1]
+    )
 
 
 def test_a_mount_given_as_a_parameter_is_published(room: mrs.OccupancyGrid) -> None:
@@ -241,6 +282,19 @@ def test_a_mount_given_as_a_parameter_is_published(room: mrs.OccupancyGrid) -> N
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
     assert np.allclose(rig.scans[0].ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=MOUNT), atol=1e-5)
+
+
+def test_a_mount_in_space_given_as_a_parameter_is_published(room: mrs.OccupancyGrid) -> None:
+    numbers = [0.1, -0.2, 0.3, 0.1, 0.2, -2.0]
+    rig = Rig(room, laser_frame_id="laser", laser_mount=numbers)
+    (message,) = [message for topic, message, _ in rig.sent if topic == "/tf_static"]
+    moved, turned = message.transforms[0].transform.translation, message.transforms[0].transform.rotation
+    published = (moved.x, moved.y, moved.z, turned.x, turned.y, turned.z, turned.w)
+    assert mrs.LaserScanner(mount=published).mount_in_space == pytest.approx(numbers, abs=1e-15)
+    rig.link("map", "base_link", (1.0, 2.0, 0.5))
+    rig.run_to(0.1)
+    alike = rig.laser.parameters.scanner(numbers)
+    assert np.allclose(rig.scans[0].ranges, alike.mark_invalid(alike.scan(room, (1.0, 2.0, 0.5))), atol=1e-5)
 
 
 def test_a_scan_in_the_robots_frame_is_measured_from_the_robots_origin(room: mrs.OccupancyGrid) -> None:

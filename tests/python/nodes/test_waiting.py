@@ -151,7 +151,9 @@ class Transforms:
 def test_a_laser_says_what_it_waits_for(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO")
     bus = Bus()
-    mrs.nodes.LaserScannerSimulator(NoCopyNode(bus, "laser"), LaserParameters(base_link_frame="base_footprint")).start()
+    mrs.nodes.LaserScannerSimulator(
+        NoCopyNode(bus, "laser"), LaserParameters(base_link_frame="base_footprint", laser_frame_id="base_footprint")
+    ).start()
     transforms = Transforms(bus)
     bus.run_until(5 * SECOND)
     mrs.nodes.MapServer(NoCopyNode(bus, "map_server"), GRID).start()
@@ -167,6 +169,22 @@ def test_a_laser_says_what_it_waits_for(caplog: pytest.LogCaptureFixture) -> Non
         "the laser has the robot's pose now",
         f"{pose}but the last one from base_footprint to odom is 3.2 s old)",
         f"{pose}but the last one from base_footprint to odom is 13.2 s old)",
+    ]
+
+
+def test_a_laser_waits_for_its_mount(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
+    bus = Bus()
+    mrs.nodes.LaserScannerSimulator(NoCopyNode(bus, "laser"), LaserParameters(laser_frame_id="scan"), grid=GRID).start()
+    transforms = Transforms(bus)
+    transforms.send_until(5, ("map", "base_link"))
+    assert bus.latest("/scan") is None
+    transforms.send_until(6, ("map", "base_link"), ("base_link", "scan"))
+    assert bus.latest("/scan") is not None
+    assert [record.message for record in caplog.records] == [
+        "the laser waits for its mount (laser_mount, or the transform from scan to base_link, on topic /tf, which has the "
+        "frames base_link, map)",
+        "the laser has its mount now",
     ]
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.messages import Quaternion, Transform, Vector3
-from mobile_robot_simulator.testing.rigid_transform import RigidTransform
+from mobile_robot_simulator.nodes.rigid_transform import RigidTransform
 
 SEED = 5
 

@@ -1,4 +1,4 @@
-"""Rigid transforms in space, for tf2: a rotation and a translation."""
+"""Rigid transforms in space: a rotation and a translation."""
 
 from __future__ import annotations
 
@@ -46,6 +46,11 @@ class RigidTransform:
             raise ValueError("the quaternion of a rotation must not be zero")
         x, y, z, w = (part / norm for part in turned)
         return cls(moved, (x, y, z), w)
+
+    @property
+    def is_level(self) -> bool:
+        """True if the rotation is about the z axis."""
+        return self.vector[0] == self.vector[1] == 0.0
 
     def to_transform(self) -> Transform:
         """Returns the message Transform."""
