@@ -9,8 +9,9 @@ from typing import Any
 import yaml
 
 from .nav2_loopback_names import SYNONYMS, translate
-from .parameters import NODES, Parameters, check_names, for_node
+from .parameters import NODES, LaserParameters, Parameters, check_names, for_node
 from .quoting import misspelled, quoted
+from .scanners import check_robot_names, split
 from .user_files import read_text
 from .yaml_documents import MappingNode, Node, entries_of, parse, text_of, value_of
 
@@ -142,7 +143,7 @@ def translated(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def _check_names(names: Iterable[str], models: Iterable[type[Parameters]] = NODES, path: str | Path | None = None) -> None:
     """Checks names like `check_names`. Those of nav2_loopback_sim and of ROS itself are known too."""
-    bare = ((name, name.rpartition(":")[2]) for name in names)
+    bare = ((name, name.rpartition(":")[2]) for name in names if not split(name)[0])
     try:
         check_names([name for name, own in bare if own not in SYNONYMS and not is_for_ros(own)], models)
     except ValueError as error:
@@ -158,13 +159,22 @@ def to_yaml(values: Mapping[str, Any] | None = None) -> str:
     Raises:
         ValueError: A name is unknown or a value is invalid.
     """
-    check_names(values or {})
+    values = values or {}
+    check_robot_names(values)
     lines = []
     for model in NODES:
-        parameters = for_node(model, values or {})
+        parameters = for_node(model, values)
         lines += [f"{model.node_name}:", "  ros__parameters:"]
         for name, info in model.model_fields.items():
-            value = yaml.safe_dump(getattr(parameters, name), default_flow_style=True).removesuffix("...\n").strip()
-            value = f"[{', '.join(map(str, getattr(parameters, name)))}]" if value.startswith("!!python/tuple") else value
-            lines.append(f"    {name}: {value}".ljust(46) + f"  # {info.description}")
+            lines.append(f"    {name}: {_yaml(getattr(parameters, name))}".ljust(46) + f"  # {info.description}")
+        if model is LaserParameters:
+            own = ((key.rpartition(":")[2], value) for key, value in values.items() if split(key)[0])
+            lines += [f"    {name}: {_yaml(value)}" for name, value in own]
     return "\n".join(lines) + "\n"
+
+
+def _yaml(value: Any) -> str:
+    """Returns a value as YAML on one line."""
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(str, value))}]"
+    return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
@@ -90,14 +90,23 @@ Topic = Annotated[str, AfterValidator(_check_topic)]
 OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic(name))]
 
 
-def _check_robots(names: object) -> object:
-    """Rejects what is not a list of different names that ROS accepts in a namespace."""
-    is_list = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
-    if not is_list or not all(re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) for name in names):  # type: ignore[attr-defined]
-        raise ValueError("Input should be a list of names such as [robot1, robot2]")
-    if len(set(names)) < len(names):  # type: ignore[call-overload, arg-type]
-        raise ValueError("Input should be a list of different names")
-    return names
+def _check_names_of(one: str, other: str) -> Callable[[object], object]:
+    """Returns a validator that rejects what is not a list of different names that ROS accepts in a namespace.
+
+    Args:
+        one: An example of a name, for the error.
+        other: Another example.
+    """
+
+    def check(names: object) -> object:
+        is_list = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
+        if not is_list or not all(re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) for name in names):  # type: ignore[attr-defined]
+            raise ValueError(f"Input should be a list of names such as [{one}, {other}]")
+        if len(set(names)) < len(names):  # type: ignore[call-overload, arg-type]
+            raise ValueError("Input should be a list of different names")
+        return names
+
+    return check
 
 
 def _corners_to_text(value: object) -> object:
@@ -178,6 +187,11 @@ class RobotParameters(Parameters):
 
     node_name = "mobile_robot_simulator_node"
 
+    scanners: Annotated[tuple[str, ...], BeforeValidator(_check_names_of("front", "rear"))] = Field(
+        (),
+        description="names of several scanners, each with parameters of its own such as front.laser_mount; "
+        "empty for one scanner without a name",
+    )
     publish_map_transform: bool = Field(
         False,
         description="publish the transform map -> odom and subscribe to /initialpose (default true in Simulation and run)",
@@ -426,7 +440,7 @@ class WorldParameters(Parameters):
 
     node_name = "world_server"
 
-    robots: Annotated[tuple[str, ...], BeforeValidator(_check_robots)] = Field(
+    robots: Annotated[tuple[str, ...], BeforeValidator(_check_names_of("robot1", "robot2"))] = Field(
         (), description="names of several robots, each in a namespace of its name; empty for one robot without a name"
     )
     obstacles_topic: Topic = Field("obstacles", description="topic of markers that add, move and remove obstacles")

@@ -24,6 +24,7 @@ ROOMS = (
     "instant",
     "handle",
     "parameters",
+    "scanners",
     "namespaces",
     "nav2_loopback_names",
     "parameter_files",

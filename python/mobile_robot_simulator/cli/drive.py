@@ -60,10 +60,11 @@ class Drive:
         if not {"robot_radius", "footprint"} & names:
             parameters = {"robot_radius": radius, "contact": "report", **parameters}
         self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
-        self.odometry_messages = self.scans = self.in_unknown_cells = self.off_map = 0
+        self.odometry_messages = self.scans = self.beams = self.in_unknown_cells = self.off_map = 0
         robot, laser = self.simulation.robot.parameters, self.simulation.laser.parameters
         self.simulation.subscribe(robot.odometry_topic, Odometry, self._follow)
-        self.simulation.subscribe(laser.laser_topic, LaserScan, self._count)
+        for each in self.simulation.named(None).scanners.values():
+            self.simulation.subscribe(each.parameters.laser_topic, LaserScan, self._count)
         node = self.simulation.create_node("driver")
         commander = Commander(node, robot.velocity_topic, stamped=robot.cmd_vel_stamped)
         if isinstance(driver, Wander):
@@ -109,15 +110,14 @@ class Drive:
 
     def _summary(self, wall_seconds: float, *, interrupted: bool) -> Summary:
         simulation = self.simulation
-        beams = self.scans * simulation.laser.parameters.laser_beam_count
         start, end = simulation.robot.start_pose, simulation.pose
         return Summary(
             simulated_seconds=simulation.time,
             wall_seconds=wall_seconds,
             real_time_factor=simulation.time / wall_seconds,
             scans=self.scans,
-            beams=beams,
-            beams_per_second=beams / wall_seconds,
+            beams=self.beams,
+            beams_per_second=self.beams / wall_seconds,
             distance=simulation.robot.distance,
             collisions=len(simulation.truth.contacts),
             unknown_share=(self.in_unknown_cells + self.off_map) / max(1, self.odometry_messages),
@@ -150,6 +150,7 @@ class Drive:
 
     def _count(self, scan: LaserScan) -> None:
         self.scans += 1
+        self.beams += len(scan.ranges)
 
 
 def draw_start(grid: OccupancyGrid, radius: float, seed: int) -> Pose:

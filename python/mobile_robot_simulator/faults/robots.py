@@ -161,19 +161,25 @@ class Outage(Fault):
 
     def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
         robot = simulation.named(self.robot)
-        nodes: dict[str, Startable] = {"robot": robot.robot, "laser": robot.laser, "map_server": simulation.map_server}
-        self._node = nodes[self.node]
+        nodes: dict[str, tuple[Startable, ...]] = {
+            "robot": (robot.robot,),
+            "laser": tuple(robot.scanners.values()),
+            "map_server": (simulation.map_server,),
+        }
+        self._nodes = nodes[self.node]
         self._plan(bus, self.start, self._stop)
         self._plan(bus, self.end, partial(self._start_again, simulation))
 
     def _stop(self) -> None:
-        self._node.stop()
+        for node in self._nodes:
+            node.stop()
         self._note(f"{self.node} stops")
 
     def _start_again(self, simulation: FaultTarget) -> None:
-        if any(fault._node is self._node for fault in _acting(simulation, Outage)):
+        if any(fault._nodes == self._nodes for fault in _acting(simulation, Outage)):
             return
-        self._node.start()
+        for node in self._nodes:
+            node.start()
         self._note(f"{self.node} is back")
 
     def _arguments(self) -> list[str]:

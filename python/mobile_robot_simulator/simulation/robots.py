@@ -16,10 +16,11 @@ from ..namespaces import of_namespace
 from ..nodes.laser import LaserScannerSimulator, LaserSnapshot
 from ..nodes.robot import MobileRobotSimulator, RobotSnapshot
 from ..nodes.transforms import TransformBuffer, TransformListener
-from ..parameters import LaserParameters, RobotParameters, check_names, for_node
+from ..parameters import LaserParameters, RobotParameters, for_node
 from ..physics.obstacles import PoseLike
 from ..physics.world import World
 from ..quoting import quoted
+from ..scanners import check_robot_names, of_scanner, scanner_names, split
 from .arguments import to_pose
 from .ground_truth import GroundTruth
 
@@ -31,14 +32,19 @@ class SimulatedRobot(Handle):
     Attributes:
         name: Name of the robot and of its namespace. Empty if the simulation has one robot without a name.
         robot: The node that moves it.
-        laser: The node of its laser scanner.
+        scanners: The nodes of its laser scanners by name. One scanner without a name has the key ''.
         truth: Its true pose, velocity, path and contacts.
     """
 
     name: str
     robot: MobileRobotSimulator
-    laser: LaserScannerSimulator
+    scanners: Mapping[str, LaserScannerSimulator]
     truth: GroundTruth
+
+    @property
+    def laser(self) -> LaserScannerSimulator:
+        """The node of its first laser scanner."""
+        return next(iter(self.scanners.values()))
 
     def __repr__(self) -> str:
         return f"SimulatedRobot({self.title} {self.place})"
@@ -74,12 +80,12 @@ class SimulatedRobotSnapshot:
     Attributes:
         robot: The robot itself.
         node: State of the node that moves it.
-        laser: State of its laser scanner.
+        lasers: States of its laser scanners.
     """
 
     robot: SimulatedRobot
     node: RobotSnapshot
-    laser: LaserSnapshot
+    lasers: tuple[LaserSnapshot, ...]
 
 
 @dataclass(frozen=True)
@@ -166,10 +172,14 @@ class Robots(Handle):
                 "each robot must have a name, different from all others, "
                 f"got {quoted(name)} beside {quoted(sorted(self._robots))}"
             )
-        values = self._values_of(name, parameters)
-        robot_parameters, laser_parameters = for_node(RobotParameters, values), for_node(LaserParameters, values)
-        if any(key.rpartition(":")[2] == "unknown" for key in values):
-            self._check_unknown(robot_parameters, laser_parameters)
+        values = self._values_of(parameters)
+        robot_parameters = for_node(RobotParameters, of_namespace(name, values))
+        scanners = {
+            scanner: for_node(LaserParameters, of_namespace(name, of_scanner(scanner, values)))
+            for scanner in scanner_names(values)
+        }
+        if any(split(key)[1].rpartition(":")[2] == "unknown" for key in values):
+            self._check_unknown(robot_parameters, *scanners.values())
         pose = to_pose(robot_parameters.initial_pose if start is None else start, "start")
         self._check_place("start", pose, robot_parameters.shape)
         robot = MobileRobotSimulator(
@@ -179,16 +189,20 @@ class Robots(Handle):
             world=self._world,
             name=name,
         )
-        laser = LaserScannerSimulator(
-            NoCopyNode(self._bus, laser_parameters.node_name, namespace=f"/{name}"),
-            laser_parameters,
-            grid=self._grid,
-            carrier=robot,
-            listener=self._listener,
-        )
-        added = self._robots[name] = SimulatedRobot(name, robot, laser, GroundTruth(self._world, robot))
+        lasers = {
+            scanner: LaserScannerSimulator(
+                NoCopyNode(self._bus, parameters.node_name, namespace=f"/{name}"),
+                parameters,
+                grid=self._grid,
+                carrier=robot,
+                listener=self._listener,
+            )
+            for scanner, parameters in scanners.items()
+        }
+        added = self._robots[name] = SimulatedRobot(name, robot, lasers, GroundTruth(self._world, robot))
         robot.start()
-        laser.start()
+        for laser in lasers.values():
+            laser.start()
         return added
 
     def set_pose(self, pose: PoseLike, name: str | None) -> None:
@@ -204,24 +218,28 @@ class Robots(Handle):
 
     def save(self) -> RobotsSnapshot:
         """Returns the state that `restore` takes."""
-        robots = tuple(SimulatedRobotSnapshot(robot, robot.robot.save(), robot.laser.save()) for robot in self)
-        return RobotsSnapshot(robots, self._listener.save())
+        robots = (
+            SimulatedRobotSnapshot(robot, robot.robot.save(), tuple(laser.save() for laser in robot.scanners.values()))
+            for robot in self
+        )
+        return RobotsSnapshot(tuple(robots), self._listener.save())
 
     def restore(self, state: RobotsSnapshot) -> None:
         """Puts the robots back into a saved state. Robots added later are removed."""
         self._robots = {each.robot.name: each.robot for each in state.robots}
         for each in state.robots:
             each.robot.robot.restore(each.node)
-            each.robot.laser.restore(each.laser)
+            for laser, saved in zip(each.robot.scanners.values(), each.lasers, strict=True):
+                laser.restore(saved)
         self._listener.restore(state.listener)
 
-    def _values_of(self, name: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
-        """Returns the parameters of a new robot, in its namespace. Only the first robot publishes the clock."""
+    def _values_of(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """Returns the parameters of a new robot. Only the first robot publishes the clock."""
         values = {**self._values, **parameters}
-        check_names(values)
+        check_robot_names(values)
         if self._robots:
             values["publish_clock"] = False
-        return of_namespace(name, values)
+        return values
 
     def _check_unknown(self, *parameters: RobotParameters | LaserParameters) -> None:
         """Raises ValueError unless both nodes of a robot treat unknown cells as the map does, which all robots share."""

@@ -22,10 +22,11 @@ from ..nodes.laser import LaserScannerSimulator
 from ..nodes.map_messages import with_unknown
 from ..nodes.map_server import MapServer
 from ..nodes.robot import MobileRobotSimulator
-from ..parameters import LaserParameters, check_names, for_node
+from ..parameters import LaserParameters, for_node
 from ..physics.obstacles import Obstacle, PoseLike, Trajectory
 from ..physics.world import World
 from ..quoting import quoted
+from ..scanners import check_robot_names
 from .arguments import check_parameters, to_nanoseconds, to_pose, to_velocity
 from .fault import F, Fault, FaultList
 from .ground_truth import GroundTruth
@@ -106,7 +107,7 @@ class Simulation(Handle):
         values = {**DEFAULTS, **(parameters or {})}
         if seed is not None:
             values["seed"] = seed
-        check_names(values)
+        check_robot_names(values)
         laser = for_node(LaserParameters, values)
         values.setdefault("odometry_seed", laser.seed)
         if any(key.rpartition(":")[2] == "unknown" for key in values):
@@ -169,7 +170,7 @@ class Simulation(Handle):
 
     @property
     def laser(self) -> LaserScannerSimulator:
-        """The node of the first robot's laser scanner."""
+        """The node of the first robot's first laser scanner."""
         return self._robots.first.laser
 
     @property
