@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from .nav2_loopback_names import SYNONYMS, translate
-from .parameters import NODES, LaserParameters, Parameters, check_names, for_node
+from .parameters import NODES, LaserParameters, Parameters, WorldParameters, check_names, for_node
 from .quoting import misspelled, quoted
 from .scanners import check_robot_names, split
 from .user_files import read_text
@@ -17,6 +17,9 @@ from .yaml_documents import MappingNode, Node, entries_of, parse, text_of, value
 
 _PARAMETERS = "ros__parameters"
 _WILDCARDS = ("*", "**")
+
+FAULTS = "faults"
+"""Parameter with the faults of a process, in the section for all nodes or of the world server."""
 
 
 def is_for_ros(name: str) -> bool:
@@ -30,7 +33,7 @@ def read_file(path: str | Path) -> dict[str, Any]:
     Args:
         path: YAML file with sections that hold `ros__parameters`. The section `/**` is for all nodes; a section with the
             name of a node is for that node only, in any namespace. Sections of other nodes are ignored, and so are the
-            parameters of ROS itself, such as `use_sim_time`.
+            parameters of ROS itself, such as `use_sim_time`, and `faults`, which `read_fault_texts` reads.
 
     Returns:
         Values by key, as `parameters.for_node` takes them: the key is `name` for a value from `/**`, and `node:name` for a
@@ -41,10 +44,7 @@ def read_file(path: str | Path) -> dict[str, Any]:
         ValueError: The content is not YAML or does not have this structure, no section is for these nodes, one node has
             sections in two namespaces, or a parameter is unknown.
     """
-    root = parse(read_text(path), path)
-    if not isinstance(root, MappingNode):
-        got = "nothing" if root is None else text_of(root)
-        raise ValueError(f"{path}: must contain node names with {_PARAMETERS}, got {got}")
+    root = _read_root(path)
     models = {model.node_name: model for model in NODES}
     sections: dict[str, tuple[str, MappingNode]] = {}
     others = []
@@ -65,9 +65,41 @@ def read_file(path: str | Path) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for node, (_, section) in sorted(sections.items(), key=lambda item: item[0] != "**"):
         own = {name: value for name, value in _flat(section, "", path) if not is_for_ros(name)}
+        if node == "**":
+            own.pop(FAULTS, None)
         _check_names(own, NODES if node == "**" else (models[node],), path)
         values.update(own if node == "**" else {f"{node}:{name}": value for name, value in own.items()})
     return values
+
+
+def read_fault_texts(path: str | Path) -> tuple[str, ...]:
+    """Reads the parameter `faults` of a ROS 2 parameter file: the texts of all faults, empty if there is none.
+
+    Args:
+        path: YAML file. The section `/**` has the parameter, or that of the node `world_server`, which counts more.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: The content is not YAML or does not have this structure, or `faults` is not a list of texts.
+    """
+    found: dict[str, Any] = {}
+    for name, section in _sections(_read_root(path), "", path):
+        node = name.rpartition("/")[2]
+        if node in (*_WILDCARDS, WorldParameters.node_name):
+            found.update((node, value) for name, value in _flat(section, "", path) if name == FAULTS)
+    texts = found.get(WorldParameters.node_name, next(iter(found.values()), ()))
+    try:
+        return WorldParameters.checked({FAULTS: texts}).faults
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _read_root(path: str | Path) -> MappingNode:
+    root = parse(read_text(path), path)
+    if not isinstance(root, MappingNode):
+        got = "nothing" if root is None else text_of(root)
+        raise ValueError(f"{path}: must contain node names with {_PARAMETERS}, got {got}")
+    return root
 
 
 def _sections(node: MappingNode, prefix: str, path: str | Path) -> Iterator[tuple[str, MappingNode]]:

@@ -109,6 +109,13 @@ def _check_names_of(one: str, other: str) -> Callable[[object], object]:
     return check
 
 
+def _check_faults(texts: object) -> object:
+    """Rejects what is not a list of texts."""
+    if not (isinstance(texts, list | tuple) and all(isinstance(text, str) for text in texts)):
+        raise ValueError("""Input should be a list of texts such as ["Drop('/scan', probability=0.1)"]""")
+    return texts
+
+
 def _corners_to_text(value: object) -> object:
     """Returns the corners as YAML text. Text is returned unchanged."""
     if isinstance(value, str):
@@ -442,6 +449,9 @@ class WorldParameters(Parameters):
 
     robots: Annotated[tuple[str, ...], BeforeValidator(_check_names_of("robot1", "robot2"))] = Field(
         (), description="names of several robots, each in a namespace of its name; empty for one robot without a name"
+    )
+    faults: Annotated[tuple[str, ...], BeforeValidator(_check_faults)] = Field(
+        (), description="faults of the process, each as a text such as Drop('/scan', probability=0.1)"
     )
     obstacles_topic: Topic = Field("obstacles", description="topic of markers that add, move and remove obstacles")
     markers_topic: OptionalTopic = Field(

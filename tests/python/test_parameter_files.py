@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mobile_robot_simulator.parameter_files import read_assignment, read_file, to_yaml, translated
+from mobile_robot_simulator.parameter_files import read_assignment, read_fault_texts, read_file, to_yaml, translated
 from mobile_robot_simulator.parameters import NODES, LaserParameters, RobotParameters, for_node
 
 
@@ -233,3 +233,35 @@ def test_unknown_values_cannot_be_written() -> None:
 def test_an_unknown_name_in_an_assignment_suggests_the_nearest(name: str, near: str) -> None:
     with pytest.raises(ValueError, match=f"unknown parameter '{name}'; did you mean '{near}'"):
         read_assignment(f"{name}:=1")
+
+
+FAULT = "Drop('/scan', probability=0.1)"
+
+
+@pytest.mark.parametrize(
+    ("text", "faults"),
+    [
+        ("/**:\n  ros__parameters: {publish_rate: 20.0}\n", ()),
+        (f'/**:\n  ros__parameters:\n    faults: ["{FAULT}", "Slip(0.1)"]\n', (FAULT, "Slip(0.1)")),
+        (f'here:\n  world_server:\n    ros__parameters:\n      faults: ["{FAULT}"]\n', (FAULT,)),
+        (
+            f'/**:\n  ros__parameters:\n    faults: [a]\nworld_server:\n  ros__parameters:\n    faults: ["{FAULT}"]\n',
+            (FAULT,),
+        ),
+    ],
+)
+def test_a_file_has_faults_for_all_nodes_or_for_the_world(tmp_path: Path, text: str, faults: tuple[str, ...]) -> None:
+    assert read_fault_texts(written(tmp_path, text)) == faults
+
+
+def test_faults_are_no_parameter_of_a_node(tmp_path: Path) -> None:
+    path = written(tmp_path, "/**:\n  ros__parameters: {publish_rate: 20.0, faults: [a]}\n")
+    assert read_file(path) == {"publish_rate": 20.0}
+
+
+@pytest.mark.parametrize("value", ["a", "[1]", "[[a]]"])
+def test_faults_must_be_a_list_of_texts(tmp_path: Path, value: str) -> None:
+    path = written(tmp_path, f"/**:\n  ros__parameters: {{faults: {value}}}\n")
+    with pytest.raises(ValueError, match="faults must be a list of texts such as") as raised:
+        read_fault_texts(path)
+    assert str(raised.value).startswith(f"{path}: ")

@@ -3,7 +3,8 @@
 `Node` replaces `rclpy.node.Node`. `Simulation.spawn` puts its subclasses on the simulation's bus.
 """
 
-from .bus import Bus, BusSnapshot, Filter, Tap
+from ..nodes.message_filters import Filter
+from .bus import Bus, BusSnapshot, Tap
 from .clock import BusClock
 from .logger import BusLogger
 from .node import BusNode, NoCopyNode, Node

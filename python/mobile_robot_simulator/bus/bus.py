@@ -47,12 +47,14 @@ from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.future import Future, FutureSnapshot
+from ..nodes.interface import M
+from ..nodes.message_filters import Filter, filtered
 from ..quoting import quoted
 from .current import using
 from .service import BusService, ServiceHandler
 from .task import BusTask
 from .timer import BusTimer, TimerSnapshot
-from .topic import BusPublisher, BusTopic, TopicSnapshot, absolute
+from .topic import BusPublisher, BusTopic, NoCopyPublisher, TopicSnapshot, absolute
 from .waiting import Response, Waiting
 
 Action = Callable[[], None]
@@ -66,9 +68,6 @@ MESSAGE, TIMER = 0, 1
 
 Tap = Callable[[str, Message, int], None]
 """Called for every message that is sent, with the topic's name, the message and the simulated time [ns]."""
-
-Filter = Callable[[str, Message], list[tuple[int, Message]] | None]
-"""Takes a topic's name and a message. Returns (delay [ns], message) pairs to send instead, or None to change nothing."""
 
 MAX_CHAIN_LENGTH = 10_000
 """Longest chain of events at the same time in which each event causes the next. A longer one counts as an endless loop."""
@@ -274,6 +273,10 @@ class Bus(Handle):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {msg_type.__name__}")
         return topic
 
+    def publisher(self, name: str, msg_type: type[M]) -> NoCopyPublisher[M]:
+        """Returns a publisher of messages that do not change once they are sent. Arguments and errors as for `topic`."""
+        return NoCopyPublisher(self.publish, self.topic(name, msg_type))
+
     def find_topic(self, name: str) -> BusTopic | None:
         """Returns the topic of a name, or None if it does not exist."""
         return self._topics.get(absolute(name))
@@ -459,18 +462,11 @@ class Bus(Handle):
             self._immediate.append((partial(subscription.deliver, message), self._chain_length + 1))
 
     def _publish_filtered(self, publisher: BusPublisher[Any], message: Message) -> None:
-        delayed_messages = [(0, message)]
-        for replace in tuple(self.filters):
-            passed: list[tuple[int, Message]] = []
-            for delay_ns, before in delayed_messages:
-                after = replace(publisher.topic.name, before)
-                passed += [(delay_ns, before)] if after is None else [(delay_ns + more_ns, new) for more_ns, new in after]
-            delayed_messages = passed
-        for delay_ns, filtered in delayed_messages:
+        for delay_ns, replacement in filtered(self.filters, publisher.topic.name, message):
             if delay_ns <= 0:
-                self._send(publisher, filtered)
+                self._send(publisher, replacement)
             else:
-                self.schedule(self.time_ns + delay_ns, partial(self._send, publisher, filtered))
+                self.schedule(self.time_ns + delay_ns, partial(self._send, publisher, replacement))
 
     def _answer(
         self, service: BusService, request: Any, future: Future, convert: Callable[[Any], Any] | None = None

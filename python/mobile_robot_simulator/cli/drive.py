@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from .._core import OccupancyGrid, Pose
+from ..faults import Fault
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Odometry
 from ..simulation.simulation import Simulation
@@ -31,6 +32,7 @@ class Drive:
         start: First pose in the map frame. None chooses the parameter `initial_pose` or, without it, a random free pose.
         radius: Radius of the robot [m], for its random start pose. If `parameters` have neither `robot_radius` nor
             `footprint`, it is also the radius of the footprint, and `contact` is `report` by default.
+        faults: Faults to add.
 
     Attributes:
         simulation: The simulation with the robot.
@@ -40,7 +42,9 @@ class Drive:
         off_map: Number of odometry messages sent from outside of the map.
 
     Raises:
-        ValueError: A parameter or the start pose is invalid, or there is no free place for the robot.
+        ValueError: A parameter or the start pose is invalid, there is no free place for the robot, or a fault names a topic
+            or robot that does not exist.
+        TypeError: A topic carries messages of a type that a fault cannot change.
     """
 
     def __init__(
@@ -52,6 +56,7 @@ class Drive:
         *,
         start: Pose | None = None,
         radius: float = 0.2,
+        faults: Iterable[Fault] = (),
     ) -> None:
         names = {key.rpartition(":")[2] for key in parameters}
         if start is None and "initial_pose" not in names:
@@ -71,6 +76,8 @@ class Drive:
             driver.start(node, commander, laser.laser_topic, seed)
         else:
             driver.start(node, commander)
+        for fault in faults:
+            self.simulation.add_fault(fault)
 
     def run(
         self,

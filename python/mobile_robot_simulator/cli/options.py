@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from .._core import OccupancyGrid, Pose
+from ..faults import Fault
+from ..faults.reading import read_fault
 from ..maps.map_files import load_map
 from ..parameter_files import read_assignment, read_file, translated
 from ..parameters import LaserParameters, for_node
@@ -21,6 +24,14 @@ Assignments = Annotated[
 ParamsFile = Annotated[Path | None, typer.Option("--params-file", metavar="FILE", help="ROS 2 parameter file in YAML.")]
 RosArgs = Annotated[
     bool, typer.Option("--ros-args", help="Accepted before -p and --params-file, as in ROS 2. It has no effect.")
+]
+FaultTexts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fault",
+        metavar="FAULT",
+        help="Add a fault, such as \"Drop('/scan', probability=0.1)\". Can be given several times.",
+    ),
 ]
 Seed = Annotated[
     int | None, typer.Option(help="Random seed. Without it, the parameter seed is used, which is 0 by default.")
@@ -38,6 +49,19 @@ def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, A
     assigned = dict(map(read_assignment, assignments or []))
     kept = {key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}
     return translated({**kept, **assigned})
+
+
+def read_faults(texts: Iterable[str] | None, others: Iterable[str] = ()) -> list[Fault]:
+    """Returns the faults that texts describe.
+
+    Args:
+        texts: Texts of the command line.
+        others: Texts of a parameter file, which follow them.
+
+    Raises:
+        ValueError: A text does not describe a fault.
+    """
+    return [read_fault(text) for text in (*(texts or ()), *others)]
 
 
 def pose_of(numbers: tuple[float, float, float], option: str) -> Pose:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from enum import Enum
+from functools import partial
 from typing import Annotated, NoReturn
 
 import typer
+
+from .options import FaultTexts, read_faults
 
 PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
 """Typer settings for commands that pass their extra arguments on to ROS."""
@@ -25,19 +28,19 @@ class RosNode(str, Enum):
 NodeName = Annotated[RosNode, typer.Argument(metavar="NODE", help="robot, laser, map, or all: the three in one process.")]
 
 
-def ros1(context: typer.Context, node: NodeName) -> None:
+def ros1(context: typer.Context, node: NodeName, fault: FaultTexts = None) -> None:
     """Run a node on ROS 1. Arguments: NODE [MAP.yaml] [_NAME:=VALUE] [FROM:=TO]."""
     from ..ros.ros1 import run
 
-    run(node.value, context.args)
+    run(node.value, context.args, partial(read_faults, fault))
     _exit_at_once()
 
 
-def ros2(context: typer.Context, node: NodeName) -> None:
+def ros2(context: typer.Context, node: NodeName, fault: FaultTexts = None) -> None:
     """Run a node on ROS 2. Arguments: NODE [MAP.yaml] [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE]."""
     from ..ros.ros2 import run
 
-    run(node.value, context.args)
+    run(node.value, context.args, partial(read_faults, fault))
     _exit_at_once()
 
 

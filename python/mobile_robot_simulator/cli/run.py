@@ -9,9 +9,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..parameter_files import read_fault_texts
 from ..recording.format import Format
 from .console import console, print_note, print_table, progress_bar
-from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, pose_of, read_values, seed_of
+from .options import (
+    Assignments,
+    FaultTexts,
+    MapFile,
+    ParamsFile,
+    RosArgs,
+    Seed,
+    load_grid,
+    pose_of,
+    read_faults,
+    read_values,
+    seed_of,
+)
 from .signals import signals_as_interrupt
 
 if TYPE_CHECKING:
@@ -58,6 +71,7 @@ def run(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace an existing recording, its summary and its picture.")
     ] = False,
+    fault: FaultTexts = None,
     param: Assignments = None,
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
@@ -75,6 +89,7 @@ def run(
     _check_positive("--radius", radius)
     with signals_as_interrupt() as interruption:
         values = read_values(param, params_file)
+        faults = read_faults(fault, read_fault_texts(params_file) if params_file is not None else ())
         grid = load_grid(map_file, values)
         script = Script.read(commands) if commands else None
         for note in script.notes(duration) if script else []:
@@ -86,6 +101,7 @@ def run(
             seed_of(seed, values),
             start=pose_of(start, "--start") if start else None,
             radius=radius,
+            faults=faults,
         )
         with (
             progress_bar(duration) as advance,

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..bus.bus import Bus
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
 from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0, check_numbers
-from ..simulation.fault import Fault, FaultTarget
+from ..simulation.fault import Fault, FaultBus, FaultTarget
 from ..simulation.topics import find_topic
 
 Copies = list[tuple[int, Message]] | None
@@ -26,14 +25,14 @@ class MessageFault(Fault):
     """A fault that affects each message of a topic with a probability.
 
     Args:
-        topic: Name of the topic.
+        topic: Name of the topic. On ROS, a name without a leading slash is in the namespace of the process.
         probability: Probability that a message is affected, in 0..1.
         start: Time at which the fault begins [s].
         end: Time at which the fault ends [s].
         seed: Seed of the random numbers.
 
     Attributes:
-        topic: Name of the topic, with a leading slash.
+        topic: Full name of the topic.
         probability: Probability that a message is affected.
 
     Raises:
@@ -51,7 +50,7 @@ class MessageFault(Fault):
         check_numbers(probability=probability)
         if not 0.0 <= probability <= 1.0:
             raise ValueError(f"the probability must be in 0..1, got {quoted(probability)}")
-        self.topic, self.probability = absolute(topic), probability
+        self.topic, self.probability, self._given_topic = absolute(topic), probability, topic
 
     @abstractmethod
     def change(self, message: Message) -> Copies:
@@ -61,12 +60,14 @@ class MessageFault(Fault):
         """Returns the messages to send instead of an unaffected message, or None to send it unchanged."""
         return None
 
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        carried = find_topic(bus, self.topic).msg_type
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        found = find_topic(bus, self._given_topic)
+        carried = found.msg_type
         if not issubclass(carried, self.needs):
             raise TypeError(
-                f"{type(self).__name__} needs a topic of {self.needs.__name__}, {self.topic} carries {carried.__name__}"
+                f"{type(self).__name__} needs a topic of {self.needs.__name__}, {found.name} carries {carried.__name__}"
             )
+        self.topic = found.name
         bus.filters.append(self._filter)
 
     def _filter(self, topic: str, message: Message) -> Copies:

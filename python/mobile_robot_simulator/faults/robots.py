@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
+from ..nodes.robot import MobileRobotSimulator
 from ..parameters import motion_noise
 from ..quoting import quoted
 from ..simulation.arguments import check_numbers
-from ..simulation.fault import F, Fault, FaultTarget
-from ..simulation.robots import SimulatedRobot
+from ..simulation.fault import F, Fault, FaultBus, FaultTarget, Startable
 
 
 class Slip(Fault):
@@ -39,16 +39,16 @@ class Slip(Fault):
             raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self.share, self.robot = share, robot
 
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        robot = simulation.named(self.robot)
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        robot = simulation.named(self.robot).robot
         for time in (self.start, self.end):
             self._plan(bus, time, partial(self._slip, simulation, robot))
 
-    def _slip(self, simulation: FaultTarget, robot: SimulatedRobot) -> None:
-        shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot) is robot]
+    def _slip(self, simulation: FaultTarget, robot: MobileRobotSimulator) -> None:
+        shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot).robot is robot]
         share = shares[0] if len(shares) == 1 else 1.0 - math.prod(1.0 - share for share in shares)
-        robot.robot.slip(share or None)
-        self._note(f"{robot.name or 'the robot'} slips by {share:g}")
+        robot.slip(share or None)
+        self._note(f"{robot.body_name or 'the robot'} slips by {share:g}")
 
     def _arguments(self) -> list[str]:
         return [f"{self.share:g}", *_robot_argument(self.robot)]
@@ -79,10 +79,10 @@ class OdometryDrift(Fault):
             raise ValueError(f"alphas must be six numbers, got {got}")
         self.alphas, self.noise, self.robot = tuple(alphas), motion_noise(alphas), robot
 
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        robot = simulation.named(self.robot)
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        robot = simulation.named(self.robot).robot
         for other in simulation.faults:
-            same = isinstance(other, OdometryDrift) and simulation.named(other.robot) is robot
+            same = isinstance(other, OdometryDrift) and simulation.named(other.robot).robot is robot
             if same and other.start < self.end and self.start < other.end:
                 raise ValueError(
                     f"two faults must not make the odometry of one robot drift at the same time: "
@@ -91,9 +91,9 @@ class OdometryDrift(Fault):
         self._plan(bus, self.start, partial(self._drift, robot, drifts=True))
         self._plan(bus, self.end, partial(self._drift, robot, drifts=False))
 
-    def _drift(self, robot: SimulatedRobot, *, drifts: bool) -> None:
-        robot.robot.drift(self.noise if drifts else None, self.seed)
-        self._note(f"odometry of {robot.name or 'the robot'} {'drifts' if drifts else 'no longer drifts'}")
+    def _drift(self, robot: MobileRobotSimulator, *, drifts: bool) -> None:
+        robot.drift(self.noise if drifts else None, self.seed)
+        self._note(f"odometry of {robot.body_name or 'the robot'} {'drifts' if drifts else 'no longer drifts'}")
 
     def _arguments(self) -> list[str]:
         return [f"({', '.join(f'{alpha:g}' for alpha in self.alphas)})", *_robot_argument(self.robot)]
@@ -120,22 +120,14 @@ class ClockJump(Fault):
     def __repr__(self) -> str:
         return f"ClockJump({self.seconds:g} s, at={self.start:g} s)"
 
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        if not isinstance(bus, Bus):
+            raise ValueError(f"{self!r} needs the simulated clock of a Simulation; on ROS, clocks cannot jump")
         self._plan(bus, self.start, partial(self._jump, bus))
 
     def _jump(self, bus: Bus) -> None:
         bus.clock_offset_ns += round(self.seconds * NANOSECONDS)
         self._note(f"the clock jumps by {self.seconds:g} s")
-
-
-class Startable(Protocol):
-    """A node that can be stopped and started again."""
-
-    def start(self) -> None:
-        """Starts or resumes the node."""
-
-    def stop(self) -> None:
-        """Stops the node."""
 
 
 class Outage(Fault):
@@ -159,14 +151,15 @@ class Outage(Fault):
             raise ValueError(f"the node must be robot, laser or map_server, got {quoted(node)}")
         self.node, self.robot = node, robot
 
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
-        robot = simulation.named(self.robot)
-        nodes: dict[str, tuple[Startable, ...]] = {
-            "robot": (robot.robot,),
-            "laser": tuple(robot.scanners.values()),
-            "map_server": (simulation.map_server,),
-        }
-        self._nodes = nodes[self.node]
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        # A process on ROS may have only one of these nodes.
+        self._nodes: tuple[Startable, ...]
+        if self.node == "map_server":
+            self._nodes = (simulation.map_server,)
+        elif self.node == "laser":
+            self._nodes = tuple(simulation.named(self.robot).scanners.values())
+        else:
+            self._nodes = (simulation.named(self.robot).robot,)
         self._plan(bus, self.start, self._stop)
         self._plan(bus, self.end, partial(self._start_again, simulation))
 

@@ -34,7 +34,7 @@ DERIVED = ("frame_prefix", "seed", "odometry_seed", *SHARED)
 OF_A_ROBOT: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
 """Parameter classes of the nodes that each robot has."""
 
-STARTUP_ONLY = ("publish_clock", "robots")
+STARTUP_ONLY = ("publish_clock", "robots", "faults")
 """Parameters that cannot change while a node runs, because they decide which clock it uses, or which nodes there are."""
 
 
@@ -72,14 +72,29 @@ def create_behaviour(parameters: Parameters, node: Node, process: RosProcess, ro
     """
     if isinstance(parameters, RobotParameters):
         created = MobileRobotSimulator(node, parameters, world=process.world_for(node), name=robot)
-        process.robots[robot] = created
+        process.robots[robot] = process.disturbances.robot_named(robot).running_robot = created
         return created
     if isinstance(parameters, LaserParameters):
-        return LaserScannerSimulator(node, parameters, carrier=process.robots.get(robot))
+        laser = LaserScannerSimulator(node, parameters, carrier=process.robots.get(robot))
+        process.disturbances.robot_named(robot).running_scanners[parameters.laser_topic] = laser
+        return laser
     if isinstance(parameters, WorldParameters):
         return WorldServer(node, parameters, process.world_for(node))
     assert isinstance(parameters, MapParameters)
-    return MapFileServer(node, parameters)
+    process.disturbances.running_map_server = MapFileServer(node, parameters)
+    return process.disturbances.running_map_server
+
+
+def faults_in(given: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the texts of the parameter `faults`, which every node takes.
+
+    Args:
+        given: Values by name, for all nodes of the process.
+
+    Raises:
+        ValueError: The value is not a list of texts.
+    """
+    return WorldParameters.checked({name: value for name, value in given.items() if name == "faults"}).faults
 
 
 def split_arguments(
@@ -213,8 +228,8 @@ class Fleet:
         owner, own_name = self.owner_of(name)
         if owner:
             raise ValueError(f"{name} can only be set at startup; set {own_name} on the nodes of {owner}")
-        if name == "robots" and name not in node_has:
-            raise ValueError("robots can only be set at startup")
+        if name in ("robots", "faults") and name not in node_has:
+            raise ValueError(f"{name} can only be set at startup")
 
     def robots_of(self, model: type[Parameters]) -> tuple[str, ...]:
         """Returns the robots that have a node with these parameters; one empty name if the node belongs to no robot."""

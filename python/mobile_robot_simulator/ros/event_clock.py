@@ -9,6 +9,7 @@ from operator import itemgetter
 
 from ..instant import NANOSECONDS, Instant
 from ..nodes.interface import Clock
+from ..nodes.steady_time import MAX_STEP_NS
 from .paced_clock import PacedClock
 
 POLL_PERIOD = 0.002
@@ -35,7 +36,7 @@ class EventClock:
 
     def __init__(self, source: Clock) -> None:
         self.source = source
-        self.timers: list[EventTimer] = []
+        self.timers: list[EventTimer | EventAlarm] = []
         self._event_ns = self._read()
 
     def now(self) -> Instant:
@@ -70,6 +71,12 @@ class EventClock:
         timer = EventTimer(self, period, callback, self._read())
         self.timers.append(timer)
         return timer
+
+    def create_alarm(self, delay_ns: int, callback: Callable[[], None]) -> EventAlarm:
+        """Creates an alarm that goes off once, after a delay [ns]."""
+        alarm = EventAlarm(self, self._read() + delay_ns, callback, self._read())
+        self.timers.append(alarm)
+        return alarm
 
     def _read(self) -> int:
         return self.source.now().nanoseconds
@@ -126,3 +133,44 @@ class EventTimer:
     def _is_ahead(self, now_ns: int) -> bool:
         # Rounding can add up to 1 ns to the period.
         return self._next_ns - now_ns > self._period + 1
+
+
+class EventAlarm:
+    """Alarm that goes off once. If the clock jumps back to before the alarm was set, it goes off at once.
+
+    Args:
+        clock: Clock that the alarm follows.
+        time_ns: Time at which it goes off [ns].
+        callback: Function to call.
+        now_ns: Time of the clock's source [ns].
+
+    Attributes:
+        clock: Clock that the alarm follows.
+    """
+
+    def __init__(self, clock: EventClock, time_ns: int, callback: Callable[[], None], now_ns: int) -> None:
+        self.clock, self._callback = clock, callback
+        self._time_ns, self._set_ns = time_ns, now_ns
+        self._is_over = False
+
+    def cancel(self) -> None:
+        """Never goes off."""
+        self._is_over = True
+
+    def time_left(self, now_ns: int) -> int:
+        """Returns the time until the alarm goes off [ns]."""
+        return 0 if now_ns < self._set_ns else max(0, self._time_ns - now_ns)
+
+    def is_due(self, now_ns: int) -> bool:
+        """Returns True if the alarm must go off now."""
+        return not self.time_left(now_ns)
+
+    def last_multiple(self, now_ns: int) -> int:
+        """Returns the time at which the alarm was due; the present if the clock has jumped meanwhile."""
+        return self._time_ns if 0 <= now_ns - self._time_ns <= MAX_STEP_NS else now_ns
+
+    def fire(self, now_ns: int) -> None:
+        """Calls the callback, unless the alarm was cancelled or has gone off before."""
+        if not self._is_over:
+            self._is_over = True
+            self._callback()

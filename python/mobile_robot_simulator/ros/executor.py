@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from ..nodes.interface import Clock
-from .event_clock import EventClock, EventTimer
+from .event_clock import EventAlarm, EventClock, EventTimer
 from .paced_clock import PacedClock
 
 Returned = TypeVar("Returned")
@@ -78,7 +78,24 @@ class Executor:
             self._timers_changed.notify()
         return timer
 
-    def destroy_timer(self, timer: EventTimer) -> None:
+    def create_alarm(self, clock: EventClock, delay_ns: int, callback: Callable[[], None]) -> None:
+        """Calls the callback once, after a delay on the clock, serialized.
+
+        Args:
+            clock: Clock that the delay is measured on, from `follow`.
+            delay_ns: The delay [ns].
+            callback: Function to call.
+        """
+
+        def go_off() -> None:
+            self.destroy_timer(alarm)
+            callback()
+
+        with self._timers_changed:
+            alarm = clock.create_alarm(delay_ns, go_off)
+            self._timers_changed.notify()
+
+    def destroy_timer(self, timer: EventTimer | EventAlarm) -> None:
         """Cancels a timer and removes it."""
         timer.cancel()
         with self._timers_changed:

@@ -40,7 +40,11 @@ class IntraProcessTopics:
             name: Fully resolved name, such as /robot/odom.
             msg_type: Class of its messages. The same name with another type is a separate topic.
         """
-        return self._topics.setdefault((name, msg_type), IntraProcessTopic(name))
+        return self._topics.setdefault((name, msg_type), IntraProcessTopic(name, msg_type))
+
+    def used(self) -> list[IntraProcessTopic]:
+        """Returns the topics that have a publisher or a subscription in this process."""
+        return [topic for topic in self._topics.values() if topic.publisher_count or topic.receiver_count]
 
     def advertise(self, name: str, msg_type: type[Message]) -> IntraProcessTopic:
         """Adds 1 to the publisher count of a topic, and returns the topic. Same arguments as `topic`."""
@@ -72,16 +76,19 @@ class IntraProcessTopic:
 
     Args:
         name: Fully resolved name.
+        msg_type: Class of its messages.
 
     Attributes:
         name: Fully resolved name.
+        msg_type: Class of its messages.
         publisher_count: Number of publishers in this process.
+        receiver_count: Number of subscriptions in this process.
         subscriptions: Subscriptions in this process that can receive messages directly, which are those with `QoS.DEFAULT`.
     """
 
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.publisher_count = 0
+    def __init__(self, name: str, msg_type: type[Message]) -> None:
+        self.name, self.msg_type = name, msg_type
+        self.publisher_count = self.receiver_count = 0
         self.subscriptions: list[IntraProcessSubscription] = []
         self._direct_callbacks: tuple[Callable[[Any], None], ...] = ()
 
@@ -103,6 +110,7 @@ class IntraProcessTopic:
         subscription = IntraProcessSubscription(self, callback, subscribe_through_ros)
         can_be_direct = qos is QoS.DEFAULT
         subscription.set_route(direct=can_be_direct and self.publisher_count > 0)
+        self.receiver_count += 1
         if can_be_direct:
             self.subscriptions.append(subscription)
             self._collect_callbacks()
@@ -117,6 +125,8 @@ class IntraProcessTopic:
     def unsubscribe(self, subscription: IntraProcessSubscription) -> None:
         """Ends a subscription, whether it is direct or through ROS."""
         subscription.set_route(direct=True)
+        self.receiver_count -= subscription.is_active
+        subscription.is_active = False
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
             self._collect_callbacks()
@@ -132,12 +142,16 @@ class IntraProcessSubscription:
         topic: Topic of the subscription.
         callback: Called with messages that are delivered directly.
         subscribe_through_ros: Called when the messages have to come through ROS.
+
+    Attributes:
+        is_active: False once the subscription has ended.
     """
 
     def __init__(
         self, topic: IntraProcessTopic, callback: Callable[[Any], None], subscribe_through_ros: SubscribeThroughRos
     ) -> None:
         self.topic, self.callback = topic, callback
+        self.is_active = True
         self._subscribe_through_ros = subscribe_through_ros
         self._unsubscribe_from_ros: Callable[[], object] | None = None
 

@@ -13,6 +13,7 @@ from ..nodes.steady_time import SteadyTime
 from ..parameters import Parameters
 from ..physics.world import World
 from .conversion import MessageConverter
+from .disturbances import Disturbances
 from .either_subscription import EitherSubscription
 from .event_clock import EventClock, EventTimer
 from .executor import Executor
@@ -26,16 +27,25 @@ class RosProcess:
     Attributes:
         executor: Runs the callbacks of all nodes, one at a time.
         topics: Topics between the nodes of this process.
+        disturbances: The faults, and what they act on.
         robots: Robots of this process, by name; the only robot has an empty name.
     """
 
     def __init__(self) -> None:
         self.executor = Executor()
         self.topics = IntraProcessTopics()
+        self.disturbances = Disturbances(self.executor, self.topics)
         self.robots: dict[str, MobileRobotSimulator] = {}
         self._paced_clock: EventClock | None = None
         self._ros_clock: EventClock | None = None
         self._world: World | None = None
+
+    @property
+    def clock(self) -> EventClock:
+        """The clock of the nodes. There must be a node."""
+        clock = self._paced_clock or self._ros_clock
+        assert clock is not None
+        return clock
 
     def world_for(self, node: Node) -> World:
         """Returns the world in which all robots of the process move. Its time is that of the node that asks first."""
@@ -72,7 +82,7 @@ class RosNode(ABC):
     converter: ClassVar[MessageConverter]
 
     def __init__(self, process: RosProcess, clock: EventClock) -> None:
-        self._executor, self._topics = process.executor, process.topics
+        self._executor, self._topics, self._disturbances = process.executor, process.topics, process.disturbances
         self._clock = clock
 
     def get_clock(self) -> Clock:
@@ -93,7 +103,21 @@ class RosNode(ABC):
         self, msg_type: type[M], topic: str, callback: Callable[[M], None], qos_profile: QoS
     ) -> IntraProcessSubscription:
         """Calls a callback with every message of a topic. Returns a handle for `destroy_subscription`."""
-        serialized = self._executor.serialized(callback)
+        own_topic = self._topics.topic(self.resolve_topic_name(topic), msg_type)
+        disturbances = self._disturbances
+
+        def take(message: M) -> None:
+            # What this process publishes has met the faults on its way out.
+            if disturbances.filters and not own_topic.publisher_count:
+                disturbances.pass_on(own_topic.name, message, take_unless_ended)
+            else:
+                callback(message)
+
+        def take_unless_ended(message: M) -> None:
+            if subscription.is_active:
+                callback(message)
+
+        serialized = self._executor.serialized(take)
 
         def receive(ros_message: Any) -> None:
             serialized(self.converter.from_ros(ros_message, msg_type))
@@ -101,8 +125,8 @@ class RosNode(ABC):
         def subscribe_through_ros() -> Callable[[], object]:
             return self._subscribe_through_ros(msg_type, topic, receive, qos_profile)
 
-        own_topic = self._topics.topic(self.resolve_topic_name(topic), msg_type)
-        return own_topic.subscribe(qos_profile, serialized, subscribe_through_ros)
+        subscription = own_topic.subscribe(qos_profile, self._executor.serialized(callback), subscribe_through_ros)
+        return subscription
 
     def create_subscription_of_either(
         self, callbacks: Mapping[type[Message], Callable[[Any], None]], topic: str, qos_profile: QoS

@@ -29,15 +29,18 @@ from .configuration import (
     ParameterResolver,
     change_everywhere,
     create_behaviour,
+    faults_in,
     models_of,
     split_arguments,
     warn_about_unknown,
 )
 from .conversion import MessageConverter
+from .disturbances import Disturbances, ReadFaults
 from .event_clock import EventClock
 from .executor import Executor
 from .intra_process import IntraProcessTopic
 from .node import RosNode, RosProcess
+from .publisher import RosPublisher
 
 try:
     import rosgraph
@@ -95,11 +98,12 @@ class Ros1Node(RosNode):
         is_latched = qos_profile is QoS.LATCHED
         publisher = rospy.Publisher(self._named(topic), ros_class, queue_size=10, latch=is_latched)
         _check_type(publisher, ros_class)
-        return _Publisher(ros_class(), publisher, self._topics.advertise(publisher.resolved_name, msg_type), is_latched)
+        own_topic = self._topics.advertise(publisher.resolved_name, msg_type)
+        return _Publisher(ros_class(), publisher, own_topic, self._disturbances, is_latched=is_latched)
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
         """Destroys a publisher."""
-        publisher.topic.publisher_count -= 1
+        publisher.retire()
         publisher.publisher.unregister()
 
     def destroy_service(self, service: Any) -> None:
@@ -168,20 +172,16 @@ class _RosClock:
         return Instant(rospy.get_rostime().to_nsec())
 
 
-@dataclass
-class _Publisher:
+class _Publisher(RosPublisher):
     """Publishes messages by filling one ROS message, `message`, again each time."""
 
-    message: Any
-    publisher: Any
-    topic: IntraProcessTopic
-    is_latched: bool
+    def __init__(
+        self, message: Any, publisher: Any, topic: IntraProcessTopic, disturbances: Disturbances, *, is_latched: bool
+    ) -> None:
+        super().__init__(topic, disturbances, is_latched=is_latched)
+        self.message, self.publisher = message, publisher
 
-    def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
-        self.publish(build(*arguments))
-
-    def publish(self, message: Message) -> None:
-        self.topic.deliver(message)
+    def _send_through_ros(self, message: Message) -> None:
         try:
             if self.is_latched or self.publisher.get_num_connections() > 0:
                 self.publisher.publish(ROS1.fill(self.message, message))
@@ -221,15 +221,16 @@ class _Client:
         return future
 
 
-def run(name: str, arguments: list[str]) -> None:
+def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
     """Runs a node, or all nodes in one process, until SIGINT (Ctrl-C) or SIGTERM.
 
     Args:
         name: `robot`, `laser`, `map` or `all`.
         arguments: A map file for `map` and `all`, then ROS 1 arguments: _name:=value, from:=to, __name:=name.
+        read_faults: Reads the faults in the parameter `faults`, and adds those of the command line.
 
     Raises:
-        ValueError: An argument or a parameter is invalid.
+        ValueError: An argument, a parameter or a fault is invalid.
         OSError: There is no ROS master, or the map file cannot be read.
     """
     map_file, ros_arguments = split_arguments(name, arguments, lambda argument: ":=" in argument, "_NAME:=VALUE or FROM:=TO")
@@ -243,6 +244,7 @@ def run(name: str, arguments: list[str]) -> None:
             rospy.init_node(node_name, argv=["mobile-robot-simulator", *ros_arguments], disable_signals=True)
             rospy.on_shutdown(process.executor.shutdown)
             given = _private_parameters()
+            faults = read_faults(faults_in(given))
             fleet = Fleet(given if name == "all" else {})
             if name != "all" and "robots" in given:
                 _logger().warning(ONLY_ALL)
@@ -251,6 +253,9 @@ def run(name: str, arguments: list[str]) -> None:
             behaviours = _create_behaviours(models, resolver, given, process, fleet)
             for _, behaviour in behaviours:
                 process.executor.serialized(behaviour.start)()
+            if faults:
+                add = process.executor.serialized(process.disturbances.add)
+                add(faults, Ros1Node(process, process.clock), process.clock)
             _MasterMonitor(behaviours, resolver, given, process, fleet)
             process.executor.wait()
     finally:

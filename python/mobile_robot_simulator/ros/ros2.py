@@ -23,15 +23,18 @@ from .configuration import (
     change_parameters,
     check_options_follow,
     create_behaviour,
+    faults_in,
     models_of,
     split_arguments,
     warn_about_unknown,
 )
 from .conversion import MessageConverter
+from .disturbances import Disturbances, ReadFaults
 from .event_clock import EventClock
 from .executor import Executor
 from .intra_process import IntraProcessTopic
 from .node import RosNode, RosProcess
+from .publisher import RosPublisher
 
 try:
     import rclpy
@@ -98,11 +101,12 @@ class Ros2Node(RosNode):
         with _refusals_as_type_errors(topic, msg_type):
             publisher = self._node.create_publisher(ros_class, topic, _offered_qos(qos_profile))
         own_topic = self._topics.advertise(publisher.topic_name, msg_type)
-        return _Publisher(ros_class(), publisher, own_topic, is_latched=qos_profile is QoS.LATCHED)
+        is_latched = qos_profile is QoS.LATCHED
+        return _Publisher(ros_class(), publisher, own_topic, self._disturbances, is_latched=is_latched)
 
     def destroy_publisher(self, publisher: _Publisher) -> None:
         """Destroys a publisher."""
-        publisher.topic.publisher_count -= 1
+        publisher.retire()
         self._node.destroy_publisher(publisher.publisher)
 
     def destroy_service(self, service: Any) -> None:
@@ -174,17 +178,16 @@ def _requested_qos(qos: QoS) -> QoSProfile:
     )
 
 
-class _Publisher:
+class _Publisher(RosPublisher):
     """Publishes messages by filling one ROS message, `message`, again each time."""
 
-    def __init__(self, message: Any, publisher: Any, topic: IntraProcessTopic, *, is_latched: bool) -> None:
-        self.message, self.publisher, self.topic, self.is_latched = message, publisher, topic, is_latched
+    def __init__(
+        self, message: Any, publisher: Any, topic: IntraProcessTopic, disturbances: Disturbances, *, is_latched: bool
+    ) -> None:
+        super().__init__(topic, disturbances, is_latched=is_latched)
+        self.message, self.publisher = message, publisher
 
-    def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
-        self.publish(build(*arguments))
-
-    def publish(self, message: Message) -> None:
-        self.topic.deliver(message)
+    def _send_through_ros(self, message: Message) -> None:
         if self.is_latched or self.publisher.get_subscription_count() > 0:
             self.publisher.publish(ROS2.fill(self.message, message))
 
@@ -211,15 +214,16 @@ class _Client:
         return future
 
 
-def run(name: str, arguments: list[str]) -> None:
+def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
     """Runs a node, or all nodes in one process, until SIGINT (Ctrl-C) or SIGTERM.
 
     Args:
         name: `robot`, `laser`, `map` or `all`.
         arguments: A map file for `map` and `all`, then `--ros-args` and the ROS 2 arguments that may follow it.
+        read_faults: Reads the faults in the parameter `faults`, and adds those of the command line.
 
     Raises:
-        ValueError: An argument or a parameter is invalid.
+        ValueError: An argument, a parameter or a fault is invalid.
         OSError: The map file cannot be read.
     """
     check_options_follow(MARKER, OPTIONS, arguments)
@@ -248,10 +252,14 @@ def run(name: str, arguments: list[str]) -> None:
                         nodes.pop().destroy_node()
                     else:
                         ready.append((node, parameters, robot))
+            faults = read_faults(faults_in(_given_to(nodes[0])))
             for node, parameters, robot in sorted(ready, key=lambda item: isinstance(item[1], WorldParameters)):
                 _start_behaviour(node, parameters, process, robot, fleet)
                 spinning.append(_SpinningNode(node, process.executor))
             first = spinning[0].node
+            if faults:
+                add = process.executor.serialized(process.disturbances.add)
+                add(faults, Ros2Node(nodes[0], process, process.clock), process.clock)
             check_publishers = partial(
                 process.topics.update, partial(_has_other_publishers, first), partial(_published_types, first)
             )

@@ -6,39 +6,92 @@ import copy
 import math
 import random
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import index
 from typing import Protocol, SupportsIndex, TypeVar
 
-from ..bus.bus import Bus
-from ..bus.topic import NoCopyPublisher
 from ..handle import Handle
 from ..instant import NANOSECONDS
-from ..messages import String
-from ..nodes.map_server import MapServer
+from ..messages import Message, String
+from ..nodes.interface import M, Publisher
+from ..nodes.laser import LaserScannerSimulator
+from ..nodes.message_filters import Filter
+from ..nodes.robot import MobileRobotSimulator
 from ..quoting import quoted
 from .arguments import check_numbers
-from .robots import SimulatedRobot
+from .topics import HasTopics
 
 F = TypeVar("F", bound="Fault")
 
-TOPIC = "/faults"
+TOPIC = "faults"
 """Topic on which faults report their actions (std_msgs/String)."""
 
 
+class Startable(Protocol):
+    """A node that can be stopped and started again."""
+
+    def start(self) -> None:
+        """Starts or resumes the node."""
+
+    def stop(self) -> None:
+        """Stops the node."""
+
+
+class FaultTopic(Protocol):
+    """A topic on which a fault can act."""
+
+    @property
+    def name(self) -> str:
+        """Full name."""
+
+    @property
+    def msg_type(self) -> type[Message]:
+        """Class of the messages."""
+
+
+class FaultBus(HasTopics[FaultTopic], Protocol):
+    """The time and the topics that faults use: those of the bus, or of a process on ROS."""
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time [ns]."""
+
+    @property
+    def filters(self) -> list[Filter]:
+        """Functions that can replace, delay or drop a message, in the order in which they apply."""
+
+    def schedule(self, time_ns: int, action: Callable[[], None]) -> None:
+        """Runs an action at a simulated time [ns]."""
+
+    def publisher(self, name: str, msg_type: type[M]) -> Publisher[M]:
+        """Returns a publisher on a topic."""
+
+
+class FaultRobot(Protocol):
+    """The parts of a robot that faults use."""
+
+    @property
+    def robot(self) -> MobileRobotSimulator:
+        """The node that moves it."""
+
+    @property
+    def scanners(self) -> Mapping[str, LaserScannerSimulator]:
+        """The nodes of its laser scanners."""
+
+
 class FaultTarget(Protocol):
-    """The parts of a simulation that faults use."""
+    """The parts of a simulation, or of a process on ROS, that faults use."""
 
     @property
     def faults(self) -> Sequence[Fault]:
         """All faults of the simulation, in the order in which they were added."""
 
     @property
-    def map_server(self) -> MapServer:
+    def map_server(self) -> Startable:
         """The node that serves the map."""
 
-    def named(self, name: str | None) -> SimulatedRobot:
+    def named(self, name: str | None) -> FaultRobot:
         """Returns the robot with this name, or the first robot if the name is None."""
 
 
@@ -82,7 +135,7 @@ class Fault(Handle, ABC):
         self.start, self.end, self.seed = start, end, index(seed)
         # According to its documentation, random.Random gives the same numbers on every platform.
         self._random = random.Random(self.seed)
-        self._bus: Bus | None = None
+        self._bus: FaultBus | None = None
 
     def __repr__(self) -> str:
         shown = self._arguments()
@@ -94,12 +147,12 @@ class Fault(Handle, ABC):
             shown.append(f"seed={self.seed}")
         return f"{type(self).__name__}({', '.join(shown)})"
 
-    def add_to(self, simulation: FaultTarget, bus: Bus) -> None:
+    def add_to(self, simulation: FaultTarget, bus: FaultBus) -> None:
         """Connects the fault to a simulation, on which it then acts. `Simulation.add_fault` calls this.
 
         Args:
-            simulation: The simulation to act on.
-            bus: The bus of that simulation.
+            simulation: The simulation to act on, or the process on ROS.
+            bus: Its time and its topics.
 
         Raises:
             ValueError: The fault was added before, or names a topic or robot that does not exist.
@@ -109,7 +162,7 @@ class Fault(Handle, ABC):
             raise ValueError(f"{type(self).__name__} was added before: a fault acts on one simulation, and only once")
         self._prepare(simulation, bus)
         self._bus = bus
-        self._publisher: NoCopyPublisher[String] = NoCopyPublisher(bus.publish, bus.topic(TOPIC, String))
+        self._publisher = bus.publisher(TOPIC, String)
 
     def save(self) -> FaultSnapshot:
         """Returns the state that `restore` takes."""
@@ -132,7 +185,7 @@ class Fault(Handle, ABC):
         return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
 
     @abstractmethod
-    def _prepare(self, simulation: FaultTarget, bus: Bus) -> None:
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
         """Finds the topic or robot that the fault acts on, and schedules the fault's actions."""
 
     def _arguments(self) -> list[str]:
@@ -143,7 +196,7 @@ class Fault(Handle, ABC):
         """Publishes a text on `/faults`, so that recordings show the fault's actions."""
         self._publisher.publish(String(text))
 
-    def _plan(self, bus: Bus, time: float, act: Callable[[], None]) -> None:
+    def _plan(self, bus: FaultBus, time: float, act: Callable[[], None]) -> None:
         """Schedules an action at a time [s]. If the time has passed, it runs now; if the time is infinite, never."""
         if time < math.inf:
             bus.schedule(max(bus.time_ns, _nanoseconds(time)), act)
@@ -160,7 +213,7 @@ class FaultList:
         """All faults."""
         return tuple(self._faults)
 
-    def add(self, fault: F, simulation: FaultTarget, bus: Bus) -> F:
+    def add(self, fault: F, simulation: FaultTarget, bus: FaultBus) -> F:
         """Adds a fault to the simulation. Returns the fault.
 
         Raises:

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from ..bus.bus import Bus, Tap
 from ..bus.node import BusNode
-from ..bus.topic import BusPublisher, BusSubscription, BusTopic, absolute
+from ..bus.topic import BusPublisher, BusSubscription, absolute
 from ..handle import check_callback
 from ..instant import NANOSECONDS
 from ..messages import Message
 from ..nodes.interface import M, QoS
 from ..quoting import nearest, quoted
 
+T_co = TypeVar("T_co", covariant=True)
 
-def find_topic(bus: Bus, name: str) -> BusTopic:
-    """Returns an existing topic of a bus.
+
+class HasTopics(Protocol[T_co]):
+    """What has topics: the bus, or a process on ROS."""
+
+    def find_topic(self, name: str) -> T_co | None:
+        """Returns the topic of a name, or None if it does not exist."""
+
+    def topic_names(self) -> list[str]:
+        """Returns the names of all topics, sorted."""
+
+
+def find_topic(bus: HasTopics[T_co], name: str) -> T_co:
+    """Returns an existing topic.
 
     Args:
-        bus: The bus.
+        bus: What has the topics.
         name: Name of the topic, with or without a leading slash.
 
     Raises:

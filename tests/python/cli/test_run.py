@@ -192,3 +192,28 @@ def test_real_time_takes_real_time(command, room, tmp_path):
     done = command("run", room, "--duration", 2, "--real-time", "-p", "speed_factor:=2.0", "--out", out)
     assert done.returncode == 0, done.stderr
     assert json.loads((out / "summary.json").read_text())["wall_seconds"] >= 0.9
+
+
+def test_faults_come_from_the_command_line_and_from_the_file_of_parameters(command, room, tmp_path):
+    file = tmp_path / "parameters.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    faults: [\"Blackout('scan', start=1)\"]\n")
+    options = ("--duration", 3, "--start", 2, 2, 0.5, "--out", tmp_path / "out", "--params-file", file)
+    done = command("run", room, *options, "--fault", "Drop('/odom', probability=0.5, seed=1)", "--fault", "Delay('/tf', 9)")
+    assert done.returncode == 0, done.stderr
+    with AnyReader([tmp_path / "out" / "recording"]) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+    assert counts["/scan"] == 9 and 0 < counts["/odom"] < 30 and counts.get("/tf", 0) == 0 and counts["/faults"] > 20
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("Drop('/scna')", "unknown topic '/scna'; did you mean /scan?"),
+        ("Drop('/scan'", "must be a call such as Drop('/scan', probability=0.1)"),
+        ("StuckRanges('/odom')", "StuckRanges needs a topic of LaserScan, /odom carries Odometry"),
+    ],
+)
+def test_a_wrong_fault_is_an_error_and_nothing_is_written(command, room, tmp_path, fault, message):
+    done = command("run", room, "--out", tmp_path / "out", "--fault", fault)
+    assert done.returncode == 1 and message in " ".join(done.stderr.split())
+    assert not (tmp_path / "out").exists()

@@ -156,3 +156,20 @@ def test_a_clock_of_ros_is_read_often_because_it_may_jump(ms: float, due_in: flo
     clock.create_timer(0.1, lambda: None)
     watch.ns += round(ms * MS)
     assert clock.due_in() == due_in
+
+
+def test_an_alarm_goes_off_once_at_its_time_in_order_with_the_timers() -> None:
+    log = Log(Watch())
+    log.create_timer("timer", 0.1)
+    log.clock.create_alarm(150 * MS, lambda: log.append(("alarm", log.read())))
+    assert log.advance_to(140.0) == [("timer", 100.0)]
+    assert log.clock.due_in() == pytest.approx(POLL_PERIOD)
+    assert log.advance_to(260.0) == [("alarm", 150.0), ("timer", 200.0)]
+    assert log.advance_to(290.0) == []
+
+
+def test_an_alarm_goes_off_if_the_clock_jumps_back_to_before_it_was_set() -> None:
+    log = Log(Watch())
+    log.clock.create_alarm(150 * MS, lambda: log.append(("alarm", log.read())))
+    assert log.advance_to(-20.0) == [("alarm", -20.0)]
+    assert log.advance_to(200.0) == []
