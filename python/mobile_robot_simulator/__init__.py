@@ -29,6 +29,7 @@ from ._core import (
 if TYPE_CHECKING:
     from . import bus as bus
     from . import faults as faults
+    from . import logs as logs
     from . import maps as maps
     from . import messages as messages
     from . import nodes as nodes
@@ -68,6 +69,7 @@ __all__ = [
 _SUBMODULES = (
     "bus",
     "faults",
+    "logs",
     "maps",
     "messages",
     "nodes",

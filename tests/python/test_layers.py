@@ -37,6 +37,7 @@ ROOMS = (
     "simulation",
     "faults",
     "recording",
+    "logs",
     "testing",
     "cli",
 )
@@ -154,6 +155,7 @@ TESTED_ELSEWHERE = {
     "nodes/robot_messages.py": "nodes/test_robot.py reads the messages",
     "plotting/layers.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
     "plotting/style.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
+    "recording/complete_messages.py": "recording/test_recovery.py cuts files of each format",
     "recording/format.py": "a type only",
     "recording/latching.py": "recording/test_ros1_bag.py and test_ros2_bag.py read the bags",
     "ros/ros1.py": "needs ROS: tests/ros",

@@ -56,6 +56,7 @@ BUILT_WITH = [
 SUBMODULES = [
     "bus",
     "faults",
+    "logs",
     "maps",
     "messages",
     "nodes",

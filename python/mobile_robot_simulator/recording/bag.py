@@ -1,0 +1,158 @@
+"""Bag: the messages of a ROS 1 bag, a ROS 2 bag or an MCAP file, also of one without an end."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from rosbags.rosbag1 import Reader as Ros1Reader
+from rosbags.rosbag2 import Reader as Ros2Reader
+
+from ..messages import TFMessage
+from ..quoting import shortened
+from ..user_files import open_regular
+from .complete_messages import Stored, mcap_messages, ros1_messages
+from .folder import NAME
+from .serialization import ros1_types, ros2_types
+
+ROS1_MAGIC = b"#ROSBAG V2.0\n"
+"""First bytes of a ROS 1 bag."""
+
+_OTHER_NAMES = {"tf/msg/tfMessage": TFMessage.ros_type}
+_NOT_DAMAGE = (OSError, MemoryError)
+
+
+@dataclass(frozen=True)
+class BagMessage:
+    """A message of a bag.
+
+    Attributes:
+        topic: Its topic.
+        ros_type: Its type, as ROS 2 writes it.
+        index: Its position among the messages of the topic, from 0, in the order of the bag.
+        time_ns: Time at which it was recorded [ns].
+        content: The message, with the fields of ROS 2.
+    """
+
+    topic: str
+    ros_type: str
+    index: int
+    time_ns: int
+    content: Any
+
+
+class Bag:
+    """A bag on the disk.
+
+    Args:
+        path: A ROS 1 bag, an MCAP or SQLite file of ROS 2, the folder of a ROS 2 bag, or the folder given to `run --out`.
+
+    Attributes:
+        path: The file or folder that is read.
+        is_ros1: It is a ROS 1 bag.
+        notes: What was passed over, complete once all messages have been read.
+
+    Raises:
+        OSError: The path cannot be read.
+        ValueError: It is no bag.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.notes = _found(path), list[str]()
+        self.is_ros1 = False
+        if not self.path.is_dir():
+            with open_regular(self.path) as file:
+                self.is_ros1 = file.read(len(ROS1_MAGIC)) == ROS1_MAGIC
+
+    def messages(self, ros_types: Collection[str]) -> Iterator[BagMessage]:
+        """Yields the messages of some types, in the order in which they were recorded.
+
+        Args:
+            ros_types: The types, as ROS 2 writes them.
+
+        Raises:
+            OSError: The bag cannot be read.
+            ValueError: The bag or a message is damaged. The message gives the topic and the index.
+        """
+        counts = Counter[str]()
+        for topic, stored_type, time_ns, data in self._stored():
+            ros_type = _OTHER_NAMES.get(stored_type, stored_type)
+            if ros_type not in ros_types:
+                continue
+            index = counts[topic]
+            counts[topic] += 1
+            try:
+                if self.is_ros1:
+                    content: Any = ros1_types().deserialize_ros1(data, ros_type)
+                else:
+                    content = ros2_types().deserialize_cdr(data, ros_type)
+            except Exception as error:  # whatever the bytes of a damaged message lead to
+                raise ValueError(f"{self.path}: {topic}, message {index}: cannot be read: {shortened(error)}") from None
+            yield BagMessage(topic, ros_type, index, time_ns, content)
+
+    def _stored(self) -> Iterator[Stored]:
+        count = 0
+        try:
+            reader: Any = (Ros1Reader if self.is_ros1 else Ros2Reader)(self.path)
+            reader.open()
+        except _NOT_DAMAGE:
+            raise
+        except Exception as error:  # rosbags has no common class for the errors of its readers and of SQLite
+            yield from self._without_end(error)
+            return
+        try:
+            for connection, time_ns, data in reader.messages():
+                count += 1
+                yield connection.topic, connection.msgtype, time_ns, bytes(data)
+        except _NOT_DAMAGE:
+            raise
+        except Exception as error:
+            raise ValueError(f"{self.path}: cannot be read after {count} messages: {shortened(error)}") from None
+        finally:
+            reader.close()
+
+    def _without_end(self, error: Exception) -> Iterator[Stored]:
+        """Yields all complete messages of a bag that cannot be opened as a whole."""
+        files = sorted(self.path.glob("*.mcap")) if self.path.is_dir() else [self.path]
+        count = 0
+        for file in files:
+            if self.is_ros1:
+                messages = ros1_messages(file)
+            elif file.suffix == ".mcap":
+                messages = self._mcap_messages(file)
+            else:
+                continue
+            try:
+                for message in messages:
+                    count += 1
+                    yield message
+            except _NOT_DAMAGE:
+                raise
+            except Exception as damage:
+                raise ValueError(f"{self.path}: cannot be read after {count} messages: {shortened(damage)}") from None
+        if not count:
+            raise ValueError(f"{self.path}: cannot be read: {shortened(error)}")
+        self.notes.append(f"the bag has no end, so its {count} complete messages were read ({shortened(error)})")
+
+    @staticmethod
+    def _mcap_messages(file: Path) -> Iterator[Stored]:
+        with TemporaryDirectory() as folder:
+            yield from mcap_messages(file, Path(folder) / "copy.mcap")
+
+
+def _found(path: Path) -> Path:
+    """Returns the bag that a path names: itself, or the one in a folder."""
+    if not path.is_dir() or (path / "metadata.yaml").is_file():
+        return path
+    for inner in (path / NAME, path / f"{NAME}.bag"):
+        if inner.exists():
+            return inner
+    files = [file for file in sorted(path.iterdir()) if file.suffix in (".mcap", ".db3", ".bag")]
+    if len(files) != 1:
+        names = ", ".join(file.name for file in files[:5]) or "none"
+        raise ValueError(f"{path}: must be a bag or a folder with one .mcap, .db3 or .bag file, got {names}")
+    return files[0]
