@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .parameters import NODES
+from .scanners import split
 
 TOPICS = ("velocity_topic", "odometry_topic", "laser_topic", "ground_truth_topic", "contact_topic", "stalled_topic")
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
@@ -39,7 +40,7 @@ def of_namespace(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     own = of_robot(name, values)
     if name:
         for key, value in _given(values).items():
-            parameter = key.rpartition(":")[2]
+            parameter = _parameter(key)
             if parameter in TOPICS:
                 own[key] = value and f"/{name}/{value.lstrip('/')}"
             elif parameter in SHARED:
@@ -61,7 +62,7 @@ def of_robot(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     if not name:
         return own
     for key, value in _given(values).items():
-        parameter = key.rpartition(":")[2]
+        parameter = _parameter(key)
         if parameter == FRAME_PREFIX:
             own[key] = f"{name}/{value}"
         elif parameter in SEEDS:
@@ -69,6 +70,11 @@ def of_robot(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     if not any(key.rpartition(":")[2] in OUTLINES for key in values):
         own["robot_radius"] = RADIUS
     return own
+
+
+def _parameter(key: str) -> str:
+    """Returns the name of a parameter without the node or the scanner that it is for."""
+    return split(key)[1].rpartition(":")[2]
 
 
 def _given(values: Mapping[str, Any]) -> dict[str, Any]:

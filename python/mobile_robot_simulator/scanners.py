@@ -11,6 +11,9 @@ from .parameters import LaserParameters, RobotParameters, check_names
 SCANNERS = "scanners"
 """Parameter that names the scanners of a robot."""
 
+DERIVED = ("laser_topic", "laser_frame_id", "seed")
+"""Parameters from whose common value each scanner gets one of its own, unless it is given for the scanner."""
+
 
 def scanner_names(values: Mapping[str, Any]) -> tuple[str, ...]:
     """Returns the names of the scanners in the parameters of a robot; one empty name for one scanner without a name.

@@ -161,6 +161,21 @@ def test_robots_of_one_process_see_and_touch_one_another(world: Any, map_file: P
     assert clocks == (0 if VERSION == "1" else 1)
 
 
+def test_a_robot_can_have_several_scanners(world: Any, map_file: Path) -> None:
+    dot = "." if VERSION == "2" else "/"
+    mounts = {"front": [0.2, 0.0, 0.3, 0.0, 0.05, 0.0], "rear": [-0.2, 0.1, 0.3, 3.14159265, 0.0, 3.0]}
+    own = {f"{name}{dot}laser_mount": str(mount) for name, mount in mounts.items()}
+    world.start("all", map_file=map_file, scanners="[front, rear]", **{f"rear{dot}laser_fov": 2.0}, **own, **QUIET)
+    for name, mount in mounts.items():
+        scan = world.subscribe(f"/{name}/scan", SCAN).next()
+        assert scan.header.frame_id == f"{name}_laser"
+        fov = {"front": 4.71, "rear": 2.0}[name]
+        scanner = mrs.LaserScanner(fov=fov, beam_count=181, max_range=30.0, mount=mount)
+        assert scan.angle_max == pytest.approx(fov / 2, abs=1e-6)
+        expected = scanner.mark_invalid(scanner.scan(mrs.load_map(map_file), (0.0, 0.0, 0.0)))
+        assert np.allclose(scan.ranges, expected, atol=1e-4)
+
+
 def test_a_namespace_holds_the_robots_of_a_process(world: Any, map_file: Path) -> None:
     world.start("all", map_file=map_file, remap=world.in_namespace("fleet"), robots="[robot1, robot2]")
     for name in ("robot1", "robot2"):
@@ -459,7 +474,7 @@ def test_a_laser_says_which_transform_it_waits_for(world: Any, map_file: Path) -
     missing = "the robot's pose (the transform from shell to map, on topic /tf, which has the frames base_link, odom)"
     wait_until(lambda: missing in process.output, "the message about the transform")
     assert world.set_parameter("laser_scanner_simulator_node", "base_link_frame", "base_link")
-    wait_until(lambda: "the laser has the robot's pose now" in process.output, "the end of the wait")
+    wait_until(lambda: "the laser has the robot's pose" in process.output, "the end of the wait")
 
 
 def test_nodes_say_that_they_wait_for_the_time(world: Any) -> None:

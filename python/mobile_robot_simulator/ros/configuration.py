@@ -14,6 +14,7 @@ from ..nodes.robot import MobileRobotSimulator
 from ..nodes.world_server import WorldServer
 from ..parameters import LaserParameters, MapParameters, Parameters, RobotParameters, WorldParameters, check_names
 from ..quoting import quoted
+from ..scanners import of_scanner, split
 from .node import RosProcess
 
 MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserParameters, "map": MapParameters}
@@ -34,7 +35,7 @@ DERIVED = ("frame_prefix", "seed", "odometry_seed", *SHARED)
 OF_A_ROBOT: tuple[type[Parameters], ...] = (RobotParameters, LaserParameters)
 """Parameter classes of the nodes that each robot has."""
 
-STARTUP_ONLY = ("publish_clock", "robots", "faults")
+STARTUP_ONLY = ("publish_clock", "robots", "scanners", "faults")
 """Parameters that cannot change while a node runs, because they decide which clock it uses, or which nodes there are."""
 
 
@@ -206,6 +207,8 @@ class Fleet:
     def __init__(self, given: Mapping[str, Any]) -> None:
         checked = WorldParameters.checked({name: value for name, value in given.items() if name == "robots"})
         self.names: tuple[str, ...] = checked.robots or ("",)
+        self.scanners: dict[str, tuple[str, ...]] = {}
+        """Names of the scanners of each robot; one empty name for one scanner without a name."""
         self.unknown: set[str] = set()
         """Names of parameters that were warned about."""
 
@@ -231,12 +234,30 @@ class Fleet:
         if name in ("robots", "faults") and name not in node_has:
             raise ValueError(f"{name} can only be set at startup")
 
-    def robots_of(self, model: type[Parameters]) -> tuple[str, ...]:
-        """Returns the robots that have a node with these parameters; one empty name if the node belongs to no robot."""
-        return self.names if model in OF_A_ROBOT else ("",)
+    def owners_of(self, model: type[Parameters]) -> list[tuple[str, str]]:
+        """Returns the robots and scanners that have a node with these parameters.
 
-    def given_to(self, robot: str, given: Mapping[str, Any], resolve: Callable[[str], str]) -> dict[str, Any]:
-        """Returns the values for the nodes of one robot, with frames and seeds of its own.
+        The name of the robot is empty if the node belongs to none, and that of the scanner if it is no named one.
+        """
+        robots = self.names if model in OF_A_ROBOT else ("",)
+        if model is not LaserParameters:
+            return [(robot, "") for robot in robots]
+        return [(robot, scanner) for robot in robots for scanner in self.scanners.get(robot, ("",))]
+
+    def add(self, robot: str, parameters: Parameters) -> None:
+        """Notes the scanners of a robot.
+
+        Args:
+            robot: Name of the robot.
+            parameters: Parameters of one of its nodes. Only those of the robot itself name scanners.
+        """
+        if isinstance(parameters, RobotParameters):
+            self.scanners[robot] = parameters.scanners or ("",)
+
+    def given_to(
+        self, robot: str, given: Mapping[str, Any], resolve: Callable[[str], str], scanner: str = ""
+    ) -> dict[str, Any]:
+        """Returns the values for the nodes of one robot, or of one of its scanners, with frames and seeds of its own.
 
         Raises ValueError if a parameter of one robot must be the same for all.
 
@@ -244,7 +265,13 @@ class Fleet:
             robot: Name of the robot; empty for nodes that belong to no robot, and for the only robot.
             given: Values by name, for all nodes of the process.
             resolve: Returns the full name of a topic or service outside of the robots' namespaces, where the map is.
+            scanner: Name of the scanner; empty for the other nodes of the robot, and for the only scanner.
         """
+        values = of_scanner(scanner, self._given_to_robot(robot, given, resolve))
+        # A prefix `<node>:` marks what is only for the node, and counts more.
+        return {name.rpartition(":")[2]: value for name, value in values.items()}
+
+    def _given_to_robot(self, robot: str, given: Mapping[str, Any], resolve: Callable[[str], str]) -> dict[str, Any]:
         common = {name: value for name, value in given.items() if not self.owner_of(name)[0]}
         if not robot:
             return common
@@ -269,10 +296,20 @@ def warn_about_unknown(names: Iterable[str], logger: Logger, fleet: Fleet) -> No
     for name in {fleet.owner_of(name)[1]: None for name in names}:
         if name not in SYNONYMS and name not in fleet.unknown:
             try:
-                check_names([name], ALL)
+                check_names([split(name)[1]], ALL)
             except ValueError as error:
                 fleet.unknown.add(name)
                 logger.warning(str(error))
+
+
+def warn_about_scanners(names: Iterable[str], logger: Logger, fleet: Fleet) -> None:
+    """Logs a warning for each parameter that is for a scanner which no robot has. Each is warned about once per process."""
+    known = {scanner for scanners in fleet.scanners.values() for scanner in scanners}
+    for name in names:
+        scanner, _ = split(fleet.owner_of(name)[1])
+        if scanner and scanner not in known and name not in fleet.unknown:
+            fleet.unknown.add(name)
+            logger.warning(f"{name} has no effect, because no robot has a scanner {scanner}: name it in scanners")
 
 
 def change_everywhere(

@@ -6,7 +6,7 @@ import logging
 import socket
 import time
 import xmlrpc.client
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from http.client import HTTPException
 from threading import Thread
@@ -21,6 +21,8 @@ from ..nav2_loopback_names import SYNONYMS
 from ..nodes.future import Future
 from ..nodes.interface import Logger, M, QoS
 from ..parameters import Parameters, RobotParameters
+from ..scanners import DERIVED as DERIVED_OF_SCANNERS
+from ..scanners import split
 from .configuration import (
     DERIVED,
     ONLY_ALL,
@@ -32,6 +34,7 @@ from .configuration import (
     faults_in,
     models_of,
     split_arguments,
+    warn_about_scanners,
     warn_about_unknown,
 )
 from .conversion import MessageConverter
@@ -251,7 +254,7 @@ def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
             warn_about_unknown(given, _logger(), fleet)
             resolver = ParameterResolver(name, DEFAULTS, map_file)
             behaviours = _create_behaviours(models, resolver, given, process, fleet)
-            for _, behaviour in behaviours:
+            for *_, behaviour in behaviours:
                 process.executor.serialized(behaviour.start)()
             if faults:
                 add = process.executor.serialized(process.disturbances.add)
@@ -268,17 +271,20 @@ def _create_behaviours(
     given: dict[str, Any],
     process: RosProcess,
     fleet: Fleet,
-) -> list[tuple[str, Behaviour]]:
-    """Returns the behaviours of all nodes, each with the name of its robot."""
+) -> list[tuple[str, str, Behaviour]]:
+    """Returns the behaviours of all nodes, each with the names of its robot and its scanner."""
     behaviours = []
     follows_clock = rospy.get_param("/use_sim_time", False)
     for model in models:
-        for robot in fleet.robots_of(model):
-            parameters = resolver.resolve(model, fleet.given_to(robot, given, rospy.resolve_name), _logger())
+        for robot, scanner in fleet.owners_of(model):
+            values = fleet.given_to(robot, given, rospy.resolve_name, scanner)
+            parameters = resolver.resolve(model, values, _logger())
             if parameters is not None:
+                fleet.add(robot, parameters)
                 clock = process.clock_for(parameters, _RosClock(), use_sim_time=follows_clock)
                 create = process.executor.serialized(create_behaviour)
-                behaviours.append((robot, create(parameters, Ros1Node(process, clock, robot), process, robot)))
+                behaviours.append((robot, scanner, create(parameters, Ros1Node(process, clock, robot), process, robot)))
+    warn_about_scanners(given, _logger(), fleet)
     return behaviours
 
 
@@ -290,12 +296,15 @@ def _logger() -> Logger:
 def _private_parameters() -> dict[str, Any]:
     """Returns the private parameters on the parameter server, by name; `~robot1/NAME` has the name `robot1.NAME`."""
     found = rospy.get_param("~", {})
-    values: dict[str, Any] = {}
-    for name, value in found.items() if isinstance(found, dict) else ():
-        values.update(
-            {f"{name}.{inner}": each for inner, each in value.items()} if isinstance(value, dict) else {name: value}
-        )
-    return values
+    return dict(_flat(found)) if isinstance(found, dict) else {}
+
+
+def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in found.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
 
 
 def _is_reachable(node: str) -> bool:
@@ -344,7 +353,7 @@ class _MasterMonitor:
 
     def __init__(
         self,
-        behaviours: list[tuple[str, Behaviour]],
+        behaviours: list[tuple[str, str, Behaviour]],
         resolver: ParameterResolver,
         given: dict[str, Any],
         process: RosProcess,
@@ -390,18 +399,29 @@ class _MasterMonitor:
                 change(name, lambda _, value=value: value)
             for name in deleted:
                 del self._last_given[name]
-                change(name, lambda model, name=name: self._resolver.defaults_of(model)[self._fleet.owner_of(name)[1]])
+                _, own_name = split(self._fleet.owner_of(name)[1])
+                change(name, lambda model, name=own_name: self._resolver.defaults_of(model)[name])
+
+    def _is_given(self, robot: str, scanner: str, name: str) -> bool:
+        """Returns True if a parameter is given for one scanner."""
+        own = f"{scanner}.{name}"
+        return scanner != "" and not self._last_given.keys().isdisjoint((own, f"{robot}.{own}"))
 
     def _change(self, name: str, value_for: Callable[[type[Parameters]], Any]) -> None:
         owner, own_name = self._fleet.owner_of(name)
-        # A robot's own value counts more than the common one.
+        of_scanner, own_name = split(own_name)
+        # The value of a robot or a scanner counts more than the common one.
         behaviours = [
             behaviour
-            for robot, behaviour in self._behaviours
-            if owner == robot or (not owner and f"{robot}.{name}" not in self._last_given)
+            for robot, scanner, behaviour in self._behaviours
+            if (owner == robot or (not owner and f"{robot}.{name}" not in self._last_given))
+            and (of_scanner == scanner or (not of_scanner and not self._is_given(robot, scanner, own_name)))
         ]
-        if self._fleet.names != ("",) and own_name in DERIVED:
-            refusal: str | None = f"with several robots, {own_name} can only be set at startup"
+        has_scanners = any(scanner for robot, scanner, _ in self._behaviours if owner in ("", robot))
+        if has_scanners and not of_scanner and own_name in DERIVED_OF_SCANNERS:
+            refusal: str | None = f"with several scanners, {own_name} can only be set at startup, or for one scanner"
+        elif self._fleet.names != ("",) and own_name in DERIVED:
+            refusal = f"with several robots, {own_name} can only be set at startup"
         else:
             refusal = change_everywhere(behaviours, own_name, value_for)
         if refusal is None:

@@ -13,7 +13,7 @@ from ..messages import Message
 from ..nodes.future import Future
 from ..nodes.interface import Logger, M, QoS
 from ..parameter_files import is_for_ros
-from ..parameters import Parameters, RobotParameters, WorldParameters
+from ..parameters import LaserParameters, Parameters, RobotParameters, WorldParameters
 from ..quoting import shortened
 from .configuration import (
     ONLY_ALL,
@@ -26,6 +26,7 @@ from .configuration import (
     faults_in,
     models_of,
     split_arguments,
+    warn_about_scanners,
     warn_about_unknown,
 )
 from .conversion import MessageConverter
@@ -240,17 +241,19 @@ def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
             fleet, ready = Fleet({}), list[tuple[Any, Parameters, str]]()
             # The world comes first, because its parameters name the robots, and starts last.
             for model in sorted(models_of(name), key=lambda model: model is not WorldParameters):
-                for robot in fleet.robots_of(model):
-                    node = _create_node(model, robot, nodes[0].get_namespace() if nodes else "/")
+                for robot, scanner in fleet.owners_of(model):
+                    node = _create_node(model, robot, nodes[0].get_namespace() if nodes else "/", scanner)
                     nodes.append(node)
                     if model is WorldParameters:
                         fleet = Fleet(_given_to(node))
                     elif name != "all" and "robots" in _given_to(node):
                         node.get_logger().warning(ONLY_ALL)
-                    parameters = _declare_parameters(node, model, resolver, fleet, robot, nodes[0].resolve_topic_name)
+                    resolve = nodes[0].resolve_topic_name
+                    parameters = _declare_parameters(node, model, resolver, fleet, robot, scanner, resolve)
                     if parameters is None:
                         nodes.pop().destroy_node()
                     else:
+                        fleet.add(robot, parameters)
                         ready.append((node, parameters, robot))
             faults = read_faults(faults_in(_given_to(nodes[0])))
             for node, parameters, robot in sorted(ready, key=lambda item: isinstance(item[1], WorldParameters)):
@@ -274,17 +277,19 @@ def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
         context.destroy()
 
 
-def _create_node(model: type[Parameters], robot: str, outside: str) -> Any:
+def _create_node(model: type[Parameters], robot: str, outside: str, scanner: str) -> Any:
     """Creates the rclpy node of a behaviour, in the namespace of its robot if that has a name.
 
     Args:
         model: Parameter class of the node.
         robot: Name of the robot.
         outside: Namespace of the nodes that belong to no robot.
+        scanner: Name of the scanner, for the node of one of several.
     """
     # A namespace on the command line would replace the argument `namespace` of the node, but not its own remapping.
     own = ["--ros-args", "-r", f"__ns:={outside.rstrip('/')}/{robot}"] if robot else None
-    return rclpy.create_node(model.node_name, cli_args=own, automatically_declare_parameters_from_overrides=True)
+    name = f"{scanner}_{model.node_name}" if scanner else model.node_name
+    return rclpy.create_node(name, cli_args=own, automatically_declare_parameters_from_overrides=True)
 
 
 def _given_to(node: Any) -> dict[str, Any]:
@@ -293,7 +298,13 @@ def _given_to(node: Any) -> dict[str, Any]:
 
 
 def _declare_parameters(
-    node: Any, model: type[Parameters], resolver: ParameterResolver, fleet: Fleet, robot: str, resolve: Callable[[str], str]
+    node: Any,
+    model: type[Parameters],
+    resolver: ParameterResolver,
+    fleet: Fleet,
+    robot: str,
+    scanner: str,
+    resolve: Callable[[str], str],
 ) -> Parameters | None:
     """Declares the parameters of a node and returns them. Returns None if `ParameterResolver.resolve` does.
 
@@ -302,7 +313,9 @@ def _declare_parameters(
     given = _given_to(node)
     from_user = [name for name in given if not is_for_ros(name)]
     warn_about_unknown(from_user, node.get_logger(), fleet)
-    parameters = resolver.resolve(model, fleet.given_to(robot, given, resolve), node.get_logger())
+    if model is LaserParameters:
+        warn_about_scanners(from_user, node.get_logger(), fleet)
+    parameters = resolver.resolve(model, fleet.given_to(robot, given, resolve, scanner), node.get_logger())
     if parameters is None:
         return None
     for name, info in model.model_fields.items():

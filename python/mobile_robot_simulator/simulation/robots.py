@@ -173,11 +173,9 @@ class Robots(Handle):
                 f"got {quoted(name)} beside {quoted(sorted(self._robots))}"
             )
         values = self._values_of(parameters)
-        robot_parameters = for_node(RobotParameters, of_namespace(name, values))
-        scanners = {
-            scanner: for_node(LaserParameters, of_namespace(name, of_scanner(scanner, values)))
-            for scanner in scanner_names(values)
-        }
+        values = of_namespace(name, values)
+        robot_parameters = for_node(RobotParameters, values)
+        scanners = {scanner: for_node(LaserParameters, of_scanner(scanner, values)) for scanner in scanner_names(values)}
         if any(split(key)[1].rpartition(":")[2] == "unknown" for key in values):
             self._check_unknown(robot_parameters, *scanners.values())
         pose = to_pose(robot_parameters.initial_pose if start is None else start, "start")

@@ -21,6 +21,7 @@ from mobile_robot_simulator.ros.configuration import (
     create_behaviour,
     models_of,
     split_arguments,
+    warn_about_scanners,
     warn_about_unknown,
 )
 from mobile_robot_simulator.ros.node import RosProcess
@@ -152,7 +153,7 @@ def test_each_unknown_name_is_warned_about_once() -> None:
 
 def test_one_robot_gets_what_is_given() -> None:
     fleet, given = Fleet({}), {"seed": 3, "robot1.seed": 4}
-    assert fleet.robots_of(RobotParameters) == fleet.robots_of(MapParameters) == ("",)
+    assert fleet.owners_of(RobotParameters) == fleet.owners_of(MapParameters) == [("", "")]
     assert fleet.given_to("", given, absolute) == given
 
 
@@ -165,8 +166,8 @@ def test_each_robot_of_a_fleet_gets_parameters_of_its_own() -> None:
         "map_topic": "floor",
     }
     fleet = Fleet(given)
-    assert fleet.robots_of(RobotParameters) == fleet.robots_of(LaserParameters) == ("robot1", "robot2")
-    assert fleet.robots_of(MapParameters) == ("",)
+    assert fleet.owners_of(RobotParameters) == fleet.owners_of(LaserParameters) == [("robot1", ""), ("robot2", "")]
+    assert fleet.owners_of(MapParameters) == [("", "")]
     first, second = (fleet.given_to(name, given, absolute) for name in ("robot1", "robot2"))
     assert (first["initial_pose"], second["initial_pose"]) == ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0])
     assert (first["robot_radius"], second["robot_radius"]) == (0.2, 0.5)
@@ -182,6 +183,38 @@ def test_each_robot_of_a_fleet_gets_parameters_of_its_own() -> None:
 def test_names_of_robots_are_checked(robots: Any) -> None:
     with pytest.raises(ValueError, match="robots must be a list of"):
         Fleet({"robots": robots})
+
+
+def test_each_scanner_of_a_robot_gets_parameters_of_its_own() -> None:
+    given = {"robots": ["a", "b"], "scanners": ["front", "rear"], "b.scanners": [], "laser_fov": 2.0, "front.laser_fov": 1.0}
+    given |= {"b.laser_fov": 3.0, "a.rear.laser_fov": 4.0, "seed": 1}
+    fleet = Fleet(given)
+    for robot in "ab":
+        fleet.add(robot, resolver().resolve(RobotParameters, fleet.given_to(robot, given, absolute), Log()))  # type: ignore
+    assert fleet.owners_of(RobotParameters) == [("a", ""), ("b", "")]
+    assert fleet.owners_of(LaserParameters) == [("a", "front"), ("a", "rear"), ("b", "")]
+    assert fleet.owners_of(WorldParameters) == [("", "")]
+    front, rear, only = (
+        LaserParameters.checked({name: value for name, value in values.items() if name in LaserParameters.model_fields})
+        for values in (
+            fleet.given_to(robot, given, absolute, scanner) for robot, scanner in fleet.owners_of(LaserParameters)
+        )
+    )
+    assert (front.laser_topic, front.laser_frame_id, front.frame_prefix) == ("front/scan", "front_laser", "a/")
+    assert (only.laser_topic, only.laser_frame_id, only.frame_prefix) == ("scan", "base_link", "b/")
+    assert (front.laser_fov, rear.laser_fov, only.laser_fov) == (1.0, 4.0, 3.0)
+    assert len({front.seed, rear.seed, only.seed, 1}) == 4
+
+
+def test_parameters_of_scanners_that_no_robot_has_are_warned_about_once() -> None:
+    fleet, log = Fleet({}), Log()
+    fleet.add("", RobotParameters(scanners=("front",)))
+    for _ in range(2):
+        warn_about_unknown(["front.laser_fov", "frnt.laser_fov", "front.laser_fow"], log, fleet)
+        warn_about_scanners(["front.laser_fov", "frnt.laser_fov"], log, fleet)
+    unknown, without_effect = log.warnings
+    assert "unknown parameter 'front.laser_fow'" in unknown
+    assert without_effect == "frnt.laser_fov has no effect, because no robot has a scanner frnt: name it in scanners"
 
 
 def test_parameters_change_or_the_reason_is_returned() -> None:
