@@ -67,6 +67,9 @@ class Message:
 
     ros_type: ClassVar[str]
 
+    optional: ClassVar[tuple[str, ...]] = ()
+    """Fields that some versions of the ROS definition lack. Then they keep their defaults."""
+
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
             return NotImplemented

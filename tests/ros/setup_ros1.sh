@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs ROS 1 from Debian packages and creates a virtual environment for it. Also generates the one service type of
-# robot_localization that the robot offers, because Debian has no package of it.
+# Installs ROS 1 from Debian packages and creates a virtual environment for it. Also generates the types of
+# robot_localization and gazebo_msgs that the nodes offer services of, because Debian has no packages of them.
 # Usage: setup_ros1.sh VENV. Needs Debian 12 or a derivative, and root or sudo.
 set -euo pipefail
 venv=$(realpath -m "$1")
@@ -25,9 +25,21 @@ site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("pureli
 
 source=$(mktemp -d)
 trap 'rm -rf "$source"' EXIT
-mkdir -p "$site/robot_localization/srv"
-touch "$site/robot_localization/__init__.py"
-printf 'geometry_msgs/PoseWithCovarianceStamped pose\n---\n' >"$source/SetPose.srv"
-generate() { /usr/bin/python3 /usr/lib/genpy/gensrv_py.py -p robot_localization -o "$site/robot_localization/srv" "$@"; }
-generate -I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg "$source/SetPose.srv"
-generate --initpy
+shared=(-I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg -I "gazebo_msgs:$source/gazebo_msgs/msg")
+
+# Generates the Python module of an interface. Usage: generate PACKAGE msg|srv NAME CONTENT_OF_FILE
+generate() {
+    local package=$1 kind=$2 target=$site/$1/$2 file=$source/$1/$2/$3.$2
+    mkdir -p "$target" "$(dirname "$file")"
+    touch "$site/$package/__init__.py"
+    printf '%s\n' "$4" >"$file"
+    /usr/bin/python3 "/usr/lib/genpy/gen${kind}_py.py" -p "$package" -o "$target" "${shared[@]}" "$file"
+    /usr/bin/python3 "/usr/lib/genpy/gen${kind}_py.py" -p "$package" -o "$target" --initpy
+}
+generate robot_localization srv SetPose $'geometry_msgs/PoseWithCovarianceStamped pose\n---'
+generate gazebo_msgs msg ModelState $'string model_name\ngeometry_msgs/Pose pose\ngeometry_msgs/Twist twist\nstring reference_frame'
+answer=$'---\nbool success\nstring status_message'
+generate gazebo_msgs srv SpawnModel $'string model_name\nstring model_xml\nstring robot_namespace\ngeometry_msgs/Pose initial_pose
+string reference_frame\n'"$answer"
+generate gazebo_msgs srv SetModelState $'gazebo_msgs/ModelState model_state\n'"$answer"
+generate gazebo_msgs srv DeleteModel $'string model_name\n'"$answer"

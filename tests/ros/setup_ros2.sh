@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Creates a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI. Also builds the types that PyPI has no wheels
-# for: the message of tf2, and the one service of nav2_msgs that the robot offers.
+# for: the message of tf2, and the services of nav2_msgs and simulation_interfaces (version 2) that the nodes offer.
 # Usage: setup_ros2.sh VENV. Needs g++ and CPython 3.10 to 3.13: $PYTHON, or any that is found. cmake comes from PyPI.
 set -euo pipefail
 venv=$(realpath -m "$1")
@@ -37,28 +37,34 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
 
-# Builds and installs a package with one interface. Usage: build PACKAGE FILE CONTENT_OF_FILE
+# Builds and installs a package of interfaces. Usage: build PACKAGE [FILE CONTENT_OF_FILE] ...
 build() {
-    local source=$scratch/$1
-    mkdir -p "$source/$(dirname "$2")"
-    printf '%s\n' "$3" >"$source/$2"
+    local source=$scratch/$1 package=$1 files=()
+    shift
+    while [ $# -gt 0 ]; do
+        mkdir -p "$source/$(dirname "$1")"
+        printf '%s\n' "$2" >"$source/$1"
+        files+=("$1")
+        shift 2
+    done
     cat >"$source/package.xml" <<XML
 <package format="3">
-  <name>$1</name> <version>0.0.0</version> <description>$2</description>
+  <name>$package</name> <version>0.0.0</version> <description>${files[*]}</description>
   <maintainer email="nobody@example.com">nobody</maintainer> <license>BSD-3-Clause</license>
   <buildtool_depend>ament_cmake</buildtool_depend> <buildtool_depend>rosidl_default_generators</buildtool_depend>
-  <depend>geometry_msgs</depend> <exec_depend>rosidl_default_runtime</exec_depend>
+  <depend>geometry_msgs</depend> <depend>std_msgs</depend> <exec_depend>rosidl_default_runtime</exec_depend>
   <member_of_group>rosidl_interface_packages</member_of_group>
   <export><build_type>ament_cmake</build_type></export>
 </package>
 XML
     cat >"$source/CMakeLists.txt" <<CMAKE
 cmake_minimum_required(VERSION 3.20)
-project($1)
+project($package)
 find_package(ament_cmake REQUIRED)
 find_package(geometry_msgs REQUIRED)
+find_package(std_msgs REQUIRED)
 find_package(rosidl_default_generators REQUIRED)
-rosidl_generate_interfaces(\${PROJECT_NAME} "$2" DEPENDENCIES geometry_msgs)
+rosidl_generate_interfaces(\${PROJECT_NAME} ${files[@]} DEPENDENCIES geometry_msgs std_msgs)
 ament_package()
 CMAKE
     {
@@ -70,4 +76,15 @@ CMAKE
 build tf2_msgs msg/TFMessage.msg 'geometry_msgs/TransformStamped[] transforms'
 build nav2_msgs srv/SetInitialPose.srv 'geometry_msgs/PoseWithCovarianceStamped pose
 ---'
-"$venv/bin/python" -c 'import rclpy, tf2_msgs.msg as m, nav2_msgs.srv as s; m.TFMessage(); s.SetInitialPose.Request()'
+build simulation_interfaces \
+    msg/Result.msg $'uint8 result\nstring error_message' \
+    msg/Resource.msg $'string uri\nstring resource_string' \
+    msg/EntityState.msg $'std_msgs/Header header
+geometry_msgs/Pose pose\ngeometry_msgs/Twist twist\ngeometry_msgs/Accel acceleration' \
+    srv/SpawnEntity.srv $'string name\nbool allow_renaming\nResource entity_resource\nstring entity_namespace
+geometry_msgs/PoseStamped initial_pose\n---\nResult result\nstring entity_name' \
+    srv/DeleteEntity.srv $'string entity\n---\nResult result' \
+    srv/SetEntityState.srv $'string entity\nEntityState state
+bool set_pose\nbool set_twist\nbool set_acceleration\n---\nResult result'
+"$venv/bin/python" -c 'import rclpy, tf2_msgs.msg as m, nav2_msgs.srv as s, simulation_interfaces.srv as e
+m.TFMessage(); s.SetInitialPose.Request(); e.SpawnEntity.Request()'

@@ -209,6 +209,69 @@ def test_markers_put_obstacles_into_the_world_and_show_it(world: Any, map_file: 
     truth.next(lambda it: it.pose.pose.position.x > 1.0)
 
 
+MODEL = """<robot name="box"><link name="base"><collision><geometry>
+<cylinder radius="0.3" length="1"/></geometry></collision></link></robot>"""
+
+
+class Entities:
+    """The services that add, move and remove an obstacle, of gazebo_msgs on ROS 1 and of simulation_interfaces on ROS 2."""
+
+    def __init__(self, world: Any) -> None:
+        self._world = world
+
+    def spawn(self, name: str, model: str, x: float, y: float) -> tuple[bool, str]:
+        if VERSION == "1":
+            kind, pose = "gazebo_msgs/srv/SpawnModel", pose_message(x, y, 0.0).pose.pose
+            return self._gazebo("spawn_urdf_model", kind, model_name=name, model_xml=model, initial_pose=pose)
+        resource = find("simulation_interfaces/msg/Resource")(resource_string=model)
+        stamped = find("geometry_msgs/msg/PoseStamped")(pose=pose_message(x, y, 0.0).pose.pose)
+        kind = "simulation_interfaces/srv/SpawnEntity"
+        return self._standard("spawn_entity", kind, name=name, entity_resource=resource, initial_pose=stamped)
+
+    def move(self, name: str, x: float, y: float) -> tuple[bool, str]:
+        pose = pose_message(x, y, 0.0).pose.pose
+        if VERSION == "1":
+            state = find("gazebo_msgs/msg/ModelState")(model_name=name, pose=pose)
+            return self._gazebo("set_model_state", "gazebo_msgs/srv/SetModelState", model_state=state)
+        state = find("simulation_interfaces/msg/EntityState")(pose=pose)
+        kind = "simulation_interfaces/srv/SetEntityState"
+        return self._standard("set_entity_state", kind, entity=name, state=state, set_pose=True)
+
+    def remove(self, name: str) -> tuple[bool, str]:
+        if VERSION == "1":
+            return self._gazebo("delete_model", "gazebo_msgs/srv/DeleteModel", model_name=name)
+        return self._standard("delete_entity", "simulation_interfaces/srv/DeleteEntity", entity=name)
+
+    def _gazebo(self, service: str, ros_type: str, **fields: Any) -> tuple[bool, str]:
+        response = self._world.call(f"/gazebo/{service}", ros_type, **fields)
+        return response.success, response.status_message
+
+    def _standard(self, service: str, ros_type: str, **fields: Any) -> tuple[bool, str]:
+        result = self._world.call(f"/{service}", ros_type, **fields).result
+        return result.result == 1, result.error_message
+
+
+def test_services_add_move_and_remove_obstacles_and_say_why_not(world: Any, map_file: Path) -> None:
+    process = world.start("all", map_file=map_file, **QUIET)
+    scan, entities = world.subscribe("/scan", SCAN), Entities(world)
+    free = float(scan.next().ranges[90])
+
+    def wait_for_range(expected: float) -> None:
+        scan.next(lambda it: it.ranges[90] == pytest.approx(expected, abs=1e-3))
+
+    assert entities.spawn("box", MODEL, 1.5, 0.0)[0]
+    wait_for_range(1.2)
+    assert entities.move("box", 2.0, 0.0)[0]
+    wait_for_range(1.7)
+    assert entities.spawn("other", "<robot/>", 1.0, 0.0) == (False, "the model must have one geometry, it has 0")
+    assert entities.move("cart", 1.0, 0.0) == (False, "there is no obstacle cart")
+    wait_for_range(1.7)
+    assert entities.remove("box")[0]
+    wait_for_range(free)
+    assert entities.remove("box") == (False, "there is no obstacle box")
+    assert "is not offered" not in process.output
+
+
 def test_a_command_moves_the_robot_as_the_closed_form_says(world: Any) -> None:
     world.start("robot", publish_rate=50.0, velocity_timeout=2.0, cmd_vel_stamped=False)
     odom = world.subscribe("/odom", ODOM)

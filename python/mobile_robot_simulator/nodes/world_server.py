@@ -16,7 +16,10 @@ from ..marker_messages import ColorRGBA, Marker, MarkerArray
 from ..messages import Header, Point, Time, Trigger, Twist, Vector3
 from ..parameters import WorldParameters
 from ..physics.obstacles import Obstacle
+from ..physics.velocity_profile import Velocity
 from ..physics.world import World
+from ..quoting import quoted
+from .entity_services import EntityServices
 from .interface import Node, Publisher, QoS
 from .robot import MAX_COMMAND
 from .transforms import check_frame
@@ -43,7 +46,7 @@ class WorldServer:
         or a SPHERE a disc; their scale is the full length of each side. A LINE_STRIP is a polygon with the corners `points`.
         The name of an obstacle is `ns`, followed by `_id` if the id is not 0. An obstacle named `box` also moves with
         each pose on `<obstacles_topic>/box/pose`, and drives with each velocity on `<obstacles_topic>/box/cmd_vel`. The
-        service `remove_obstacles` removes all obstacles.
+        service `remove_obstacles` removes all obstacles. `EntityServices` has services that add, move and remove one.
     Markers:
         `markers_topic` shows the footprints of the robots, the obstacles, and contacts of the last 2 s.
 
@@ -109,6 +112,7 @@ class WorldServer:
             handles.add(node.destroy_subscription, obstacles)
             removal = node.create_service(Trigger, "remove_obstacles", self._answer_removal)
             handles.add(node.destroy_service, removal)
+            EntityServices(node, self, parameters.map_frame_id).start(handles)
             if parameters.markers_topic:
                 self._markers = node.create_publisher(MarkerArray, parameters.markers_topic, QoS.DEFAULT)
                 handles.add(node.destroy_publisher, self._markers)
@@ -126,6 +130,55 @@ class WorldServer:
 
     # --- obstacles ---
 
+    def has(self, name: str) -> bool:
+        """Returns True if there is an obstacle of this name that came by a marker or a service."""
+        return name in self._own
+
+    def check_name(self, name: str) -> None:
+        """Raises ValueError if an obstacle cannot have this name."""
+        if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) or len(name) > LONGEST_NAME:
+            needed = f"at most {LONGEST_NAME} letters, digits and underscores, and not start with a digit"
+            raise ValueError(f"the name must have {needed}, got {quoted(name)}")
+
+    def add(self, name: str, shape: Shape, pose: Pose) -> None:
+        """Adds an obstacle, whose name is not in use.
+
+        Raises:
+            ValueError: The name is invalid.
+            TypeError: The topics of the obstacle have messages of another type.
+        """
+        self.check_name(name)
+        obstacle = Obstacle(name, shape, pose)
+        self._listen(obstacle)
+        self._world.place(obstacle)
+        self._own[name] = obstacle
+
+    def move(self, name: str, pose: Pose | None, velocity: Velocity | None) -> None:
+        """Moves an obstacle from now on.
+
+        Args:
+            name: Name of an obstacle that exists.
+            pose: Pose to move to at once. None leaves it where it is.
+            velocity: Velocity (vx, vy, wz) from now on, along the axes of the map [m/s, m/s, rad/s]. None leaves it.
+
+        Raises:
+            ValueError: A component of the velocity is not in -`MAX_COMMAND`..`MAX_COMMAND`. Nothing changes.
+        """
+        obstacle = self._own[name]
+        if velocity is not None:
+            _check_velocity(velocity)
+            at = obstacle.pose(self._world.now_ns()) if pose is None else pose
+            along = Pose(0.0, 0.0, at.yaw).inverse() * Pose(velocity[0], velocity[1], 0.0)
+            velocity = along.x, along.y, velocity[2]
+        self._world.move(obstacle, pose, velocity)
+
+    def remove(self, name: str) -> None:
+        """Removes an obstacle. Raises ValueError if there is none of this name."""
+        if name not in self._own:
+            raise ValueError("there is no such obstacle")
+        self._listening.pop(name).close()
+        self._world.remove(self._own.pop(name))
+
     def _take(self, message: MarkerArray) -> None:
         """Adds, changes and removes obstacles. What is invalid is logged, and the rest is done."""
         for marker in message.markers:
@@ -139,7 +192,7 @@ class WorldServer:
         if marker.action == Marker.DELETEALL:
             self._remove_all()
         elif marker.action == Marker.DELETE:
-            self._remove(name)
+            self.remove(name)
         elif marker.action == Marker.ADD:
             check_frame(marker.header, self._parameters.map_frame_id)
             self._put(name, shape_of(marker), marker.pose.to_planar())
@@ -150,15 +203,10 @@ class WorldServer:
         if name in self._own and self._own[name].shape == shape:
             self._world.move(self._own[name], pose, None)
             return
-        if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII) or len(name) > LONGEST_NAME:
-            needed = f"a name of at most {LONGEST_NAME} letters, digits and underscores that does not start with a digit"
-            raise ValueError(f"ns must be {needed}")
+        self.check_name(name)
         if name in self._own:
-            self._remove(name)
-        obstacle = Obstacle(name, shape, pose)
-        self._listen(obstacle)
-        self._world.place(obstacle)
-        self._own[name] = obstacle
+            self.remove(name)
+        self.add(name, shape, pose)
 
     def _listen(self, obstacle: Obstacle) -> None:
         """Subscribes to poses and velocities of an obstacle."""
@@ -176,15 +224,9 @@ class WorldServer:
         while self._listening:
             self._listening.popitem()[1].close()
 
-    def _remove(self, name: str) -> None:
-        if name not in self._own:
-            raise ValueError("there is no such obstacle")
-        self._listening.pop(name).close()
-        self._world.remove(self._own.pop(name))
-
     def _remove_all(self) -> None:
         for name in list(self._own):
-            self._remove(name)
+            self.remove(name)
 
     def _answer_removal(
         self, request: messages.TriggerRequest, response: messages.TriggerResponse
@@ -203,13 +245,12 @@ class WorldServer:
 
     def _take_velocity(self, obstacle: Obstacle, twist: Twist) -> None:
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
-        if all(abs(value) <= MAX_COMMAND for value in velocity):
-            self._world.move(obstacle, None, velocity)
+        try:
+            _check_velocity(velocity)
+        except ValueError as error:
+            self._node.get_logger().warning(f"velocity of obstacle {obstacle.name} refused: {error}")
         else:
-            self._node.get_logger().warning(
-                f"velocity of obstacle {obstacle.name} refused: |vx|, |vy| and |wz| must be at most {MAX_COMMAND:g}, "
-                f"got {velocity}"
-            )
+            self._world.move(obstacle, None, velocity)
 
     # --- markers ---
 
@@ -235,6 +276,11 @@ class WorldServer:
         for index, obstacle in enumerate(obstacles):
             pose = obstacle.pose(now_ns)
             yield _marker(header, "obstacles", index, OBSTACLE, lifetime, obstacle.shape, pose, obstacle.name)
+
+
+def _check_velocity(velocity: Velocity) -> None:
+    if not all(abs(value) <= MAX_COMMAND for value in velocity):
+        raise ValueError(f"|vx|, |vy| and |wz| must be at most {MAX_COMMAND:g}, got {velocity}")
 
 
 def obstacle_name(marker: Marker) -> str:

@@ -94,6 +94,9 @@ class MessageConverter:
             return cast(M, time)
         values = []
         for name, inner_class, dtype in _field_plan(message_class):  # type: ignore[arg-type]
+            if name in message_class.optional and not hasattr(ros_message, name):
+                values.append(getattr(message_class(), name))
+                continue
             value = getattr(ros_message, name)
             if dtype is not None:
                 value = np.asarray(value, dtype)

@@ -81,6 +81,9 @@ class RosNode(ABC):
 
     converter: ClassVar[MessageConverter]
 
+    other_packages: ClassVar[tuple[str, ...]] = ()
+    """Packages of services that belong to the other version of ROS: nobody misses them."""
+
     def __init__(self, process: RosProcess, clock: EventClock) -> None:
         self._executor, self._topics, self._disturbances = process.executor, process.topics, process.disturbances
         self._clock = clock
@@ -167,6 +170,8 @@ class RosNode(ABC):
         try:
             ros_type = self._find_service_type(srv_type.ros_type)
         except ImportError:
+            if srv_type.ros_type.startswith(self.other_packages):
+                return None
             self.get_logger().info(f"service {srv_name} is not offered, because {srv_type.ros_type} is not installed")
             return None
         serialized = self._executor.serialized(callback)

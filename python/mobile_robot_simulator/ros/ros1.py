@@ -86,6 +86,7 @@ class Ros1Node(RosNode):
     """
 
     converter = ROS1
+    other_packages = ("simulation_interfaces/",)
 
     def __init__(self, process: RosProcess, clock: EventClock, namespace: str = "") -> None:
         super().__init__(process, clock)

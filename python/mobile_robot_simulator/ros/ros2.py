@@ -86,6 +86,7 @@ class Ros2Node(RosNode):
     """
 
     converter = ROS2
+    other_packages = ("gazebo_msgs/",)
 
     def __init__(self, node: Any, process: RosProcess, clock: EventClock) -> None:
         super().__init__(process, clock)

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mobile_robot_simulator.entity_messages import SetEntityStateRequest
 from mobile_robot_simulator.messages import (
     LaserScan,
     Odometry,
+    Pose,
     Quaternion,
     TFMessage,
     Time,
     Transform,
     TransformStamped,
+    Twist,
     Vector3,
 )
 from mobile_robot_simulator.ros.conversion import MessageConverter
@@ -82,3 +85,12 @@ def test_classes_are_found_by_their_type_and_wrapped(monkeypatch: pytest.MonkeyP
     assert wrapping.find_message_type("nav_msgs/msg/Odometry").__name__ == "Wrapped"
     with pytest.raises(ImportError):
         wrapping.find_type("no_such_package/msg/Odometry")
+
+
+def test_a_field_that_a_version_of_ros_lacks_keeps_its_default() -> None:
+    state = SimpleNamespace(header=ros_header(), pose=Pose(), twist=Twist())
+    old = SimpleNamespace(entity="box", state=state)
+    request = CONVERTER.from_ros(old, SetEntityStateRequest)
+    assert (request.entity, request.set_pose, request.set_twist) == ("box", True, True)
+    with pytest.raises(AttributeError):
+        CONVERTER.from_ros(SimpleNamespace(entity="box"), SetEntityStateRequest)

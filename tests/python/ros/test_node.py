@@ -133,3 +133,10 @@ def test_a_service_whose_type_is_not_installed_is_not_offered() -> None:
     node = FakeRosNode(RosProcess())
     assert node.create_service(Trigger, "/reset", lambda request, response: response) is None
     assert node.log == ["service /reset is not offered, because std_srvs/srv/Trigger is not installed"]
+
+
+def test_a_service_of_the_other_version_of_ros_is_not_missed() -> None:
+    node = FakeRosNode(RosProcess())
+    node.other_packages = ("std_srvs/",)  # type: ignore[misc]
+    assert node.create_service(Trigger, "/reset", lambda request, response: response) is None
+    assert node.log == []
