@@ -15,7 +15,8 @@ from mobile_robot_simulator.bus.bus import Bus
 from mobile_robot_simulator.bus.node import NoCopyNode
 from mobile_robot_simulator.nodes.interface import QoS
 from mobile_robot_simulator.nodes.map_messages import to_message
-from mobile_robot_simulator.parameters import RobotParameters
+from mobile_robot_simulator.parameters import LaserParameters, RobotParameters
+from mobile_robot_simulator.physics.world import World
 
 SECOND = 1_000_000_000
 PI = math.pi
@@ -737,3 +738,43 @@ def test_a_map_with_a_wall_at_the_robot_is_warned_about(caplog: pytest.LogCaptur
     rig.run_to(0.1)
     (warning,) = [record.message for record in caplog.records if record.levelname == "WARNING"]
     assert warning.startswith("the robot at (0.00, 0.00, 0.00) touches a wall of the map")
+
+
+def test_robots_that_start_inside_one_another_can_part_and_then_touch() -> None:
+    """On ROS, robots without `initial_pose` start at the origin, all of them."""
+    bus = Bus()
+    world = World(lambda: bus.time_ns, mrs.OccupancyGrid(np.zeros((100, 100), np.int8), resolution=0.1))
+    values = {"robot_radius": 0.2, "initial_pose": (5.0, 5.0, 0.0), "velocity_timeout": 0.0, "cmd_vel_stamped": False}
+    robots = {}
+    for name in ("a", "b"):
+        node = NoCopyNode(bus, "robot", namespace=f"/{name}")
+        robots[name] = mrs.nodes.MobileRobotSimulator(node, RobotParameters.checked(values), world=world, name=name)
+        robots[name].start()
+    publisher = NoCopyNode(bus, "tester").create_publisher(mrs.messages.Twist, "/a/cmd_vel")
+    publisher.publish(mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5)))
+    bus.run_until(2 * SECOND)
+    assert robots["a"].pose.x == pytest.approx(6.0) and robots["b"].pose == mrs.Pose(5.0, 5.0, 0.0)
+    publisher.publish(mrs.messages.Twist(linear=mrs.messages.Vector3(x=-0.5)))
+    bus.run_until(4 * SECOND)
+    assert robots["a"].pose.x == pytest.approx(5.4, abs=1e-5)
+    assert bus.latest("/a/stalled").data
+
+
+def test_a_map_frame_may_have_the_slash_of_ros_1() -> None:
+    bus = Bus()
+    parameters = RobotParameters.checked(
+        {"map_frame_id": "/map", "publish_map_transform": True, "initial_pose": (1.0, 2.0, 0.0)}
+    )
+    mrs.nodes.MobileRobotSimulator(NoCopyNode(bus, "robot"), parameters).start()
+    laser = mrs.nodes.LaserScannerSimulator(
+        NoCopyNode(bus, "laser"),
+        LaserParameters.checked({"map_frame_id": "/map", "pose_source": "tf", "apply_noise": False}),
+        grid=mrs.OccupancyGrid(np.zeros((50, 50), np.int8), resolution=0.1),
+    )
+    laser.start()
+    pose = mrs.messages.PoseWithCovarianceStamped(mrs.messages.Header(frame_id="map"))
+    bus.run_until(SECOND)
+    assert bus.latest("/scan") is not None
+    NoCopyNode(bus, "tester").create_publisher(mrs.messages.PoseWithCovarianceStamped, "/initialpose").publish(pose)
+    bus.run_until(2 * SECOND)
+    assert bus.latest("/tf").transforms[0].transform.translation.x == 0.0
