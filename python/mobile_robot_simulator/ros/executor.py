@@ -53,10 +53,26 @@ class Executor:
         """
 
         def call(*arguments: Any) -> Returned:
-            with self._event():
+            with self.event():
                 return callback(*arguments)
 
         return call
+
+    @contextmanager
+    def event(self) -> Iterator[None]:
+        """In this block no other thread runs a callback. All timers that are due have fired before. Blocks may be nested."""
+        with self._callback_lock:
+            is_outermost, self._is_in_callback = not self._is_in_callback, True
+            try:
+                if is_outermost and not self._has_ended.is_set():
+                    for clock in self._clocks:
+                        clock.advance()
+                yield
+            except BaseException as error:
+                self.shutdown(error)
+                raise
+            finally:
+                self._is_in_callback = not is_outermost
 
     def follow(self, source: Clock) -> EventClock:
         """Returns a clock that follows `source` from event to event. Only callbacks of this executor may read it."""
@@ -146,22 +162,6 @@ class Executor:
             self._has_ended.wait()
         if self._error is not None:
             raise self._error
-
-    @contextmanager
-    def _event(self) -> Iterator[None]:
-        """In this block no other thread runs a callback. All timers that are due have fired before. Blocks may be nested."""
-        with self._callback_lock:
-            is_outermost, self._is_in_callback = not self._is_in_callback, True
-            try:
-                if is_outermost and not self._has_ended.is_set():
-                    for clock in self._clocks:
-                        clock.advance()
-                yield
-            except BaseException as error:
-                self.shutdown(error)
-                raise
-            finally:
-                self._is_in_callback = not is_outermost
 
     def _run_timers(self) -> None:
         fire_due_timers = self.serialized(lambda: None)

@@ -254,12 +254,13 @@ def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
                 _logger().warning(ONLY_ALL)
             warn_about_unknown(given, _logger(), fleet)
             resolver = ParameterResolver(name, DEFAULTS, map_file)
-            behaviours = _create_behaviours(models, resolver, given, process, fleet)
-            for *_, behaviour in behaviours:
-                process.executor.serialized(behaviour.start)()
-            if faults:
-                add = process.executor.serialized(process.disturbances.add)
-                add(faults, Ros1Node(process, process.clock), process.clock)
+            # In one event, so that no timer fires before the faults act.
+            with process.executor.event():
+                behaviours = _create_behaviours(models, resolver, given, process, fleet)
+                for *_, behaviour in behaviours:
+                    behaviour.start()
+                if faults:
+                    process.disturbances.add(faults, Ros1Node(process, process.clock), process.clock)
             _MasterMonitor(behaviours, resolver, given, process, fleet)
             process.executor.wait()
     finally:
@@ -283,8 +284,8 @@ def _create_behaviours(
             if parameters is not None:
                 fleet.add(robot, parameters)
                 clock = process.clock_for(parameters, _RosClock(), use_sim_time=follows_clock)
-                create = process.executor.serialized(create_behaviour)
-                behaviours.append((robot, scanner, create(parameters, Ros1Node(process, clock, robot), process, robot)))
+                node = Ros1Node(process, clock, robot)
+                behaviours.append((robot, scanner, create_behaviour(parameters, node, process, robot)))
     warn_about_scanners(given, _logger(), fleet)
     return behaviours
 

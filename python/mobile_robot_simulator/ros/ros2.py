@@ -257,13 +257,15 @@ def run(name: str, arguments: list[str], read_faults: ReadFaults) -> None:
                         fleet.add(robot, parameters)
                         ready.append((node, parameters, robot))
             faults = read_faults(faults_in(_given_to(nodes[0])))
-            for node, parameters, robot in sorted(ready, key=lambda item: isinstance(item[1], WorldParameters)):
-                _start_behaviour(node, parameters, process, robot, fleet)
-                spinning.append(_SpinningNode(node, process.executor))
+            starting = sorted(ready, key=lambda item: isinstance(item[1], WorldParameters))
+            # In one event, so that no timer fires before the faults act.
+            with process.executor.event():
+                for node, parameters, robot in starting:
+                    _start_behaviour(node, parameters, process, robot, fleet)
+                if faults:
+                    process.disturbances.add(faults, Ros2Node(nodes[0], process, process.clock), process.clock)
+            spinning += [_SpinningNode(node, process.executor) for node, _, _ in starting]
             first = spinning[0].node
-            if faults:
-                add = process.executor.serialized(process.disturbances.add)
-                add(faults, Ros2Node(nodes[0], process, process.clock), process.clock)
             check_publishers = partial(
                 process.topics.update, partial(_has_other_publishers, first), partial(_published_types, first)
             )
@@ -333,15 +335,9 @@ def _declare_parameters(
 
 def _start_behaviour(node: Any, parameters: Parameters, process: RosProcess, robot: str, fleet: Fleet) -> None:
     clock = process.clock_for(parameters, node.get_clock(), use_sim_time=node.get_parameter("use_sim_time").value)
-
-    def start() -> None:
-        behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process, robot)
-        node.add_on_set_parameters_callback(
-            process.executor.serialized(partial(_change_parameters, behaviour, robot, fleet))
-        )
-        behaviour.start()
-
-    process.executor.serialized(start)()
+    behaviour = create_behaviour(parameters, Ros2Node(node, process, clock), process, robot)
+    node.add_on_set_parameters_callback(process.executor.serialized(partial(_change_parameters, behaviour, robot, fleet)))
+    behaviour.start()
 
 
 def _change_parameters(behaviour: Behaviour, robot: str, fleet: Fleet, changes: list[Any]) -> Any:

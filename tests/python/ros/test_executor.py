@@ -181,3 +181,17 @@ def test_a_destroyed_timer_does_not_fire() -> None:
     assert ended.wait(60.0)
     executor.shutdown()
     assert not fired
+
+
+def test_nothing_fires_within_an_event() -> None:
+    executor, fired, wall = Executor(), list[int](), [1_000_000_000]
+    clock = executor.follow(PacedClock(lambda: wall[0]))
+    with executor.event():
+        executor.create_timer(clock, 0.01, lambda: fired.append(wall[0]))
+        wall[0] += 20_000_000
+        with executor.event():
+            executor.serialized(lambda: None)()
+        assert fired == []
+    executor.serialized(lambda: None)()
+    assert fired == [1_020_000_000]
+    executor.shutdown()
