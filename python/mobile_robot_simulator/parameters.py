@@ -79,9 +79,14 @@ Limit = Annotated[float, BeforeValidator(_reject_bool), Field(ge=0.0)]
 LimitTriple = Annotated[tuple[Limit, Limit, Limit], _numbers("vx", "vy", "wz")]
 
 
+def is_topic_name(name: str) -> bool:
+    """Returns True if a name is valid for topics and services in ROS."""
+    return bool(re.fullmatch(r"[/~]?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII))
+
+
 def _check_topic(name: str) -> str:
     """Rejects names that are not valid for topics and services in ROS."""
-    if not re.fullmatch(r"[/~]?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
+    if not is_topic_name(name):
         raise ValueError("Input should be a name such as /scan")
     return name
 

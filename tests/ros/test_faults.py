@@ -84,6 +84,7 @@ def test_parameters_have_faults(world: Any, map_file: Path) -> None:
     [
         ("Drops('/scan')", "unknown fault 'Drops'; did you mean 'Drop'?"),
         ("Drop('/scan', probability=2)", "the probability must be in 0..1, got 2"),
+        ("Drop('no name')", "unknown topic 'no name'; there are /"),
         ("Drop('/scna')", "unknown topic '/scna'; did you mean /scan?"),
         ("StuckRanges('/odom')", "StuckRanges needs a topic of LaserScan, /odom carries Odometry"),
         ("ClockJump(1.0)", "needs the simulated clock of a Simulation; on ROS, clocks cannot jump"),

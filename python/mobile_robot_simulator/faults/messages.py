@@ -14,7 +14,7 @@ from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
 from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0, check_numbers
-from ..simulation.fault import Fault, FaultBus, FaultTarget
+from ..simulation.fault import TOPIC, Fault, FaultBus, FaultTarget
 from ..simulation.topics import find_topic
 
 Copies = list[tuple[int, Message]] | None
@@ -67,6 +67,9 @@ class MessageFault(Fault):
             raise TypeError(
                 f"{type(self).__name__} needs a topic of {self.needs.__name__}, {found.name} carries {carried.__name__}"
             )
+        reports = bus.find_topic(TOPIC)
+        if reports is not None and found.name == reports.name:
+            raise ValueError(f"a fault cannot act on {found.name}, where faults report what they do")
         self.topic = found.name
         bus.filters.append(self._filter)
 
@@ -180,7 +183,7 @@ class Blackout(Drop):
         end: Time at which the fault ends [s].
     """
 
-    def __init__(self, topic: str = "/scan", *, start: float = 0.0, end: float = math.inf) -> None:
+    def __init__(self, topic: str = "scan", *, start: float = 0.0, end: float = math.inf) -> None:
         super().__init__(topic, start=start, end=end)
 
     def change(self, message: Message) -> Copies:
@@ -199,7 +202,7 @@ class StuckRanges(MessageFault):
 
     needs = LaserScan
 
-    def __init__(self, topic: str = "/scan", **options: Any) -> None:
+    def __init__(self, topic: str = "scan", **options: Any) -> None:
         super().__init__(topic, **options)
         self._first: LaserScan | None = None
 
@@ -231,7 +234,7 @@ class BlockedSector(MessageFault):
     needs = LaserScan
 
     def __init__(
-        self, first_angle: float, last_angle: float, *, distance: float = 0.0, topic: str = "/scan", **options: Any
+        self, first_angle: float, last_angle: float, *, distance: float = 0.0, topic: str = "scan", **options: Any
     ) -> None:
         super().__init__(topic, **options)
         check_numbers(first_angle=first_angle, last_angle=last_angle)

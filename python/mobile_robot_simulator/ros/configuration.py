@@ -23,8 +23,8 @@ MODELS: dict[str, type[Parameters]] = {"robot": RobotParameters, "laser": LaserP
 ALL: tuple[type[Parameters], ...] = (*MODELS.values(), WorldParameters)
 """Parameter classes of the nodes that run with `all`, in the order in which they start: the robot decides the clock."""
 
-OF_ALL_ROBOTS = ("speed_factor", "unknown")
-"""Parameters that cannot differ between the robots of a process, because they share the time and the map."""
+OF_ALL_ROBOTS = ("speed_factor", "unknown", "faults")
+"""Parameters that cannot differ between the robots of a process, because they share the time, the map and the faults."""
 
 ONLY_ALL = "robots has an effect only with all; each other command runs the node of one robot"
 """Warning about the parameter `robots` of a process that cannot have several."""

@@ -14,12 +14,16 @@ from ..nodes.map_server import MapFileServer
 from ..nodes.message_filters import Filter, filtered
 from ..nodes.robot import MobileRobotSimulator
 from ..nodes.steady_time import SteadyTime
+from ..parameters import is_topic_name
 from ..quoting import quoted
 from .event_clock import EventClock
 from .executor import Executor
 from .intra_process import IntraProcessTopic, IntraProcessTopics
 
 N = TypeVar("N")
+
+READING_PERIOD = 1.0
+"""Time between two readings of the clock of the faults [s]."""
 
 
 class ProcessFault(Protocol):
@@ -109,6 +113,8 @@ class Disturbances:
         """
         self._node, self._clock, self._time = node, clock, SteadyTime(clock)
         self._start_ns = self._time()
+        # A clock that nobody reads for an hour counts as one that has jumped.
+        self._executor.create_timer(clock, READING_PERIOD, self._read_clock)
         for fault in faults:
             fault.add_to(self, self)
             self.faults.append(fault)
@@ -149,6 +155,8 @@ class Disturbances:
             ValueError: Several nodes of the process receive the topic, and none publishes it.
         """
         assert self._node is not None
+        if not is_topic_name(name):
+            return None
         full_name = self._node.resolve_topic_name(name)
         found = next((topic for topic in self._topics.used() if topic.name == full_name), None)
         if found is not None and not found.publisher_count and found.receiver_count > 1:
@@ -189,6 +197,9 @@ class Disturbances:
             known = "the only robot has no name" if "" in self.robots else f"there are {', '.join(self.robots)}"
             raise ValueError(f"unknown robot {quoted(name)}; {known}")
         return self.robots[name]
+
+    def _read_clock(self) -> None:
+        self._time()
 
     def _act(self, time_ns: int, action: Callable[[], None]) -> None:
         """Runs an action, or waits on if the clock has jumped forward, which takes no time."""

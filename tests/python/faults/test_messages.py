@@ -104,6 +104,15 @@ def test_faults_of_scans_need_a_topic_of_scans(sim, make):
     sim.run_for(1.0)
 
 
+def test_faults_do_not_act_on_their_own_reports(sim):
+    sim.add_fault(faults.Drop("/scan"))
+    for fault in (faults.Drop("/faults"), faults.Delay("faults", 1.0)):
+        with pytest.raises(ValueError, match="a fault cannot act on /faults, where faults report what they do"):
+            sim.add_fault(fault)
+    sim.run_for(1.0)
+    assert len(sim.faults) == 1
+
+
 def test_the_example_of_the_documentation_runs():
     results = doctest.testmod(faults)
     assert results.attempted and not results.failed

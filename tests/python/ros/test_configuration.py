@@ -286,7 +286,7 @@ def test_a_parameter_without_a_default_cannot_be_deleted(tmp_path: Path) -> None
     assert refusal == f"yaml_filename has no default and stays {tmp_path / 'map.yaml'}"
 
 
-@pytest.mark.parametrize("name", ["speed_factor", "unknown"])
+@pytest.mark.parametrize("name", ["speed_factor", "unknown", "faults"])
 def test_what_robots_share_cannot_differ_between_them(name: str) -> None:
     given = {"robots": ["robot1"], f"robot1.{name}": 2.0}
     with pytest.raises(ValueError, match=f"{name} must be the same for all robots: set {name}, not robot1.{name}"):

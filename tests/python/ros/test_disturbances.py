@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from mobile_robot_simulator import faults
+from mobile_robot_simulator.faults.reading import read_fault
 from mobile_robot_simulator.instant import Instant
 from mobile_robot_simulator.messages import LaserScan, String
 from mobile_robot_simulator.nodes.interface import QoS
@@ -61,6 +62,8 @@ class FakeNode(RosNode):
         return service
 
     def resolve_topic_name(self, topic: str) -> str:
+        if " " in topic:
+            raise RuntimeError("rclpy refuses such a name")
         return topic if topic.startswith("/") else f"/here/{topic}"
 
     def _subscribe_through_ros(self, msg_type: Any, topic: str, receive: Any, qos: QoS) -> Callable[[], object]:
@@ -158,6 +161,27 @@ def test_planned_actions_wait_for_the_time_of_the_faults_which_does_not_jump_wit
     assert done == [2.0]
 
 
+def test_planned_actions_come_even_if_nothing_else_happens_for_hours() -> None:
+    rig, done = Rig(), list[float]()
+    rig.add()
+    rig.disturbances.schedule(7_200 * SECOND, lambda: done.append(rig.disturbances.time_ns / SECOND))
+    for _ in range(7_199):
+        rig.pass_time(1.0)
+    assert done == []
+    rig.pass_time(1.0)
+    assert done == [7_200.0]
+
+
+@pytest.mark.parametrize("topic", ["'scan'", "'/here/scan'", ""])
+def test_names_and_the_default_topic_are_in_the_namespace_of_the_process(topic: str) -> None:
+    rig = Rig()
+    wire = rig.node.create_publisher(LaserScan, "scan", QoS.DEFAULT)
+    rig.add(read_fault(f"Blackout({topic})"))
+    wire.publish(LaserScan())
+    assert wire.sent == []
+    assert rig.reports() == ["blackout of /here/scan"]
+
+
 class Machine:
     """Stands for a node of a robot."""
 
@@ -197,6 +221,7 @@ def test_faults_act_on_the_robots_and_nodes_of_the_process() -> None:
     ("fault", "error", "message"),
     [
         (faults.Drop("/chatter"), ValueError, "unknown topic '/chatter'; did you mean /here/chatter?"),
+        (faults.Drop("no name"), ValueError, "unknown topic 'no name'; there are /here/chatter, /here/scan, /here/twice"),
         (faults.Drop("twice"), ValueError, "needs one receiver, /here/twice has 2 in this process"),
         (faults.StuckRanges("chatter"), TypeError, "StuckRanges needs a topic of LaserScan, /here/chatter carries String"),
         (faults.ClockJump(1.0), ValueError, "needs the simulated clock of a Simulation; on ROS, clocks cannot jump"),
