@@ -27,6 +27,7 @@ from ._core import (
 )
 
 if TYPE_CHECKING:
+    from . import audit as audit
     from . import bus as bus
     from . import faults as faults
     from . import logs as logs
@@ -67,6 +68,7 @@ __all__ = [
 ]
 
 _SUBMODULES = (
+    "audit",
     "bus",
     "faults",
     "logs",

@@ -39,6 +39,7 @@ ROOMS = (
     "faults",
     "recording",
     "logs",
+    "audit",
     "testing",
     "cli",
 )
@@ -146,6 +147,11 @@ def lines_of_eager_imports(nodes: Iterable[ast.AST]) -> set[int]:
 
 
 TESTED_ELSEWHERE = {
+    "audit/odometry.py": "audit/test_auditor.py breaks each rule",
+    "audit/poses.py": "audit/test_auditor.py breaks each rule",
+    "audit/scans.py": "audit/test_auditor.py breaks each rule",
+    "audit/stamps.py": "audit/test_auditor.py breaks each rule",
+    "audit/transforms.py": "audit/test_auditor.py breaks each rule",
     "cli/console.py": "the tests of each command read what it prints",
     "cli/ros.py": "needs ROS: tests/ros",
     "cli/summary.py": "cli/test_drive.py reads the summary of a drive",

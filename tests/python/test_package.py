@@ -54,6 +54,7 @@ BUILT_WITH = [
 """Names that users build with. Everything else is in a submodule."""
 
 SUBMODULES = [
+    "audit",
     "bus",
     "faults",
     "logs",

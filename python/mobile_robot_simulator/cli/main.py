@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
+from .audit import audit
 from .console import console, error_console, text_of, warnings_as_notes
 from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
@@ -26,6 +27,7 @@ app = typer.Typer(
 )
 app.command(cls=Command)(run)
 app.command(cls=Command)(recover)
+app.command(cls=Command)(audit)
 app.command(cls=Command)(scan)
 app.command(cls=Command)(info)
 app.command(cls=Command)(parameters)

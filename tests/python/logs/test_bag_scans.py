@@ -10,12 +10,11 @@ import pytest
 
 pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
 
+from logs.bags import Recorded, changed, drive, messages, mounted, record
 from mobile_robot_simulator import messages as ros
 from mobile_robot_simulator.logs import read_log
 from mobile_robot_simulator.recording.recorder import Format
 from recordings import FORMATS
-
-from .bags import Recorded, changed, drive, messages, mounted, record
 
 
 def true_poses(stamps: np.ndarray) -> np.ndarray:
