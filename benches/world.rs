@@ -1,11 +1,11 @@
-//! `cargo bench --bench world`: obstacles in a scan, and steps of a robot near walls and far from them.
+//! `cargo bench --bench world`: obstacles and mounts in a scan, and steps of a robot near walls and far from them.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use mobile_robot_simulator::{
-    ContactMode, GridOptions, LaserScanner, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose, ScannerOptions, Shape,
-    Twist, Unknown, advance, clearance,
+    ContactMode, GridOptions, LaserScanner, Mount, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid, Pose, ScannerOptions,
+    Shape, Twist, Unknown, advance, clearance,
 };
 
 /// Returns a map of 40 m by 40 m with cells of 5 cm: rooms of 5 m by 4 m, walls of 0.1 m and doors of 1 m.
@@ -41,6 +41,15 @@ fn scans(criterion: &mut Criterion) {
         // The nearest wall is less than 2.6 m away, the nearest obstacle less than 0.81 m.
         let bound = if obstacles.is_empty() { 2.6 } else { 0.81 };
         assert!(ranges.iter().fold(f32::INFINITY, |a, &b| a.min(b)) < bound);
+    }
+    let mounts = [("upside_down", [std::f64::consts::PI, 0.0, 0.0]), ("tilted", [0.1, 0.1, 0.0])];
+    for (name, rotation) in mounts {
+        let mount = Mount::new([0.0, 0.0, 0.4], rotation);
+        let scanner = LaserScanner::new(ScannerOptions { mount, ..ScannerOptions::default() }).unwrap();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| scanner.scan(&grid, black_box(Pose::new(12.5, 10.0, 0.3)), &mut ranges));
+        });
+        assert!(ranges.iter().all(|&range| range > 0.0));
     }
     group.finish();
 }
