@@ -82,7 +82,8 @@ def read_carmen(path: Path, *, scanner: str | None = None, max_range: float | No
                 x, y, yaw, _, _, _ = line.numbers(6)
                 odometry.add(nanoseconds(line.number(), where), _in_space((x, y, yaw), where))
             else:
-                scans.setdefault(kind, []).append(_old(line, number) if kind in _OLD else _new(line, number))
+                scan = _old(line, number) if kind in _OLD else _new(line, number)
+                scans.setdefault(kind, []).append(scan)
         except _Truncated as error:
             if not is_last:
                 raise ValueError(str(error)) from None

@@ -127,17 +127,24 @@ def _number(cell: str, where: str) -> float:
 
 
 def _arrays(path: Path) -> dict[str, Any]:
-    try:
-        with open_regular(path) as file, zipfile.ZipFile(file) as archive:
-            size = sum(item.file_size for item in archive.infolist())
+    with open_regular(path) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                size = sum(item.file_size for item in archive.infolist())
+        except Exception as error:  # whatever the bytes of a damaged archive lead to
+            raise _no_archive(path, error) from None
         if size > LARGEST_FILE:
             raise ValueError(f"{path}: the arrays must have at most {LARGEST_FILE} bytes together, got {size}")
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (zipfile.BadZipFile, EOFError, KeyError) as error:
-        raise ValueError(f"{path}: must be an archive of NumPy arrays: {shortened(error)}") from None
-    except ValueError as error:
-        raise (error if f"{error}".startswith(f"{path}") else ValueError(f"{path}: {shortened(error)}")) from None
+        file.seek(0)
+        try:
+            with np.load(file, allow_pickle=False) as arrays:
+                return {name: arrays[name] for name in arrays.files}
+        except Exception as error:
+            raise _no_archive(path, error) from None
+
+
+def _no_archive(path: Path, error: Exception) -> ValueError:
+    return ValueError(f"{path}: must be an archive of NumPy arrays: {shortened(error) or type(error).__name__}")
 
 
 def _floats(path: Path, arrays: dict[str, Any], name: str, dimensions: int) -> NDArray[np.float64]:

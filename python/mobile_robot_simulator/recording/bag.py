@@ -23,7 +23,6 @@ ROS1_MAGIC = b"#ROSBAG V2.0\n"
 """First bytes of a ROS 1 bag."""
 
 _OTHER_NAMES = {"tf/msg/tfMessage": TFMessage.ros_type}
-_NOT_DAMAGE = (OSError, MemoryError)
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ class Bag:
                 else:
                     content = ros2_types().deserialize_cdr(data, ros_type)
             except Exception as error:  # whatever the bytes of a damaged message lead to
-                raise ValueError(f"{self.path}: {topic}, message {index}: cannot be read: {shortened(error)}") from None
+                raise ValueError(f"{self.path}: {topic}, message {index}: cannot be read: {_text_of(error)}") from None
             yield BagMessage(topic, ros_type, index, time_ns, content)
 
     def _stored(self) -> Iterator[Stored]:
@@ -99,19 +98,17 @@ class Bag:
         try:
             reader: Any = (Ros1Reader if self.is_ros1 else Ros2Reader)(self.path)
             reader.open()
-        except _NOT_DAMAGE:
-            raise
         except Exception as error:  # rosbags has no common class for the errors of its readers and of SQLite
+            _check_is_damage(error)
             yield from self._without_end(error)
             return
         try:
             for connection, time_ns, data in reader.messages():
                 count += 1
                 yield connection.topic, connection.msgtype, time_ns, bytes(data)
-        except _NOT_DAMAGE:
-            raise
         except Exception as error:
-            raise ValueError(f"{self.path}: cannot be read after {count} messages: {shortened(error)}") from None
+            _check_is_damage(error)
+            raise ValueError(f"{self.path}: cannot be read after {count} messages: {_text_of(error)}") from None
         finally:
             reader.close()
 
@@ -130,18 +127,28 @@ class Bag:
                 for message in messages:
                     count += 1
                     yield message
-            except _NOT_DAMAGE:
-                raise
             except Exception as damage:
-                raise ValueError(f"{self.path}: cannot be read after {count} messages: {shortened(damage)}") from None
+                _check_is_damage(damage)
+                raise ValueError(f"{self.path}: cannot be read after {count} messages: {_text_of(damage)}") from None
         if not count:
-            raise ValueError(f"{self.path}: cannot be read: {shortened(error)}")
-        self.notes.append(f"the bag has no end, so its {count} complete messages were read ({shortened(error)})")
+            raise ValueError(f"{self.path}: cannot be read: {_text_of(error)}")
+        self.notes.append(f"the bag has no end, so its {count} complete messages were read ({_text_of(error)})")
 
     @staticmethod
     def _mcap_messages(file: Path) -> Iterator[Stored]:
         with TemporaryDirectory() as folder:
             yield from mcap_messages(file, Path(folder) / "copy.mcap")
+
+
+def _check_is_damage(error: Exception) -> None:
+    """Raises an error of the operating system that names a file. A seek to a damaged position gives one that names none."""
+    if isinstance(error, OSError) and error.filename is not None:
+        raise error
+
+
+def _text_of(error: Exception) -> str:
+    """Returns what an error says. A damaged size leads to a MemoryError, which says nothing."""
+    return shortened(error) or type(error).__name__
 
 
 def _found(path: Path) -> Path:

@@ -90,6 +90,11 @@ def test_a_last_line_cut_anywhere_is_passed_over_or_whole(tmp_path: Path, line: 
             assert log.notes == ("line 4, the last one, is cut off and was passed over",)
 
 
+def test_a_log_whose_only_scan_is_cut_off_has_none(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"must have a scan \(FLASER, ROBOTLASER1, \.\.\.\), got none"):
+        read(tmp_path, FLASER[:20], end="")
+
+
 def test_a_short_line_before_the_last_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"some\.log, line 3: must have at least 5 words, got 3"):
         read(tmp_path, "FLASER 3 1.0", FLASER)

@@ -97,7 +97,10 @@ def test_npz_with_angle_min_integer_stamps_or_none(tmp_path: Path) -> None:
         ({"stamps": [1.0, math.nan]}, "stamps, index 1: a stamp must be finite"),
         ({"stamps": np.array([1, 2**63], np.uint64)}, "stamps must be below"),
         ({"max_range": -1.0}, "scans.npz: max_range must be"),
-        ({"poses": np.array([{}, {}], dtype=object)}, "scans.npz: Object arrays cannot be loaded"),
+        (
+            {"poses": np.array([{}, {}], dtype=object)},
+            "scans.npz: must be an archive of NumPy arrays: Object arrays cannot be loaded",
+        ),
     ],
 )
 def test_wrong_npz(tmp_path: Path, changes: dict[str, Any], message: str) -> None:
@@ -112,3 +115,15 @@ def test_a_cut_archive_is_an_error(tmp_path: Path) -> None:
         file.write_bytes(data[:length])
         with pytest.raises(ValueError, match=r"scans\.npz"):
             read_npz(file)
+
+
+def test_a_damaged_archive_is_an_error_or_read(tmp_path: Path) -> None:
+    """Flipped bytes lead to NotImplementedError, OSError and others in the libraries below."""
+    file = npz(tmp_path)
+    data = file.read_bytes()
+    for place in range(0, len(data), 3):
+        file.write_bytes(data[:place] + bytes([data[place] ^ 0x5A]) + data[place + 1 :])
+        try:
+            read_npz(file)
+        except ValueError as error:
+            assert str(file) in str(error)

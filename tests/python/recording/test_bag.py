@@ -67,6 +67,20 @@ def test_a_bag_cut_anywhere_is_read_or_refused(tmp_path: Path, format: Format) -
             assert notes or format == "sqlite3", (length, len(got))
 
 
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_bag_with_a_damaged_byte_is_read_or_refused(tmp_path: Path, format: Format) -> None:
+    """Damaged sizes lead to MemoryError and others in the libraries below."""
+    path = record(tmp_path, format, drive(4))
+    file = next(path.glob("recording.*")) if path.is_dir() else path
+    data = file.read_bytes()
+    for place in range(0, len(data), max(1, len(data) // 150)):
+        file.write_bytes(data[:place] + bytes([data[place] ^ 0x5A]) + data[place + 1 :])
+        try:
+            read(path)
+        except ValueError as error:
+            assert str(path) in str(error)
+
+
 def test_a_damaged_message_is_named(tmp_path: Path) -> None:
     path = record(tmp_path, "sqlite3", drive())
     import sqlite3
