@@ -109,7 +109,7 @@ impl LaserScanner {
     /// - [`Error::Number`]: an angle of the layout is not in its domain, `min_range` is negative, `max_range` is too large for
     ///   a float32, or a number is not finite.
     /// - [`Error::Ranges`]: `max_range` is not above `min_range`.
-    /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`].
+    /// - [`Error::Count`]: `beam_count` is 0 or more than [`MAX_BEAMS`](crate::MAX_BEAMS).
     pub fn new(options: ScannerOptions) -> Result<Self, Error> {
         let ScannerOptions { layout, beam_count, min_range, max_range, mount } = options;
         let beams = Beams::new(layout, beam_count)?;
