@@ -49,8 +49,8 @@ impl Default for BeamModelOptions {
 /// let options = BeamModelOptions { z_hit: 0.0, z_short: 0.0, z_max: 1.0, z_rand: 3.0, ..BeamModelOptions::default() };
 /// let model = BeamModel::new(options)?;
 /// assert_eq!(model.options().z_rand, 0.75);
-/// assert_eq!(model.likelihood(2.0, Some(5.0), 10.0), 0.075); // density: 0.75 / 10 m
-/// assert_eq!(model.likelihood(10.0, Some(5.0), 10.0), 0.25); // probability of max_range
+/// assert_eq!(model.likelihood(2.0, Some(5.0), (0.0, 10.0)), 0.075); // density: 0.75 / 10 m
+/// assert_eq!(model.likelihood(10.0, Some(5.0), (0.0, 10.0)), 0.25); // probability of max_range
 /// # Ok::<(), mobile_robot_simulator::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,16 +167,19 @@ impl BeamModel {
         (-libm::log1p(uniform * libm::expm1(-exponent)) / self.options.lambda_short).min(range)
     }
 
-    /// Returns the probability density \[1/m\] of a reading below `max_range`, or the probability of the reading
-    /// `max_range`.
+    /// Returns the probability density \[1/m\] of a reading, or its probability where readings have one.
     ///
-    /// `hit` is the true range `z*` \[m\], `None` for a beam without a return. With `z` for the reading:
+    /// This is the distribution that [`sample`](Self::sample) draws from, with its readings marked as in messages
+    /// ([`mark_invalid`](crate::LaserScanner::mark_invalid)). `hit` is the true range `z*` \[m\], `None` for a beam without a
+    /// return. With `z` for the reading:
     ///
     /// | reading | likelihood |
     /// |---|---|
-    /// | `0 <= z < max_range` | hit + short + random densities below |
-    /// | `z == max_range` | `z_max`, plus `z_hit` for a beam without a return |
-    /// | any other | 0 |
+    /// | `z >= max_range`, infinite too | probability of `max_range`: `z_max`, plus `z_hit` for a beam without a return |
+    /// | `z < min_range`, minus infinity too | probability of a reading below `min_range` |
+    /// | `z = z* = 0` with `z_short > 0` | `z_short`: short readings in front of the laser itself are all 0 |
+    /// | any other number | sum of the hit, short and random densities below |
+    /// | NaN | 1, so that it does not count in a product |
     ///
     /// ```text
     /// hit     z_hit · φ((z - z*) / σ) / σ / (Φ((max_range - z*) / σ) - Φ(-z* / σ))    no return: 0
@@ -184,22 +187,29 @@ impl BeamModel {
     /// random  z_rand / max_range
     /// ```
     ///
+    /// So the integral of the density from `min_range` to `max_range` and the probabilities together are 1.
+    ///
     /// Source: table 6.1 of the book, with both truncated parts normalised.
     #[must_use]
-    pub fn likelihood(&self, reading: f64, hit: Option<f64>, max_range: f64) -> f64 {
+    pub fn likelihood(&self, reading: f64, hit: Option<f64>, (min_range, max_range): (f64, f64)) -> f64 {
         let options = &self.options;
-        if reading == max_range {
+        if reading.is_nan() {
+            return 1.0;
+        }
+        if reading >= max_range {
             return options.z_max + if hit.is_none() { options.z_hit } else { 0.0 };
         }
-        if !(0.0..max_range).contains(&reading) {
-            return 0.0;
+        if reading < min_range.max(0.0) {
+            return self.mass_below(min_range, hit, max_range);
         }
         let range = hit.unwrap_or(max_range);
+        if range == 0.0 && reading == 0.0 && options.z_short > 0.0 {
+            return options.z_short;
+        }
         let mut density = options.z_rand / max_range;
         if let Some(range) = hit {
             let deviation = (reading - range) / options.sigma_hit;
-            let inside = normal::mass_around_mean(range / options.sigma_hit, (max_range - range) / options.sigma_hit);
-            density += options.z_hit * normal::density(deviation) / (options.sigma_hit * inside);
+            density += options.z_hit * normal::density(deviation) / (options.sigma_hit * self.hit_mass(range, max_range));
         }
         if reading <= range && range > 0.0 {
             let lambda = options.lambda_short;
@@ -208,28 +218,59 @@ impl BeamModel {
         density
     }
 
+    /// Returns the probability of a reading below `limit` \[m\], which is at most `max_range`.
+    fn mass_below(&self, limit: f64, hit: Option<f64>, max_range: f64) -> f64 {
+        if limit <= 0.0 {
+            return 0.0;
+        }
+        let options = &self.options;
+        let range = hit.unwrap_or(max_range);
+        let hit = hit.map_or(0.0, |range| {
+            let below = normal::mass_around_mean(range / options.sigma_hit, (limit - range) / options.sigma_hit);
+            below / self.hit_mass(range, max_range)
+        });
+        let exponent = options.lambda_short * range;
+        let share = (limit / range).min(1.0);
+        // The limit for λ·z* → 0 is that of the uniform distribution. All short readings of a true range of 0 are 0.
+        let short = if limit >= range {
+            1.0
+        } else if exponent < 1e-9 {
+            share
+        } else {
+            libm::expm1(-exponent * share) / libm::expm1(-exponent)
+        };
+        options.z_hit * hit + options.z_short * short + options.z_rand * (limit / max_range)
+    }
+
+    /// Returns the mass of the untruncated hit part in `[0, max_range]`.
+    fn hit_mass(&self, range: f64, max_range: f64) -> f64 {
+        normal::mass_around_mean(range / self.options.sigma_hit, (max_range - range) / self.options.sigma_hit)
+    }
+
     /// Returns the [`likelihood`](Self::likelihood) of each reading, given the true range at the same position in `ranges`.
     ///
     /// A true range of `max_range` or more means no return. If the lengths differ, the extra elements of the longer are
     /// ignored.
     ///
     /// # Errors
-    /// [`Error::Number`] if `max_range` is not positive and finite, or a true range is negative or NaN.
+    /// [`Error::Number`] if `max_range` is not positive and finite, `min_range` is negative or not below `max_range`, or a true
+    /// range is negative or NaN.
     pub fn likelihoods(
         &self,
         readings: impl IntoIterator<Item = f32>,
         ranges: impl IntoIterator<Item = f32>,
-        max_range: f64,
+        (min_range, max_range): (f64, f64),
     ) -> Result<Vec<f64>, Error> {
         check_number("max_range", max_range, "positive", |value| value > 0.0)?;
-        // Readings and ranges are float32, so the maximum range must be rounded the same way to compare equal.
-        let max = f64::from(max_range as f32);
+        check_number("min_range", min_range, "at least 0 and below max_range", |min| (0.0..max_range).contains(&min))?;
+        // Readings and ranges are float32, so the limits must be rounded the same way to compare equal.
+        let limits = (f64::from(min_range as f32), f64::from(max_range as f32));
         let each = |(reading, range): (f32, f32)| {
             let range = f64::from(range);
             if range.is_nan() || range < 0.0 {
                 return Err(Error::Number { name: "true_ranges", value: range, needed: "at least 0" });
             }
-            Ok(self.likelihood(reading.into(), (range < max).then_some(range), max))
+            Ok(self.likelihood(reading.into(), (range < limits.1).then_some(range), limits))
         };
         let pairs = readings.into_iter().zip(ranges);
         let mut likelihoods = memory::with_room("the likelihoods", pairs.size_hint().0)?;

@@ -117,3 +117,48 @@ fn readings_are_not_correlated() {
     }
     assert!(squares.abs() < 4.5 * 2f64.sqrt() / count, "{squares}");
 }
+
+/// The readings of each sample, marked as in a message, against the density and the probabilities.
+#[test]
+fn likelihoods_are_those_of_the_readings() {
+    const MIN_RANGE: f64 = 0.04;
+    for (name, options) in models() {
+        let model = BeamModel::new(options).expect("a good model");
+        for range in [0.0, 0.05, 5.0, 29.9, MAX_RANGE] {
+            let hit = (range < MAX_RANGE).then_some(range);
+            let readings = readings(options, range);
+            let count = readings.len() as f64;
+            for min_range in [0.0, MIN_RANGE] {
+                let limits = (min_range, MAX_RANGE);
+                let likelihood = |reading| model.likelihood(reading, hit, limits);
+                let share =
+                    |test: &dyn Fn(f64) -> bool| readings.iter().filter(|&&reading| test(reading)).count() as f64 / count;
+                let masses = [
+                    (likelihood(f64::INFINITY), share(&|reading| reading >= MAX_RANGE)),
+                    (likelihood(f64::NEG_INFINITY), share(&|reading| reading < min_range)),
+                ];
+                for (expected, found) in masses {
+                    assert!((expected - found).abs() < 2.5 / count.sqrt(), "{name} at {range}: {found}, not {expected}");
+                }
+                let at_zero = if range == 0.0 && min_range == 0.0 { options.z_short } else { 0.0 };
+                assert!(at_zero == 0.0 || likelihood(0.0) == at_zero);
+                // The density jumps at the true range, and is narrow around it.
+                let width = 12.0 * options.sigma_hit;
+                let mut edges =
+                    [min_range, range - width, range, range + width, MAX_RANGE].map(|edge| edge.clamp(min_range, MAX_RANGE));
+                edges.sort_by(f64::total_cmp);
+                let steps = 20_000;
+                let integral: f64 = edges
+                    .windows(2)
+                    .map(|edge| {
+                        let step = (edge[1] - edge[0]) / f64::from(steps);
+                        (0..steps).map(|index| likelihood(edge[0] + (f64::from(index) + 0.5) * step)).sum::<f64>() * step
+                    })
+                    .sum();
+                let total = integral + at_zero + masses.iter().map(|(mass, _)| mass).sum::<f64>();
+                assert!((total - 1.0).abs() < 1e-5, "{name} at {range} from {min_range}: the total is {total}");
+            }
+            assert_eq!(model.likelihood(f64::NAN, hit, (0.0, MAX_RANGE)), 1.0);
+        }
+    }
+}

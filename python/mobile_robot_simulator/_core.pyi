@@ -498,7 +498,9 @@ class BeamModel:
     @property
     def z_rand(self) -> float:
         """Weight of the random part, after scaling."""
-    def likelihood(self, readings: ArrayLike, true_ranges: ArrayLike, max_range: float) -> NDArray[np.float64]:
+    def likelihood(
+        self, readings: ArrayLike, true_ranges: ArrayLike, max_range: float, *, min_range: float = 0.0
+    ) -> NDArray[np.float64]:
         """Returns the likelihood of each reading, given the true range of its beam.
 
         Args:
@@ -506,13 +508,17 @@ class BeamModel:
             true_ranges: float32, true ranges [m]. A true range of `max_range` or more means that the beam hits nothing. The
                 shapes of both arrays are broadcast, as by NumPy.
             max_range: Maximum range of the scanner [m].
+            min_range: Smallest valid range of the scanner [m].
 
         Returns:
-            float64 of the broadcast shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
-                `max_range` a probability, and any other reading 0.
+            float64 of the broadcast shape. A reading of `max_range` and above, +inf too, has the probability of a beam
+                without a return; one below `min_range`, -inf too, that of such a reading. Any other has a probability density
+                [1/m], except that 0 has a probability if the true range is 0. NaN has 1, so that it does not count in a
+                product.
 
         Raises:
-            ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, or a true range is negative or NaN.
+            ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+                [0, max_range), or a true range is negative or NaN.
             TypeError: An array cannot be converted to float32 without loss.
 
         Examples:

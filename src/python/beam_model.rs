@@ -124,13 +124,17 @@ impl BeamModel {
     ///     true_ranges: float32, true ranges [m]. A true range of `max_range` or more means that the beam hits nothing. The
     ///         shapes of both arrays are broadcast, as by NumPy.
     ///     max_range: Maximum range of the scanner [m].
+    ///     min_range: Smallest valid range of the scanner [m].
     ///
     /// Returns:
-    ///     float64 of the broadcast shape. A reading in [0, max_range) has a probability density [1/m], a reading of exactly
-    ///         `max_range` a probability, and any other reading 0.
+    ///     float64 of the broadcast shape. A reading of `max_range` and above, +inf too, has the probability of a beam
+    ///         without a return; one below `min_range`, -inf too, that of such a reading. Any other has a probability density
+    ///         [1/m], except that 0 has a probability if the true range is 0. NaN has 1, so that it does not count in a
+    ///         product.
     ///
     /// Raises:
-    ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, or a true range is negative or NaN.
+    ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+    ///         [0, max_range), or a true range is negative or NaN.
     ///     TypeError: An array cannot be converted to float32 without loss.
     ///
     /// Examples:
@@ -141,18 +145,23 @@ impl BeamModel {
     ///     >>> model = BeamModel(z_hit=0.9, z_max=0.1)
     ///     >>> model.likelihood(np.array([30, 30], np.float32), np.array([5, 30], np.float32), max_range=30.0)
     ///     array([0.1, 1. ])
+    #[pyo3(
+        text_signature = "($self, readings, true_ranges, max_range, *, min_range=0.0)",
+        signature = (readings, true_ranges, max_range, *, min_range = 0.0.into())
+    )]
     fn likelihood<'py>(
         &self,
         py: Python<'py>,
         readings: &Bound<'py, PyAny>,
         true_ranges: &Bound<'py, PyAny>,
         max_range: Argument<f64>,
+        min_range: Argument<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let max_range = max_range.named("max_range")?;
+        let limits = (min_range.named("min_range")?, max_range.named("max_range")?);
         let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
         let [readings, ranges] = broadcast([("readings", readings), ("true_ranges", ranges)])?;
         let (readings, ranges) = (readings.as_array(), ranges.as_array());
-        let likelihoods = self.0.likelihoods(readings.iter().copied(), ranges.iter().copied(), max_range)?;
+        let likelihoods = self.0.likelihoods(readings.iter().copied(), ranges.iter().copied(), limits)?;
         Ok(vector(py, likelihoods).reshape(readings.shape().to_vec())?.into_any())
     }
 

@@ -210,12 +210,36 @@ def test_the_likelihood_of_a_beam_that_hits_nothing() -> None:
     noise = model(lambda_short=0.5, z_hit=0.5, z_short=0.2, z_max=0.1, z_rand=0.2)
     found = likelihood(noise, np.array([30.0, 1.0, 31.0, -0.5]), 30.0, 30.0)
     short = 0.5 * math.exp(-0.5) / -math.expm1(-15.0)
-    assert found == pytest.approx([0.6, 0.2 * short + 0.2 / 30.0, 0.0, 0.0])
+    assert found == pytest.approx([0.6, 0.2 * short + 0.2 / 30.0, 0.6, 0.0])
 
 
-@pytest.mark.parametrize("reading", [-1e-3, 30.001, math.inf, -math.inf])
-def test_impossible_readings_have_no_likelihood(reading: float) -> None:
+@pytest.mark.parametrize("reading", [-1e-3, -math.inf])
+def test_readings_below_0_have_no_likelihood(reading: float) -> None:
     assert likelihood(mrs.BeamModel(z_rand=0.1), np.array([reading]), 5.0, 30.0).tolist() == [0.0]
+
+
+def test_marked_readings_have_the_probability_of_what_they_mark() -> None:
+    noise = model(lambda_short=0.5, z_hit=0.5, z_short=0.2, z_max=0.1, z_rand=0.2)
+    marked = np.array([math.inf, 30.001, 30.0, -math.inf, 0.05, math.nan], np.float32)
+    found = noise.likelihood(marked, np.full_like(marked, 5.0), 30.0, min_range=0.1)
+    below = 0.2 * math.expm1(-0.05) / math.expm1(-2.5) + 0.2 * 0.1 / 30.0
+    assert found == pytest.approx([0.1, 0.1, 0.1, below, below, 1.0], rel=1e-6)
+    at_zero = noise.likelihood(np.zeros(1, np.float32), np.zeros(1, np.float32), 30.0)
+    assert at_zero.tolist() == [0.2]
+
+
+def test_a_scan_as_in_a_message_can_be_scored() -> None:
+    """One missing return used to make the likelihood of a whole scan 0."""
+    grid = mrs.floor_plan("office", seed=1)
+    poses = grid.draw_free_poses(50, radius=0.2, seed=1)
+    laser = mrs.LaserScanner(max_range=6.0, min_range=0.6)
+    noise = model(sigma_hit=0.05, lambda_short=1.0, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)
+    readings = laser.mark_invalid(laser.scan_batch(grid, poses, noise=noise, seed=1))
+    assert np.isposinf(readings).any() and np.isneginf(readings).any()
+    true = laser.scan_batch(grid, poses)
+    right = np.log(noise.likelihood(readings, true, 6.0, min_range=0.6)).sum(axis=1)
+    wrong = np.log(noise.likelihood(readings, np.roll(true, 1, axis=0), 6.0, min_range=0.6)).sum(axis=1)
+    assert np.isfinite(right).all() and (right > wrong).all()
 
 
 def test_readings_and_true_ranges_are_broadcast() -> None:
@@ -267,6 +291,8 @@ def test_extreme_parameters_have_readings(sigma: float, rate: float, true_range:
         ((np.zeros(3, np.float32), np.zeros(3), 30.0), TypeError, "true_ranges must have dtype float32, got float64"),
         ((np.zeros(3, np.float32), np.zeros(3, np.float32), 0.0), ValueError, "max_range must be positive"),
         ((np.zeros(3, np.float32), np.zeros(3, np.float32), math.nan), ValueError, "max_range must be positive"),
+        ((np.zeros(3, np.float32), np.zeros(3, np.float32), 5.0, 5.0), ValueError, "min_range must be at least 0"),
+        ((np.zeros(3, np.float32), np.zeros(3, np.float32), 5.0, -1.0), ValueError, "min_range must be at least 0"),
         ((0.5, 0.5, 30.0), TypeError, "readings must have dtype float32, got float64"),
         ((np.zeros(1, np.float32), np.full(1, math.nan, np.float32), 30.0), ValueError, "true_ranges must be"),
         ((np.zeros(1, np.float32), np.full(1, -1.0, np.float32), 30.0), ValueError, "true_ranges must be"),
@@ -274,7 +300,7 @@ def test_extreme_parameters_have_readings(sigma: float, rate: float, true_range:
 )
 def test_invalid_likelihoods_are_rejected(arguments: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error) as caught:
-        mrs.BeamModel().likelihood(*arguments)
+        mrs.BeamModel().likelihood(*arguments[:3], **({"min_range": arguments[3]} if arguments[3:] else {}))
     assert message in reference.message_of(caught.value)
 
 
