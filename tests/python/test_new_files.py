@@ -164,7 +164,7 @@ def test_a_write_protected_file_is_kept(tmp_path: Path, monkeypatch: pytest.Monk
 WRITES_ITSELF = {
     "new_files.py": "the owner",
     "recording/folder.py": "moves recordings to their place",
-    "recording/recovery.py": "writes in the folder of an unfinished recording",
+    "recording/complete_messages.py": "copies a bag without an end to a folder that its caller removes",
     "plotting/picture.py": "draws into memory",
 }
 
