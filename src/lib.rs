@@ -48,6 +48,7 @@
 //! - **Motion**: a twist is integrated exactly (the exponential map of SE(2)), not by Euler steps.
 
 mod batch;
+mod beam_fit;
 mod beam_model;
 mod beams;
 mod contact;
@@ -73,6 +74,7 @@ mod shape;
 mod slant;
 mod world;
 
+pub use beam_fit::BeamFit;
 pub use beam_model::{BeamModel, BeamModelOptions};
 pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ._core import (
+    BeamFit,
     BeamModel,
     Contact,
     LaserScanner,
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 __all__ = [
+    "BeamFit",
     "BeamModel",
     "Contact",
     "LaserScanner",

@@ -9,6 +9,7 @@ from typing_extensions import Never, Self
 
 __all__ = [
     "FULL_TURN_TOLERANCE",
+    "BeamFit",
     "BeamModel",
     "Contact",
     "LaserScanner",
@@ -439,6 +440,43 @@ class OccupancyGrid:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
+class BeamFit:
+    """The beam model of greatest likelihood for some readings, as returned by `BeamModel.fit`.
+
+    Examples:
+        >>> import numpy as np
+        >>> from mobile_robot_simulator import BeamModel
+        >>> readings = np.array([4.9, 5.0, 5.1, 8.0], np.float32)
+        >>> BeamModel.fit(np.full(4, 5.0, np.float32), readings, max_range=8.0).unidentified
+        ('sigma_hit', 'lambda_short')
+    """
+
+    @property
+    def model(self) -> BeamModel:
+        """The model."""
+    @property
+    def log_likelihood(self) -> float:
+        """Log-likelihood that the model reaches: the sum of the logarithms of densities [1/m] and probabilities."""
+    @property
+    def readings(self) -> int:
+        """Number of readings that were used."""
+    @property
+    def iterations(self) -> int:
+        """Number of iterations."""
+    @property
+    def has_converged(self) -> bool:
+        """False if the likelihood was still growing when the number of iterations reached its limit, 5000."""
+    @property
+    def standard_errors(self) -> dict[str, float | None]:
+        """Standard error of each parameter by its name. None for one that is at its limit or not identified."""
+    @property
+    def unidentified(self) -> tuple[str, ...]:
+        """Names of the parameters that the readings do not determine.
+
+        These are `sigma_hit` without hits, and `lambda_short` without short readings. The model has some value for them.
+        """
+
+@final
 class BeamModel:
     """Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
 
@@ -498,6 +536,39 @@ class BeamModel:
     @property
     def z_rand(self) -> float:
         """Weight of the random part, after scaling."""
+    @staticmethod
+    def fit(true_ranges: ArrayLike, readings: ArrayLike, max_range: float, *, min_range: float = 0.0) -> BeamFit:
+        """Returns the model of greatest likelihood for measured readings.
+
+        Expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
+        account. NaN is left out, and so are readings with a true range of 0.
+
+        Args:
+            true_ranges: float32 of any shape, true ranges [m]. A true range of `max_range` or more means that the beam hits
+                nothing. The shapes of both arrays are broadcast, as by NumPy.
+            readings: float32, measured ranges [m]. Readings of `max_range` and above, +inf too, are beams without a return.
+            max_range: Maximum range of the scanner [m].
+            min_range: Smallest valid range of the scanner [m]. Readings below it, -inf too, count as any reading from 0 to
+                `min_range`. If it is 0, they are left out.
+
+        Returns:
+            The model with its log-likelihood, and the standard error of each parameter.
+
+        Raises:
+            ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+                [0, max_range), a true range is negative or NaN, or no reading can be used.
+            TypeError: An array cannot be converted to float32 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.floor_plan("office", seed=1)
+            >>> poses = grid.draw_free_poses(100, radius=0.3, seed=1)
+            >>> laser, noise = mrs.LaserScanner(), mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1, z_max=0.0)
+            >>> readings = laser.scan_batch(grid, poses, noise=noise, seed=1)
+            >>> fit = mrs.BeamModel.fit(laser.scan_batch(grid, poses), readings, max_range=30.0)
+            >>> round(fit.model.sigma_hit, 2), round(fit.model.z_rand, 2), fit.unidentified
+            (0.05, 0.1, ('lambda_short',))
+        """
     def likelihood(
         self, readings: ArrayLike, true_ranges: ArrayLike, max_range: float, *, min_range: float = 0.0
     ) -> NDArray[np.float64]:

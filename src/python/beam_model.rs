@@ -1,14 +1,15 @@
 //! The Python class `BeamModel`.
 
-use numpy::PyArrayMethods;
+use numpy::{PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{broadcast, type_name, typed, vector};
+use super::beam_fit::BeamFit;
 use super::number::Argument;
 use super::{Recipe, recipe};
-use crate::BeamModelOptions;
+use crate::{BeamModelOptions, memory};
 
 /// Noise of a range finder: the beam model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 6.1.
 ///
@@ -163,6 +164,58 @@ impl BeamModel {
         let (readings, ranges) = (readings.as_array(), ranges.as_array());
         let likelihoods = self.0.likelihoods(readings.iter().copied(), ranges.iter().copied(), limits)?;
         Ok(vector(py, likelihoods).reshape(readings.shape().to_vec())?.into_any())
+    }
+
+    /// Returns the model of greatest likelihood for measured readings.
+    ///
+    /// Expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
+    /// account. NaN is left out, and so are readings with a true range of 0.
+    ///
+    /// Args:
+    ///     true_ranges: float32 of any shape, true ranges [m]. A true range of `max_range` or more means that the beam hits
+    ///         nothing. The shapes of both arrays are broadcast, as by NumPy.
+    ///     readings: float32, measured ranges [m]. Readings of `max_range` and above, +inf too, are beams without a return.
+    ///     max_range: Maximum range of the scanner [m].
+    ///     min_range: Smallest valid range of the scanner [m]. Readings below it, -inf too, count as any reading from 0 to
+    ///         `min_range`. If it is 0, they are left out.
+    ///
+    /// Returns:
+    ///     The model with its log-likelihood, and the standard error of each parameter.
+    ///
+    /// Raises:
+    ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+    ///         [0, max_range), a true range is negative or NaN, or no reading can be used.
+    ///     TypeError: An array cannot be converted to float32 without loss.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.floor_plan("office", seed=1)
+    ///     >>> poses = grid.draw_free_poses(100, radius=0.3, seed=1)
+    ///     >>> laser, noise = mrs.LaserScanner(), mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1, z_max=0.0)
+    ///     >>> readings = laser.scan_batch(grid, poses, noise=noise, seed=1)
+    ///     >>> fit = mrs.BeamModel.fit(laser.scan_batch(grid, poses), readings, max_range=30.0)
+    ///     >>> round(fit.model.sigma_hit, 2), round(fit.model.z_rand, 2), fit.unidentified
+    ///     (0.05, 0.1, ('lambda_short',))
+    #[staticmethod]
+    #[pyo3(
+        text_signature = "(true_ranges, readings, max_range, *, min_range=0.0)",
+        signature = (true_ranges, readings, max_range, *, min_range = 0.0.into())
+    )]
+    fn fit(
+        py: Python<'_>,
+        true_ranges: &Bound<'_, PyAny>,
+        readings: &Bound<'_, PyAny>,
+        max_range: Argument<f64>,
+        min_range: Argument<f64>,
+    ) -> PyResult<BeamFit> {
+        let limits = (min_range.named("min_range")?, max_range.named("max_range")?);
+        let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
+        let [readings, ranges] = broadcast([("readings", readings), ("true_ranges", ranges)])?;
+        // Copied, because other Python threads may change the arrays during the fit.
+        let copied =
+            |array: &PyReadonlyArrayDyn<'_, f32>| memory::collected("the readings", array.as_array().iter().copied());
+        let (readings, ranges) = (copied(&readings)?, copied(&ranges)?);
+        Ok(BeamFit(py.detach(|| crate::BeamModel::fit(readings, ranges, limits))?))
     }
 
     fn __repr__(&self) -> String {

@@ -6,6 +6,7 @@
 #![allow(clippy::needless_pass_by_value, clippy::unused_self, reason = "PyO3 needs these signatures")]
 
 mod arrays;
+mod beam_fit;
 mod beam_model;
 mod contact;
 mod grid;
@@ -77,6 +78,8 @@ fn recipe<'py, T: PyTypeInfo>(
 mod _core {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use super::beam_fit::BeamFit;
     #[pymodule_export]
     use super::beam_model::BeamModel;
     #[pymodule_export]

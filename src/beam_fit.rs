@@ -1,0 +1,405 @@
+//! Fits of the beam model to measured readings, by expectation maximization.
+
+use crate::beam_model::{BeamModel, BeamModelOptions};
+use crate::error::{Error, check_number};
+use crate::interrupt::Watch;
+use crate::memory;
+use crate::numeric::normal;
+
+/// Names of the parameters of a model, in the order of [`BeamFit::standard_errors`].
+pub(crate) const PARAMETERS: [&str; 6] = ["sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand"];
+
+/// The model of greatest likelihood for some readings; see [`BeamModel::fit`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamFit {
+    /// The model.
+    pub model: BeamModel,
+    /// Log-likelihood that the model reaches: the sum of the logarithms of densities \[1/m\] and probabilities.
+    pub log_likelihood: f64,
+    /// Number of readings that were used.
+    pub readings: usize,
+    /// Number of iterations.
+    pub iterations: usize,
+    /// False if the likelihood was still growing after 5000 iterations.
+    pub has_converged: bool,
+    /// Standard errors of σ, λ, `z_hit`, `z_short`, `z_max` and `z_rand`. NaN for one that is at its limit or not identified.
+    pub standard_errors: [f64; 6],
+    /// Names of the parameters that the readings do not determine: σ without hits, λ without short readings.
+    pub unidentified: Vec<&'static str>,
+}
+
+/// Largest number of iterations.
+const MAX_ITERATIONS: usize = 5000;
+
+/// Gain in log-likelihood of one iteration at which a fit ends. A gain of 0.5 is one standard error.
+const SMALLEST_GAIN: f64 = 1e-7;
+
+/// Number of readings that a part needs, so that its parameter counts as determined.
+const FEWEST: f64 = 10.0;
+
+/// Limits of σ, relative to the maximum range, and of λ, relative to its inverse.
+const SMALLEST: f64 = 1e-6;
+
+/// See [`SMALLEST`].
+const LARGEST: f64 = 1e6;
+
+/// A reading below the maximum range.
+#[derive(Debug, Clone, Copy)]
+struct Reading {
+    /// The reading; `None` if all that is known is that it is below the minimum range.
+    value: Option<f64>,
+    /// True range; the maximum range if there is no return.
+    range: f64,
+    is_hit: bool,
+}
+
+/// The readings of a fit.
+struct Data {
+    min_range: f64,
+    max_range: f64,
+    below_max: Vec<Reading>,
+    /// Number of readings of the maximum range, of beams that hit something.
+    max_of_hits: f64,
+    /// Number of readings of the maximum range, of beams without a return.
+    max_of_no_returns: f64,
+}
+
+/// Densities \[1/m\] of the parts for a reading, without their weights; probabilities for a reading below the minimum range.
+struct Densities {
+    hit: f64,
+    short: f64,
+    random: f64,
+    /// Derivative of the logarithm of `hit` by σ, and of `short` by λ.
+    slopes: (f64, f64),
+    /// How much the truncation of the hit part narrows it: 0 far from both ends.
+    narrowed: f64,
+    /// Square of the distance from the true range, and the reading itself, with the distance by which the truncation of the
+    /// short part shortens it \[m\]. Means, if the reading is not known.
+    square: f64,
+    length: f64,
+}
+
+/// Sums over all readings, weighted by the probability that a reading is of a part.
+#[derive(Default)]
+struct Sums {
+    hit: f64,
+    short: f64,
+    max: f64,
+    random: f64,
+    /// Hits below the maximum range.
+    measured: f64,
+    squares: f64,
+    freedom: f64,
+    lengths: f64,
+    log_likelihood: f64,
+}
+
+impl BeamModel {
+    /// Returns the model of greatest likelihood for readings, given the true range at the same position in `ranges`.
+    ///
+    /// A reading of `max_range` or more, infinite too, and a true range of `max_range` or more mean no return. A reading below
+    /// `min_range`, minus infinity too, counts as any reading from 0 to `min_range`. Readings that are NaN are left out, and so
+    /// are those below 0 if `min_range` is 0, and those with a true range of 0. If the lengths differ, the extra elements of the
+    /// longer are ignored.
+    ///
+    /// Source: the algorithm of table 6.2 of the book (expectation maximization), with the truncation of the hit and the short
+    /// part taken into account: their parameters satisfy `σ² = Σ w·(z - z*)² / Σ w·(1 - k)` and
+    /// `λ = Σ w / Σ w·(z + z* / (exp(λz*) - 1))`, where `w` is the probability that a reading is of the part, and
+    /// `k = (a·φ(a) + b·φ(b)) / (Φ(b) - Φ(-a))` with `a = z* / σ` and `b = (max_range - z*) / σ`. The standard errors are those
+    /// of the observed information, the sum of the outer products of the scores.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
+    ///
+    /// let options = BeamModelOptions { sigma_hit: 0.1, z_hit: 0.8, z_rand: 0.2, z_max: 0.0, ..BeamModelOptions::default() };
+    /// let mut readings = [0.0; 10_000];
+    /// BeamModel::new(options)?.sample(&[5.0; 10_000], 30.0, (1, 0), &mut readings);
+    /// let fit = BeamModel::fit(readings.map(|reading| reading as f32), [5.0; 10_000], (0.0, 30.0))?;
+    /// assert!((fit.model.options().sigma_hit - 0.1).abs() < 0.005);
+    /// assert_eq!(fit.unidentified, ["lambda_short"]);
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// - [`Error::Number`]: `max_range` is not positive and finite, `min_range` is negative or not below `max_range`, or a true
+    ///   range is negative or NaN.
+    /// - [`Error::Count`]: no reading can be used.
+    /// - [`Error::Memory`]: there is not enough memory.
+    /// - [`Error::Interrupted`]: the call was interrupted.
+    pub fn fit(
+        readings: impl IntoIterator<Item = f32>,
+        ranges: impl IntoIterator<Item = f32>,
+        limits: (f64, f64),
+    ) -> Result<BeamFit, Error> {
+        let data = Data::new(readings, ranges, limits)?;
+        let watch = Watch::new();
+        // Two starts, because readings far from the true range make the first σ too large.
+        let spread = data.spread();
+        let wide = data.climb(data.start(spread), &watch)?;
+        let narrow = data.climb(data.start(0.1 * spread), &watch)?;
+        let is_narrow = narrow.1.log_likelihood > wide.1.log_likelihood;
+        let (options, sums, iterations) = if is_narrow { narrow } else { wide };
+        let mut unidentified = Vec::new();
+        if sums.measured < FEWEST {
+            unidentified.push(PARAMETERS[0]);
+        }
+        if sums.short < FEWEST {
+            unidentified.push(PARAMETERS[1]);
+        }
+        Ok(BeamFit {
+            model: BeamModel::new(options)?,
+            log_likelihood: sums.log_likelihood,
+            readings: data.count() as usize,
+            iterations,
+            has_converged: iterations < MAX_ITERATIONS,
+            standard_errors: data.standard_errors(&options, &unidentified),
+            unidentified,
+        })
+    }
+}
+
+impl Data {
+    fn new(
+        readings: impl IntoIterator<Item = f32>,
+        ranges: impl IntoIterator<Item = f32>,
+        (min_range, max_range): (f64, f64),
+    ) -> Result<Self, Error> {
+        check_number("max_range", max_range, "positive", |value| value > 0.0)?;
+        check_number("min_range", min_range, "at least 0 and below max_range", |min| (0.0..max_range).contains(&min))?;
+        // Readings and ranges are float32, so the limits must be rounded the same way to compare equal.
+        let (min_range, max_range) = (f64::from(min_range as f32), f64::from(max_range as f32));
+        let mut data = Self { min_range, max_range, below_max: Vec::new(), max_of_hits: 0.0, max_of_no_returns: 0.0 };
+        for (reading, range) in readings.into_iter().zip(ranges) {
+            let (reading, range) = (f64::from(reading), f64::from(range));
+            if range.is_nan() || range < 0.0 {
+                return Err(Error::Number { name: "true_ranges", value: range, needed: "at least 0" });
+            }
+            let is_hit = range < max_range;
+            if range == 0.0 || reading.is_nan() || (reading < 0.0 && min_range == 0.0) {
+                continue;
+            }
+            if reading < max_range {
+                let value = (reading >= min_range).then_some(reading);
+                let reading = Reading { value, range: range.min(max_range), is_hit };
+                memory::push("the readings", &mut data.below_max, reading)?;
+            } else if is_hit {
+                data.max_of_hits += 1.0;
+            } else {
+                data.max_of_no_returns += 1.0;
+            }
+        }
+        if data.count() == 0.0 {
+            return Err(Error::Count { name: "the number of readings to fit", value: 0, needed: "at least 1" });
+        }
+        Ok(data)
+    }
+
+    fn count(&self) -> f64 {
+        self.below_max.len() as f64 + self.max_of_hits + self.max_of_no_returns
+    }
+
+    /// Returns the spread of the readings around their true ranges: 1.48 times the median distance.
+    fn spread(&self) -> f64 {
+        let distance = |each: &Reading| each.value.filter(|_| each.is_hit).map(|reading| (reading - each.range).abs());
+        let mut distances: Vec<f64> = self.below_max.iter().filter_map(distance).collect();
+        distances.sort_by(f64::total_cmp);
+        let median = distances.get(distances.len() / 2).copied().unwrap_or(BeamModelOptions::default().sigma_hit);
+        self.sigma_within_limits(1.4826 * median)
+    }
+
+    fn sigma_within_limits(&self, sigma: f64) -> f64 {
+        sigma.clamp(SMALLEST * self.max_range, LARGEST * self.max_range)
+    }
+
+    fn start(&self, sigma_hit: f64) -> BeamModelOptions {
+        let sigma_hit = self.sigma_within_limits(sigma_hit);
+        let lambda_short = 3.0 / self.max_range;
+        BeamModelOptions { sigma_hit, lambda_short, z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1 }
+    }
+
+    /// Improves parameters until the likelihood hardly grows. Returns them, their sums, and the number of iterations.
+    fn climb(&self, mut options: BeamModelOptions, watch: &Watch) -> Result<(BeamModelOptions, Sums, usize), Error> {
+        let mut sums = self.sums(&options);
+        for iteration in 1..=MAX_ITERATIONS {
+            watch.check()?;
+            let next = self.improved(&options, &sums);
+            let next_sums = self.sums(&next);
+            let gain = next_sums.log_likelihood - sums.log_likelihood;
+            (options, sums) = (next, next_sums);
+            if gain < SMALLEST_GAIN {
+                return Ok((options, sums, iteration));
+            }
+        }
+        Ok((options, sums, MAX_ITERATIONS))
+    }
+
+    /// Returns the parameters of greatest likelihood if each reading is of the parts that `sums` says.
+    fn improved(&self, options: &BeamModelOptions, sums: &Sums) -> BeamModelOptions {
+        let count = self.count();
+        let sigma = (sums.squares / sums.freedom).sqrt();
+        let lambda = sums.short / sums.lengths;
+        let limit = |lambda: f64| lambda.clamp(SMALLEST / self.max_range, LARGEST / self.max_range);
+        BeamModelOptions {
+            sigma_hit: if sigma.is_finite() { self.sigma_within_limits(sigma) } else { options.sigma_hit },
+            lambda_short: if lambda.is_finite() { limit(lambda) } else { options.lambda_short },
+            z_hit: sums.hit / count,
+            z_short: sums.short / count,
+            z_max: sums.max / count,
+            z_rand: sums.random / count,
+        }
+    }
+
+    fn sums(&self, options: &BeamModelOptions) -> Sums {
+        let mut sums = Sums::default();
+        for each in &self.below_max {
+            let densities = self.densities(options, each);
+            let (hit, short) = (options.z_hit * densities.hit, options.z_short * densities.short);
+            let random = options.z_rand * densities.random;
+            let density = (hit + short + random).max(f64::MIN_POSITIVE);
+            let (hit, short, random) = (hit / density, short / density, random / density);
+            sums.hit += hit;
+            sums.short += short;
+            sums.random += random;
+            sums.squares += hit * densities.square;
+            sums.freedom += hit * (1.0 - densities.narrowed);
+            sums.lengths += short * densities.length;
+            sums.log_likelihood += libm::log(density);
+        }
+        sums.measured = sums.hit;
+        // Readings of the maximum range: failures, or the hit part of beams without a return.
+        let no_return = options.z_hit + options.z_max;
+        let failures = if no_return > 0.0 { options.z_max / no_return } else { 0.0 };
+        sums.hit += self.max_of_no_returns * (1.0 - failures);
+        sums.max += self.max_of_hits + self.max_of_no_returns * failures;
+        for (count, mass) in [(self.max_of_hits, options.z_max), (self.max_of_no_returns, no_return)] {
+            if count > 0.0 {
+                sums.log_likelihood += count * libm::log(mass.max(f64::MIN_POSITIVE));
+            }
+        }
+        sums
+    }
+
+    fn densities(&self, options: &BeamModelOptions, each: &Reading) -> Densities {
+        let BeamModelOptions { sigma_hit: sigma, lambda_short: lambda, .. } = *options;
+        let Reading { value: reading, range, is_hit } = *each;
+        let random = if reading.is_some() { 1.0 } else { self.min_range } / self.max_range;
+        let mut densities =
+            Densities { hit: 0.0, short: 0.0, random, slopes: (0.0, 0.0), narrowed: 0.0, square: 0.0, length: 0.0 };
+        if is_hit {
+            let (below, above) = (range / sigma, (self.max_range - range) / sigma);
+            let mut mass = 1.0;
+            if below.min(above) < 9.0 {
+                mass = normal::mass_around_mean(below, above);
+                densities.narrowed = (below * normal::density(below) + above * normal::density(above)) / mass;
+            }
+            let square = if let Some(reading) = reading {
+                let deviation = (reading - range) / sigma;
+                densities.hit = normal::density(deviation) / (sigma * mass);
+                deviation * deviation
+            } else {
+                // The mean of the square of a normal number between -below and end.
+                let end = (self.min_range - range) / sigma;
+                let inside = normal::mass_around_mean(below, end).max(f64::MIN_POSITIVE);
+                densities.hit = inside / mass;
+                1.0 - (below * normal::density(below) + end * normal::density(end)) / inside
+            };
+            densities.square = square * sigma * sigma;
+            densities.slopes.0 = (square - 1.0 + densities.narrowed) / sigma;
+        }
+        if reading.is_none_or(|reading| reading <= range) {
+            // Mean of the distance that the truncation of an exponential distribution to a length cuts off.
+            let cut = |length: f64| {
+                let grown = libm::expm1(lambda * length);
+                if grown.is_finite() { length / grown } else { 0.0 }
+            };
+            let mean = if let Some(reading) = reading {
+                densities.short = lambda * libm::exp(-lambda * reading) / -libm::expm1(-lambda * range);
+                reading
+            } else {
+                let length = self.min_range.min(range);
+                densities.short = libm::expm1(-lambda * length) / libm::expm1(-lambda * range);
+                1.0 / lambda - cut(length)
+            };
+            densities.length = mean + cut(range);
+            densities.slopes.1 = 1.0 / lambda - densities.length;
+        }
+        densities
+    }
+
+    /// Returns the standard errors in the order of [`PARAMETERS`].
+    fn standard_errors(&self, options: &BeamModelOptions, unidentified: &[&str]) -> [f64; 6] {
+        // z_rand follows from the other weights, so there are five free parameters.
+        let weights = [options.z_hit, options.z_short, options.z_max];
+        let is_free = |index: usize| match index {
+            0 | 1 => !unidentified.contains(&PARAMETERS[index]),
+            _ => weights[index - 2] > 1e-9,
+        };
+        let free: Vec<usize> = (0..5).filter(|&index| is_free(index)).collect();
+        let mut information = [[0.0; 5]; 5];
+        let mut add = |scores: [f64; 5], count: f64| {
+            for (row, &one) in free.iter().enumerate() {
+                for (col, &other) in free.iter().enumerate() {
+                    information[row][col] += count * scores[one] * scores[other];
+                }
+            }
+        };
+        for each in &self.below_max {
+            let Densities { hit, short, random, slopes, .. } = self.densities(options, each);
+            let density = (options.z_hit * hit + options.z_short * short + options.z_rand * random).max(f64::MIN_POSITIVE);
+            let by_sigma = options.z_hit * hit * slopes.0;
+            let by_lambda = options.z_short * short * slopes.1;
+            add([by_sigma, by_lambda, hit - random, short - random, -random].map(|slope| slope / density), 1.0);
+        }
+        let no_return = options.z_hit + options.z_max;
+        if self.max_of_hits > 0.0 {
+            add([0.0, 0.0, 0.0, 0.0, 1.0 / options.z_max], self.max_of_hits);
+        }
+        if self.max_of_no_returns > 0.0 {
+            add([0.0, 0.0, 1.0 / no_return, 0.0, 1.0 / no_return], self.max_of_no_returns);
+        }
+        let mut errors = [f64::NAN; 6];
+        let Some(covariance) = inverse(information, free.len()) else { return errors };
+        let mut of_random = 0.0;
+        for (row, &one) in free.iter().enumerate() {
+            errors[one] = covariance[row][row].sqrt();
+            of_random += free
+                .iter()
+                .enumerate()
+                .filter(|_| one >= 2)
+                .filter(|(_, other)| **other >= 2)
+                .map(|(col, _)| covariance[row][col])
+                .sum::<f64>();
+        }
+        if options.z_rand > 1e-9 {
+            errors[5] = of_random.sqrt();
+        }
+        errors
+    }
+}
+
+/// Returns the inverse of the upper left part of a symmetric matrix; `None` if it is singular.
+fn inverse(mut matrix: [[f64; 5]; 5], size: usize) -> Option<[[f64; 5]; 5]> {
+    let mut inverse = [[0.0; 5]; 5];
+    for (index, row) in inverse.iter_mut().enumerate() {
+        row[index] = 1.0;
+    }
+    // Gauss and Jordan's elimination. The matrix has no negative eigenvalues, so the diagonal is a good choice of pivots.
+    for pivot in 0..size {
+        let scale = matrix[pivot][pivot];
+        if !(scale > 0.0 && scale.is_finite()) {
+            return None;
+        }
+        for col in 0..size {
+            matrix[pivot][col] /= scale;
+            inverse[pivot][col] /= scale;
+        }
+        for row in (0..size).filter(|&row| row != pivot) {
+            let factor = matrix[row][pivot];
+            for col in 0..size {
+                matrix[row][col] -= factor * matrix[pivot][col];
+                inverse[row][col] -= factor * inverse[pivot][col];
+            }
+        }
+    }
+    Some(inverse)
+}
