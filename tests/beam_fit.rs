@@ -81,6 +81,16 @@ fn standard_errors_are_those_of_many_fits() {
     }
 }
 
+/// A wide hit part loses much of its mass at 0 and at the maximum range. Without that loss, σ would be too small.
+#[test]
+fn the_truncation_of_hits_counts() {
+    let options = BeamModelOptions { sigma_hit: 6.0, z_hit: 0.9, z_max: 0.1, ..BeamModelOptions::default() };
+    let (readings, ranges) = data(options, 100_000, 4);
+    let fit = BeamModel::fit(readings, ranges, (0.0, MAX_RANGE)).expect("a fit");
+    let (found, error) = (fit.model.options().sigma_hit, fit.standard_errors[0]);
+    assert!((found - 6.0).abs() < 4.0 * error && error < 0.06, "{found}, standard error {error}");
+}
+
 /// Readings below a minimum range are known to be there, and not which they are.
 #[test]
 fn marks_of_readings_below_the_minimum_range_count() {
