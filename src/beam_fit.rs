@@ -17,7 +17,7 @@ pub struct BeamFit {
     /// Log-likelihood that the model reaches: the sum of the logarithms of densities \[1/m\] and probabilities.
     pub log_likelihood: f64,
     /// Number of readings that were used.
-    pub readings: usize,
+    pub count: usize,
     /// Number of iterations.
     pub iterations: usize,
     /// False if the likelihood was still growing after 5000 iterations.
@@ -149,7 +149,7 @@ impl BeamModel {
         Ok(BeamFit {
             model: BeamModel::new(options)?,
             log_likelihood: sums.log_likelihood,
-            readings: data.count() as usize,
+            count: data.count() as usize,
             iterations,
             has_converged: iterations < MAX_ITERATIONS,
             standard_errors: data.standard_errors(&options, &unidentified),

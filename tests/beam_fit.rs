@@ -48,7 +48,7 @@ fn models() -> Vec<BeamModelOptions> {
 fn all_parameters_are_found_within_two_percent() {
     for options in models() {
         let fit = fit(options, 100_000, 2);
-        assert!(fit.has_converged && fit.unidentified.is_empty() && fit.readings == 100_000);
+        assert!(fit.has_converged && fit.unidentified.is_empty() && fit.count == 100_000);
         let found = parameters(fit.model.options());
         for ((found, expected), error) in found.iter().zip(parameters(options)).zip(fit.standard_errors) {
             assert!(
@@ -100,7 +100,7 @@ fn marks_of_readings_below_the_minimum_range_count() {
         let marked = readings.iter().map(|&reading| if reading < MIN_RANGE { f32::NEG_INFINITY } else { reading });
         let limits = (f64::from(MIN_RANGE), MAX_RANGE);
         let fit = BeamModel::fit(marked.clone(), ranges.iter().copied(), limits).expect("a fit");
-        assert_eq!(fit.readings, 100_000);
+        assert_eq!(fit.count, 100_000);
         let found = parameters(fit.model.options());
         for ((found, expected), error) in found.iter().zip(parameters(options)).zip(fit.standard_errors) {
             assert!((found - expected).abs() < 4.0 * error, "{found} instead of {expected}, standard error {error}");
@@ -165,7 +165,7 @@ fn what_the_readings_do_not_determine_is_named() {
 fn readings_that_say_nothing_are_left_out_and_others_are_checked() {
     let readings = [f32::NAN, f32::NEG_INFINITY, -1.0, 4.0, 5.0, f32::INFINITY, 31.0];
     let fit = BeamModel::fit(readings, [5.0, 5.0, 5.0, 0.0, 5.0, 5.0, 5.0], (0.0, MAX_RANGE)).expect("a fit");
-    assert_eq!(fit.readings, 3);
+    assert_eq!(fit.count, 3);
     assert!((fit.model.options().z_max - 2.0 / 3.0).abs() < 1e-6);
     let error = |readings: &[f32], ranges: &[f32], max_range: f64| {
         BeamModel::fit(readings.iter().copied(), ranges.iter().copied(), (0.0, max_range)).unwrap_err().to_string()

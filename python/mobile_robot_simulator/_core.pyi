@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any, Literal, TypeAlias, final
 
@@ -443,6 +443,19 @@ class OccupancyGrid:
 class BeamFit:
     """The beam model of greatest likelihood for some readings, as returned by `BeamModel.fit`.
 
+    Args:
+        model: The model.
+        log_likelihood: Log-likelihood that the model reaches.
+        count: Number of readings that were used.
+        iterations: Number of iterations.
+        has_converged: False if the likelihood was still growing at the end.
+        standard_errors: Standard error of each parameter by its name. None for one that is at its limit or not identified.
+        unidentified: Names of the parameters that the readings do not determine.
+
+    Raises:
+        ValueError: A number is negative or not finite, or a name is not one of a parameter.
+        TypeError: An argument has the wrong type.
+
     Examples:
         >>> import numpy as np
         >>> from mobile_robot_simulator import BeamModel
@@ -451,6 +464,17 @@ class BeamFit:
         ('sigma_hit', 'lambda_short')
     """
 
+    def __new__(
+        cls,
+        *,
+        model: BeamModel,
+        log_likelihood: float,
+        count: int,
+        iterations: int,
+        has_converged: bool,
+        standard_errors: Mapping[str, float | None],
+        unidentified: Sequence[str],
+    ) -> Self: ...
     @property
     def model(self) -> BeamModel:
         """The model."""
@@ -458,7 +482,7 @@ class BeamFit:
     def log_likelihood(self) -> float:
         """Log-likelihood that the model reaches: the sum of the logarithms of densities [1/m] and probabilities."""
     @property
-    def readings(self) -> int:
+    def count(self) -> int:
         """Number of readings that were used."""
     @property
     def iterations(self) -> int:

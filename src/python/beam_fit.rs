@@ -1,12 +1,28 @@
 //! The Python class `BeamFit`.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::beam_model::BeamModel;
+use super::number::Argument;
+use super::{Recipe, recipe, whole_number};
 use crate::beam_fit::PARAMETERS;
 
 /// The beam model of greatest likelihood for some readings, as returned by `BeamModel.fit`.
+///
+/// Args:
+///     model: The model.
+///     log_likelihood: Log-likelihood that the model reaches.
+///     count: Number of readings that were used.
+///     iterations: Number of iterations.
+///     has_converged: False if the likelihood was still growing at the end.
+///     standard_errors: Standard error of each parameter by its name. None for one that is at its limit or not identified.
+///     unidentified: Names of the parameters that the readings do not determine.
+///
+/// Raises:
+///     ValueError: A number is negative or not finite, or a name is not one of a parameter.
+///     TypeError: An argument has the wrong type.
 ///
 /// Examples:
 ///     >>> import numpy as np
@@ -19,6 +35,44 @@ pub struct BeamFit(pub crate::BeamFit);
 
 #[pymethods]
 impl BeamFit {
+    #[new]
+    #[pyo3(signature = (*, model, log_likelihood, count, iterations, has_converged, standard_errors, unidentified))]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn new(
+        model: BeamModel,
+        log_likelihood: Argument<f64>,
+        count: &Bound<'_, PyAny>,
+        iterations: &Bound<'_, PyAny>,
+        has_converged: bool,
+        standard_errors: &Bound<'_, PyDict>,
+        unidentified: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let mut errors = [f64::NAN; 6];
+        for (name, error) in PARAMETERS.into_iter().zip(&mut errors) {
+            let given = standard_errors.get_item(name)?.filter(|given| !given.is_none());
+            if let Some(given) = given {
+                *error = given.extract::<Argument<f64>>()?.named(name)?;
+            }
+        }
+        // Not extracted as a vector, which would trust a length that the object only claims to have.
+        let mut names = Vec::new();
+        for given in unidentified.try_iter()? {
+            let given: String = given?.extract()?;
+            let name = PARAMETERS.into_iter().find(|name| *name == given && !names.contains(name));
+            let text = || format!("unidentified must be different names of parameters, got '{given:.40}'");
+            names.push(name.ok_or_else(|| PyValueError::new_err(text()))?);
+        }
+        Ok(Self(crate::BeamFit {
+            model: model.0,
+            log_likelihood: log_likelihood.named("log_likelihood")?,
+            count: whole_number("count", count, "at least 0")?,
+            iterations: whole_number("iterations", iterations, "at least 0")?,
+            has_converged,
+            standard_errors: errors,
+            unidentified: names,
+        }))
+    }
+
     /// The model.
     #[getter]
     fn model(&self) -> BeamModel {
@@ -33,8 +87,8 @@ impl BeamFit {
 
     /// Number of readings that were used.
     #[getter]
-    fn readings(&self) -> usize {
-        self.0.readings
+    fn count(&self) -> usize {
+        self.0.count
     }
 
     /// Number of iterations.
@@ -69,8 +123,20 @@ impl BeamFit {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let model = self.model().into_pyobject(py)?.repr()?;
-        let crate::BeamFit { readings, log_likelihood, unidentified, .. } = &self.0;
+        let crate::BeamFit { count, log_likelihood, unidentified, .. } = &self.0;
         let names = PyTuple::new(py, unidentified)?.repr()?;
-        Ok(format!("BeamFit({model}, readings={readings}, log_likelihood={log_likelihood:.6}, unidentified={names})"))
+        Ok(format!("BeamFit({model}, count={count}, log_likelihood={log_likelihood:.6}, unidentified={names})"))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("model", self.model())?;
+        keywords.set_item("log_likelihood", self.log_likelihood())?;
+        keywords.set_item("count", self.count())?;
+        keywords.set_item("iterations", self.iterations())?;
+        keywords.set_item("has_converged", self.has_converged())?;
+        keywords.set_item("standard_errors", self.standard_errors(py)?)?;
+        keywords.set_item("unidentified", self.unidentified(py)?)?;
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

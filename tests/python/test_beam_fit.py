@@ -23,15 +23,15 @@ def test_a_model_is_found_again() -> None:
     true_ranges, readings = scans()
     fit = mrs.BeamModel.fit(true_ranges, readings, max_range=8.0, min_range=0.05)
     assert fit.has_converged and fit.unidentified == () and fit.iterations > 1
-    assert np.isneginf(readings).any() and fit.readings == readings.size
+    assert np.isneginf(readings).any() and fit.count == readings.size
     for name, error in fit.standard_errors.items():
         found, expected = getattr(fit.model, name), getattr(NOISE, name)
         assert error is not None and abs(found - expected) < 4.0 * error, name
     scores = [np.log(model.likelihood(readings, true_ranges, 8.0, min_range=0.05)).sum() for model in (fit.model, NOISE)]
     assert fit.log_likelihood == pytest.approx(scores[0], rel=1e-6) and scores[0] > scores[1]
     without_marks = mrs.BeamModel.fit(true_ranges, readings, max_range=8.0)
-    assert without_marks.readings == np.count_nonzero(~np.isneginf(readings))
-    assert repr(fit).startswith(f"BeamFit({fit.model!r}, readings={fit.readings}, log_likelihood=")
+    assert without_marks.count == np.count_nonzero(~np.isneginf(readings))
+    assert repr(fit).startswith(f"BeamFit({fit.model!r}, count={fit.count}, log_likelihood=")
 
 
 def test_what_is_not_determined_has_no_standard_error() -> None:
@@ -44,7 +44,7 @@ def test_arrays_of_any_shape_are_broadcast() -> None:
     readings = np.float32([[4.9, 5.0, 5.1], [5.2, 4.8, math.inf]])
     one = mrs.BeamModel.fit(np.float32(5.0), readings, 8.0)
     each = mrs.BeamModel.fit(np.full_like(readings, 5.0).T, readings.T, 8.0)
-    assert one.readings == 6 and one.model.sigma_hit == pytest.approx(each.model.sigma_hit)
+    assert one.count == 6 and one.model.sigma_hit == pytest.approx(each.model.sigma_hit)
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,13 @@ def test_arrays_of_any_shape_are_broadcast() -> None:
 def test_what_cannot_be_fitted_is_refused(arguments: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         mrs.BeamModel.fit(*arguments)
+
+
+def test_a_fit_names_only_parameters() -> None:
+    fit = mrs.BeamModel.fit(*scans(), max_range=8.0)
+    arguments = {name: getattr(fit, name) for name in ("model", "log_likelihood", "count", "iterations", "has_converged")}
+    arguments |= {"standard_errors": fit.standard_errors}
+    assert repr(mrs.BeamFit(**arguments, unidentified=())) == repr(fit)
+    for names in (["sigma"], ["sigma_hit", "sigma_hit"]):
+        with pytest.raises(ValueError, match="unidentified must be different names of parameters, got 'sigma"):
+            mrs.BeamFit(**arguments, unidentified=names)

@@ -176,6 +176,12 @@ def good() -> dict[str, Any]:
         "obstacles": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
         "obstacle": None,
         "noise": mrs.BeamModel(),
+        "model": mrs.BeamModel(),
+        "log_likelihood": -1.0,
+        "iterations": 3,
+        "has_converged": True,
+        "standard_errors": {"sigma_hit": 0.1},
+        "unidentified": ["lambda_short"],
         "out": None,
         "ax": None,
         "no_return": "max",
@@ -194,6 +200,7 @@ def good() -> dict[str, Any]:
 def instances() -> list[Any]:
     return [
         mrs.BeamModel(),
+        mrs.BeamModel.fit(np.full(4, 5.0, np.float32), np.float32([4.9, 5.0, 5.1, 8.0]), 8.0),
         mrs.Contact(point=(0.0, 0.0), normal=(1.0, 0.0), fraction=0.5),
         mrs.LaserScanner(fov=1.0, beam_count=5, max_range=5.0),
         mrs.Limits(),

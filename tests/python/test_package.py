@@ -31,6 +31,7 @@ def test_the_core_loads_nothing_that_it_does_not_need() -> None:
 
 
 BUILT_WITH = [
+    "BeamFit",
     "BeamModel",
     "Contact",
     "LaserScanner",

@@ -15,7 +15,10 @@ import pytest
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator import _core
 
+READINGS = np.array([4.9, 5.0, 5.1, 8.0], np.float32)
+
 OBJECTS = [
+    mrs.BeamModel.fit(np.full(4, 5.0, np.float32), READINGS, 8.0),
     mrs.BeamModel(sigma_hit=0.02, lambda_short=1.5, z_hit=4.0, z_short=2.0, z_max=1.0, z_rand=1.0),
     mrs.Contact(point=(1.0, -0.0), normal=(0.6, 0.8), fraction=0.25, obstacle=3),
     mrs.Contact(point=(0.0, 1e-300), normal=(0.0, 0.0), fraction=1.0),
