@@ -94,6 +94,7 @@ def test_parameters_of_nav2_loopback_sim_are_logged_once(world: Any, map_file: P
         scan_use_inf=False,
         scan_noise_std=0.0,
         enable_stamped_cmd_vel=False,
+        laser_mount="[0.0, 0.0, 0.0]",
     )
     scan, odom = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM)
     last = scan.next()
@@ -114,13 +115,14 @@ def test_the_parameter_file_of_the_guide_gives_the_defaults_of_nav2_loopback_sim
     world: Any, map_file: Path, tmp_path: Path
 ) -> None:
     guide = (ROOT / "docs/guides/ros.md").read_text()
-    (text,) = re.findall(r"^```yaml\n(/\*\*:\n.*?)^```$", guide, re.MULTILINE | re.DOTALL)
+    blocks = re.findall(r"^```yaml\n(/\*\*:\n.*?)^```$", guide, re.MULTILINE | re.DOTALL)
+    (text,) = (block for block in blocks if "base_scan" in block)
     file = tmp_path / "loopback.yaml"
     file.write_text(text)
     from worlds import COMMAND
 
     world.start("map", map_file=map_file, service_name="/map_server/map", topic_name="/unused")
-    process = world.run(*COMMAND, "all", "--ros-args", "--params-file", str(file))
+    process = world.run(*COMMAND, "all", "--ros-args", "--params-file", str(file), "-p", "laser_mount:=[0.0, 0.0, 0.0]")
     scan, odom, tf = world.subscribe("/scan", SCAN), world.subscribe("/odom", ODOM), world.subscribe("/tf", TF)
     scan.wait_for(2)
     assert (scan[-1].header.frame_id, len(scan[-1].ranges)) == ("base_scan", 240)
