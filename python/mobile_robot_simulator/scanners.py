@@ -19,7 +19,7 @@ def scanner_names(values: Mapping[str, Any]) -> tuple[str, ...]:
     """Returns the names of the scanners in the parameters of a robot; one empty name for one scanner without a name.
 
     Raises:
-        ValueError: The names are no list of different names.
+        ValueError: The value is not a list of different names.
     """
     given = _value(RobotParameters, SCANNERS, values)
     return RobotParameters.checked({SCANNERS: given}).scanners or ("",)
@@ -41,7 +41,7 @@ def check_robot_names(values: Mapping[str, Any]) -> None:
     """Checks that every name is a parameter of one of a robot's nodes, or of one of its scanners, as `front.laser_mount`.
 
     Raises:
-        ValueError: A name is unknown, or the names of the scanners are no list of different names.
+        ValueError: A name is unknown, or `scanners` is not a list of different names.
     """
     scanners = scanner_names(values)
     for name in values:

@@ -45,7 +45,7 @@ def audit_bag(path: str | os.PathLike[str]) -> Audit:
     Raises:
         ImportError: rosbags is not installed.
         OSError: The bag cannot be read.
-        ValueError: It is no bag, or a message is damaged. The message of the error gives the topic and the index.
+        ValueError: The file is not a bag, or a message is damaged. The message of the error gives the topic and the index.
     """
     from ..recording.bag import Bag
 

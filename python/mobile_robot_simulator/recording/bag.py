@@ -57,7 +57,7 @@ class Bag:
 
     Raises:
         OSError: The path cannot be read.
-        ValueError: It is no bag.
+        ValueError: The file is not a bag.
     """
 
     def __init__(self, path: Path) -> None:

@@ -237,7 +237,7 @@ class Fleet:
     def owners_of(self, model: type[Parameters]) -> list[tuple[str, str]]:
         """Returns the robots and scanners that have a node with these parameters.
 
-        The name of the robot is empty if the node belongs to none, and that of the scanner if it is no named one.
+        The name of the robot is empty if the node belongs to none, and so is that of the scanner if it has none.
         """
         robots = self.names if model in OF_A_ROBOT else ("",)
         if model is not LaserParameters:

@@ -1,4 +1,4 @@
-"""bag: messages of whole bags, of cut ones, and of what is no bag."""
+"""bag: messages of whole bags, of cut ones, and of files that are not bags."""
 
 from __future__ import annotations
 
