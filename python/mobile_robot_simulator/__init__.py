@@ -30,6 +30,7 @@ from ._core import (
 if TYPE_CHECKING:
     from . import audit as audit
     from . import bus as bus
+    from . import compare as compare
     from . import faults as faults
     from . import logs as logs
     from . import maps as maps
@@ -72,6 +73,7 @@ __all__ = [
 _SUBMODULES = (
     "audit",
     "bus",
+    "compare",
     "faults",
     "logs",
     "maps",

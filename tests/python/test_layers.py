@@ -40,6 +40,7 @@ ROOMS = (
     "recording",
     "logs",
     "audit",
+    "compare",
     "testing",
     "cli",
 )

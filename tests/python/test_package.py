@@ -57,6 +57,7 @@ BUILT_WITH = [
 SUBMODULES = [
     "audit",
     "bus",
+    "compare",
     "faults",
     "logs",
     "maps",

@@ -9,6 +9,7 @@ import typer
 
 from .. import __version__
 from .audit import audit
+from .compare import compare
 from .console import console, error_console, text_of, warnings_as_notes
 from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
@@ -28,6 +29,7 @@ app = typer.Typer(
 app.command(cls=Command)(run)
 app.command(cls=Command)(recover)
 app.command(cls=Command)(audit)
+app.command(cls=Command)(compare)
 app.command(cls=Command)(scan)
 app.command(cls=Command)(info)
 app.command(cls=Command)(parameters)

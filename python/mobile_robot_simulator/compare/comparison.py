@@ -1,0 +1,88 @@
+"""compare_log: the scans of a log against scans that are simulated at the same poses of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import OccupancyGrid
+from ..logs import ScanLog
+from .beams import Beams
+from .residuals import Residuals
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The scans of a log beside simulated ones.
+
+    Attributes:
+        grid: The map.
+        log: The log.
+        poses: (N, 3) float64, poses of the scanner on the map that the scans were simulated at: x, y [m], yaw [rad].
+        simulated: (N, B) float32, simulated ranges [m]. Exactly the log's `max_range` means no return.
+        residuals: Measured ranges less simulated ones.
+    """
+
+    grid: OccupancyGrid
+    log: ScanLog
+    poses: NDArray[np.float64]
+    simulated: NDArray[np.float32]
+    residuals: Residuals
+
+    def report(self) -> dict[str, Any]:
+        """Returns the results as values that JSON has. Lengths are in metres, angles in radians."""
+        spread, (edges, counts) = self.residuals.spread, self.residuals.histogram()
+        return {
+            "log": str(self.log.path),
+            "notes": list(self.log.notes),
+            "scans": len(self.log.ranges),
+            "beams_per_scan": len(self.log.angles),
+            "max_range": self.log.max_range,
+            "beams": self.residuals.counts,
+            "residuals": {
+                "median": spread.median,
+                "mad": spread.mad,
+                "within": {f"{near:.2f}": share for near, share in spread.within.items()},
+                "histogram": {"edges": edges.round(6).tolist(), "counts": counts.tolist()},
+            },
+        }
+
+
+def compare_log(
+    grid: OccupancyGrid, log: ScanLog, *, progress: Callable[[str, float], None] = lambda *_: None
+) -> Comparison:
+    """Casts the beams of a log's scans on a map, and compares the ranges.
+
+    Args:
+        grid: The map.
+        log: The log. Its poses must be in the frame of the map.
+        progress: Called repeatedly with what is being done, and with the share of it that is done, up to 1.
+
+    Raises:
+        ValueError: No beam has a return in both the log and the simulation.
+
+    Example:
+        comparison = compare_log(load_map("map.yaml"), read_log("robot.log"))
+        print(comparison.residuals.spread.median)
+    """
+    beams = Beams.of_log(log)
+    simulated = beams.cast(grid, log.poses, progress=lambda share: progress("casting beams", share))
+    residuals = Residuals(log.ranges, simulated, log.max_range)
+    if not residuals.counts["both"]:
+        raise ValueError(f"{log.path}: no beam has a return in both the log and the simulation; {_places(grid, log)}")
+    return Comparison(grid, log, log.poses, simulated, residuals)
+
+
+def _places(grid: OccupancyGrid, log: ScanLog) -> str:
+    """Returns a text that says where the poses and the map are, for an error."""
+    low, high = log.poses[:, :2].min(axis=0), log.poses[:, :2].max(axis=0)
+    (height, width), side, (x, y, yaw) = grid.shape, grid.resolution, grid.origin
+    return (
+        f"the poses must be in the frame of the map, got x {low[0]:g} to {high[0]:g} m and y {low[1]:g} to {high[1]:g} m "
+        f"in the frame {log.frame!r}, for a map of {width * side:g} m x {height * side:g} m with its origin at "
+        f"({x:g}, {y:g}, {yaw:g})"
+    )

@@ -1,0 +1,55 @@
+"""The command compare. tests/python/compare has the results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from compare.simulated_logs import log_of, save
+
+Command = Callable[..., CompletedProcess[str]]
+
+POSES = np.array([[2.0, 2.0, 0.0], [3.0, 1.5, 0.5]])
+
+
+@pytest.fixture
+def log(room: Path, tmp_path: Path) -> Path:
+    """The file of a log from the room."""
+    return save(log_of(mrs.load_map(room), POSES), tmp_path / "log.npz")
+
+
+def test_a_report(command: Command, room: Path, log: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "out"
+    done = command("compare", room, log, "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"{room}, {log}\n") and "2 of 101 beams" in done.stdout and "+0.000 m" in done.stdout
+    report = json.loads((out / "report.json").read_text())
+    assert report["map"] == str(room) and report["beams"]["both"] == 202 and report["residuals"]["mad"] == 0.0
+    assert [file.name for file in out.iterdir()] == ["report.json"]
+
+
+def test_json_without_a_folder(command: Command, room: Path, log: Path, tmp_path: Path) -> None:
+    before = set(tmp_path.iterdir())
+    done = command("compare", room, log, "--json")
+    assert done.returncode == 0 and json.loads(done.stdout)["scans"] == 2
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_what_cannot_be_compared_leaves_no_folder(command: Command, room: Path, tmp_path: Path) -> None:
+    away = save(log_of(mrs.load_map(room), POSES, said=POSES + 100.0), tmp_path / "away.npz")
+    done = command("compare", room, away, "--out", tmp_path / "out")
+    assert done.returncode == 1 and "the poses must be in the frame of the map" in done.stderr
+    done = command("compare", room, tmp_path / "missing", "--out", tmp_path / "out")
+    assert done.returncode == 1 and done.stderr == f"error: {tmp_path / 'missing'}: no such file or directory\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_in_place_of_the_folder_is_found_first(command: Command, room: Path, log: Path) -> None:
+    done = command("compare", room, "missing", "--out", log / "out")
+    assert done.returncode == 1 and done.stderr == f"error: {log}: must be a folder\n"
