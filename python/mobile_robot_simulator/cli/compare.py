@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import errno
 import json
+import math
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from ..new_files import write_files
@@ -31,6 +34,13 @@ BEAMS = {
 """Words for what became of a beam."""
 
 
+class AlignName(str, Enum):
+    """Ways to align a log with its map."""
+
+    none = "none"
+    rigid = "rigid"
+
+
 def compare(
     map_file: MapFile,
     log: Annotated[
@@ -40,6 +50,19 @@ def compare(
         Path | None, typer.Option(metavar="DIR", help=f"Folder for {REPORT}. It is made if it does not exist.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    align: Annotated[
+        AlignName, typer.Option(help="Move the frame of the log to where it explains the scans best: rigid, or none.")
+    ] = AlignName.rigid,
+    reach: Annotated[
+        tuple[float, float],
+        typer.Option(metavar="SHIFT YAW", help="Largest shift in x and y, in metres, and largest yaw in radians."),
+    ] = (1.0, 0.2),
+    refine: Annotated[
+        bool, typer.Option("--refine", help="Then move each scan to where it fits best, by at most 0.3 m and 0.09 rad.")
+    ] = False,
+    offset: Annotated[
+        float, typer.Option(help="Length to subtract from the measured ranges, in metres, because walls in maps are thick.")
+    ] = 0.0,
     scanner: Annotated[
         str | None, typer.Option(help="Topic of the scans in a bag, or word that begins a CARMEN line.")
     ] = None,
@@ -66,7 +89,10 @@ def compare(
         for note in scans.notes:
             print_note(f"{log}: {note}")
         with stage_bar() as progress:
-            comparison = compare_log(grid, scans, progress=progress)
+            comparison = compare_log(
+                grid, scans, align=align.value, reach=reach, refine=refine, offset=offset, progress=progress
+            )
+        _note_limits(comparison)
         report = {"map": str(map_file), **comparison.report()}
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
@@ -77,11 +103,29 @@ def compare(
         print_table(f"{map_file}, {log}", _rows(comparison) + ([("report", f"{out / REPORT}")] if out is not None else []))
 
 
+def _note_limits(comparison: Comparison) -> None:
+    alignment, refinement = comparison.alignment, comparison.refinement
+    if alignment is not None and alignment.is_at_limit:
+        print_note("the alignment is at the limit of its reach; a larger --reach may find a better one")
+    if refinement is not None and (count := int(refinement.is_at_limit.sum())):
+        print_note(f"{count} of {len(refinement.poses)} refined poses are at the limit of 0.3 m or 0.09 rad")
+
+
 def _rows(comparison: Comparison) -> list[tuple[str, str]]:
     """Returns the rows of a table of the results."""
     residuals = comparison.residuals
     spread, total = residuals.spread, sum(residuals.counts.values())
+    alignment, refinement = comparison.alignment, comparison.refinement
     rows = [("scans", f"{len(comparison.log.ranges)} of {len(comparison.log.angles)} beams")]
+    if alignment is not None:
+        (x, y), yaw = alignment.shift, math.degrees(alignment.yaw)
+        rows.append(("alignment", f"{_signed(x)}, {_signed(y)}, {round(yaw, 2) + 0.0:+.2f}°"))
+        rows.append(("  mean error", f"{alignment.error_before:.3f} -> {alignment.error_after:.3f} m"))
+    if refinement is not None:
+        distance, yaw = np.median(refinement.distances), math.degrees(np.median(np.abs(refinement.changes[:, 2])))
+        rows.append(("refinement, median", f"{distance:.3f} m, {yaw:.2f}°"))
+        before, after = refinement.errors_before.mean(), refinement.errors_after.mean()
+        rows.append(("  mean error", f"{before:.3f} -> {after:.3f} m"))
     rows += [(BEAMS[kind], f"{count / total:.1%} of the beams") for kind, count in residuals.counts.items() if count]
     rows += [("residual, median", _signed(spread.median)), ("residual, MAD", f"{spread.mad:.3f} m")]
     rows += [(f"within {near:.2f} m", f"{share:.1%}") for near, share in spread.within.items()]

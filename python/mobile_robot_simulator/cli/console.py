@@ -80,7 +80,8 @@ def stage_bar() -> Iterator[Callable[[str, float], None]]:
         A function that takes what is being done and the share of it that is done, 0 to 1. Other words start a new stage.
     """
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    with Progress(*columns, TimeElapsedColumn(), console=error_console, transient=True) as bar:
+    hidden = not error_console.is_terminal
+    with Progress(*columns, TimeElapsedColumn(), console=error_console, transient=True, disable=hidden) as bar:
         stages: dict[str, TaskID] = {}
 
         def advance(stage: str, share: float) -> None:

@@ -1,6 +1,8 @@
 """Compare: how far the scans of a log are from simulated ones."""
 
+from .alignment import Alignment
 from .comparison import Comparison, compare_log
+from .refinement import Refinement
 from .residuals import Residuals, Spread
 
-__all__ = ["Comparison", "Residuals", "Spread", "compare_log"]
+__all__ = ["Alignment", "Comparison", "Refinement", "Residuals", "Spread", "compare_log"]

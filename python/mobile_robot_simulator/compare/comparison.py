@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid
 from ..logs import ScanLog
+from .alignment import REACH, Alignment, align_log, moved
 from .beams import Beams
+from .refinement import Refinement, refine_poses
 from .residuals import Residuals
 
 
@@ -24,7 +27,10 @@ class Comparison:
         log: The log.
         poses: (N, 3) float64, poses of the scanner on the map that the scans were simulated at: x, y [m], yaw [rad].
         simulated: (N, B) float32, simulated ranges [m]. Exactly the log's `max_range` means no return.
-        residuals: Measured ranges less simulated ones.
+        residuals: Measured ranges, less `offset`, less simulated ones.
+        offset: What was subtracted from the measured ranges [m].
+        alignment: How the log's frame was moved, or None.
+        refinement: How each pose was changed after that, or None.
     """
 
     grid: OccupancyGrid
@@ -32,6 +38,9 @@ class Comparison:
     poses: NDArray[np.float64]
     simulated: NDArray[np.float32]
     residuals: Residuals
+    offset: float
+    alignment: Alignment | None
+    refinement: Refinement | None
 
     def report(self) -> dict[str, Any]:
         """Returns the results as values that JSON has. Lengths are in metres, angles in radians."""
@@ -42,6 +51,9 @@ class Comparison:
             "scans": len(self.log.ranges),
             "beams_per_scan": len(self.log.angles),
             "max_range": self.log.max_range,
+            "offset": self.offset,
+            "alignment": self.alignment and self.alignment.report(),
+            "refinement": self.refinement and self.refinement.report(),
             "beams": self.residuals.counts,
             "residuals": {
                 "median": spread.median,
@@ -53,28 +65,56 @@ class Comparison:
 
 
 def compare_log(
-    grid: OccupancyGrid, log: ScanLog, *, progress: Callable[[str, float], None] = lambda *_: None
+    grid: OccupancyGrid,
+    log: ScanLog,
+    *,
+    align: Literal["none", "rigid"] = "rigid",
+    reach: tuple[float, float] = REACH,
+    refine: bool = False,
+    offset: float = 0.0,
+    progress: Callable[[str, float], None] = lambda *_: None,
 ) -> Comparison:
     """Casts the beams of a log's scans on a map, and compares the ranges.
 
+    Real returns lie behind the face of a wall's first cell, because walls in maps are thick. `offset` takes that out.
+
     Args:
         grid: The map.
-        log: The log. Its poses must be in the frame of the map.
+        log: The log.
+        align: "rigid" first moves the log's frame to where it explains the scans best, see `Alignment`. "none" takes the
+            poses as they are.
+        reach: Largest shift in x and y [m], and largest yaw [rad], of the alignment.
+        refine: Then also change the pose of each scan by up to 0.3 m and 0.09 rad, see `Refinement`.
+        offset: What to subtract from the measured ranges [m].
         progress: Called repeatedly with what is being done, and with the share of it that is done, up to 1.
 
     Raises:
-        ValueError: No beam has a return in both the log and the simulation.
+        ValueError: No beam has a return in both the log and the simulation, or an argument is invalid.
 
     Example:
         comparison = compare_log(load_map("map.yaml"), read_log("robot.log"))
         print(comparison.residuals.spread.median)
     """
-    beams = Beams.of_log(log)
-    simulated = beams.cast(grid, log.poses, progress=lambda share: progress("casting beams", share))
+    if align not in ("none", "rigid"):
+        raise ValueError(f"align must be 'none' or 'rigid', got {align!r}")
+    if not math.isfinite(offset):
+        raise ValueError(f"offset must be finite, got {offset}")
+    if offset:
+        is_return = np.isfinite(log.ranges)
+        log = replace(log, ranges=np.where(is_return, np.maximum(log.ranges - np.float32(offset), 0), log.ranges))
+    alignment = refinement = None
+    poses = log.poses
+    if align == "rigid":
+        alignment = align_log(grid, log, reach=reach, progress=lambda share: progress("aligning", share))
+        poses = moved(poses, alignment.map_from_log)
+    if refine:
+        refinement = refine_poses(grid, log, poses, progress=lambda share: progress("refining poses", share))
+        poses = refinement.poses
+    simulated = Beams.of_log(log).cast(grid, poses, progress=lambda share: progress("casting beams", share))
     residuals = Residuals(log.ranges, simulated, log.max_range)
     if not residuals.counts["both"]:
         raise ValueError(f"{log.path}: no beam has a return in both the log and the simulation; {_places(grid, log)}")
-    return Comparison(grid, log, log.poses, simulated, residuals)
+    return Comparison(grid, log, poses, simulated, residuals, offset, alignment, refinement)
 
 
 def _places(grid: OccupancyGrid, log: ScanLog) -> str:

@@ -53,3 +53,16 @@ def test_what_cannot_be_compared_leaves_no_folder(command: Command, room: Path, 
 def test_a_file_in_place_of_the_folder_is_found_first(command: Command, room: Path, log: Path) -> None:
     done = command("compare", room, "missing", "--out", log / "out")
     assert done.returncode == 1 and done.stderr == f"error: {log}: must be a folder\n"
+
+
+def test_a_shifted_log_is_aligned_and_refined(command: Command, room: Path, tmp_path: Path) -> None:
+    shifted = save(log_of(mrs.load_map(room), POSES, said=POSES + np.array([0.2, -0.1, 0.0])), tmp_path / "shifted.npz")
+    done = command("compare", room, shifted, "--refine", "--json")
+    report = json.loads(done.stdout)
+    assert report["alignment"]["shift"] == pytest.approx([-0.2, 0.1], abs=0.003)
+    assert report["refinement"]["distance"]["median"] < 0.005 and done.stderr == ""
+    done = command("compare", room, shifted, "--align", "none", "--offset", 0.01, "--json")
+    report = json.loads(done.stdout)
+    assert report["alignment"] is None and report["refinement"] is None and report["offset"] == 0.01
+    done = command("compare", room, shifted, "--reach", 0.05, 0.01)
+    assert "│ alignment " in done.stdout and done.stderr.startswith("the alignment is at the limit of its reach; ")

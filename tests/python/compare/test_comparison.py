@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -40,8 +43,52 @@ def test_noise_is_recovered() -> None:
 def test_a_moved_wall_is_recovered() -> None:
     poses = np.array([[1.0, 2.0, 0.0]])
     forward = mrs.LaserScanner(beam_count=3, fov=np.pi, max_range=30.0)
-    comparison = compare_log(room(110), log_of(room(112), poses, laser=forward))
+    comparison = compare_log(room(110), log_of(room(112), poses, laser=forward), align="none")
     np.testing.assert_allclose(comparison.residuals.values, [[0.0, 0.1, 0.0]], atol=1e-6)
+
+
+def test_a_shift_of_the_log_is_taken_out_unless_it_shall_stay() -> None:
+    log = log_of(GRID, POSES, said=POSES + np.array([0.1, -0.05, 0.0]))
+    stays, aligned = compare_log(GRID, log, align="none"), compare_log(GRID, log)
+    assert stays.residuals.spread.mad > 0.02 and stays.alignment is None
+    assert aligned.residuals.spread.mad < 0.001 and aligned.alignment is not None
+    assert aligned.alignment.shift == pytest.approx((-0.1, 0.05), abs=0.002)
+    np.testing.assert_array_equal(stays.poses, log.poses)
+    np.testing.assert_allclose(aligned.poses, POSES, atol=0.003)
+
+
+def test_poses_are_refined_after_the_alignment() -> None:
+    errors = np.random.default_rng(3).uniform(-0.1, 0.1, POSES.shape) * [1.0, 1.0, 0.3]
+    log = log_of(GRID, POSES, said=POSES - errors - np.array([0.5, 0.0, 0.0]))
+    comparison = compare_log(GRID, log, refine=True)
+    assert comparison.refinement is not None
+    np.testing.assert_array_equal(comparison.poses, comparison.refinement.poses)
+    assert np.median(np.abs(comparison.poses - POSES)) < 0.003 and comparison.residuals.spread.mad < 0.005
+    assert comparison.report()["refinement"]["distance"]["median"] == pytest.approx(0.08, abs=0.02)
+
+
+def test_an_offset_is_subtracted_from_returns_only() -> None:
+    log = log_of(GRID, POSES)
+    ranges = log.ranges.copy()
+    ranges[0, :3] = np.inf, -np.inf, np.nan
+    farther = replace(log, ranges=ranges + np.float32(0.04))
+    comparison = compare_log(GRID, farther, offset=0.04, align="none")
+    assert np.nanmax(np.abs(comparison.residuals.values)) < 1e-5 and comparison.residuals.values.dtype == np.float32
+    np.testing.assert_array_equal(comparison.log.ranges[0, :3], [np.inf, -np.inf, np.nan])
+    near = compare_log(GRID, log, offset=5.0, align="none")
+    assert np.nanmin(near.log.ranges[np.isfinite(near.log.ranges)]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"align": "affine"}, "align must be 'none' or 'rigid', got 'affine'"),
+        ({"offset": np.nan}, "offset must be finite, got nan"),
+    ],
+)
+def test_wrong_arguments(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        compare_log(GRID, log_of(GRID, POSES), **arguments)
 
 
 def test_poses_in_another_frame_are_an_error() -> None:
@@ -61,7 +108,11 @@ def test_the_report_has_the_results() -> None:
 
 @pytest.mark.skipif(not REAL_LOG.is_file() or not SHARED_MAPS.is_dir(), reason="needs ../shared/logs and ../shared/maps")
 def test_a_real_log() -> None:
-    comparison = compare_log(mrs.load_map(SHARED_MAPS / "radish_intel" / "map_logframe.yaml"), read_log(REAL_LOG))
+    grid, log = mrs.load_map(SHARED_MAPS / "radish_intel" / "map_logframe.yaml"), read_log(REAL_LOG)
+    comparison = compare_log(grid, log)
+    assert comparison.alignment is not None and comparison.alignment.error_after < comparison.alignment.error_before
     spread, counts = comparison.residuals.spread, comparison.residuals.counts
     assert counts["both"] / sum(counts.values()) > 0.99
     assert abs(spread.median) < 0.05 and 0.04 < spread.mad < 0.1 and spread.within[0.2] > 0.75
+    refined = compare_log(grid, log, refine=True).residuals.spread
+    assert refined.mad < 0.03 and refined.within[0.05] > 0.7
