@@ -132,6 +132,11 @@ impl Beams {
         self.high - self.low
     }
 
+    /// Returns the number of steps from one end of the field to the other: one more than between the beams in a full turn.
+    pub(crate) fn gaps(&self) -> usize {
+        self.gaps
+    }
+
     /// Returns the number of beams.
     pub(crate) fn count(&self) -> usize {
         self.count

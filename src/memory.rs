@@ -45,6 +45,18 @@ pub fn push<T>(what: &'static str, elements: &mut Vec<T>, element: T) -> Result<
     Ok(())
 }
 
+/// Lengthens a vector with copies of a value to at least `count` elements.
+///
+/// # Errors
+/// Those of [`with_room`].
+pub fn lengthen<T: Clone>(what: &'static str, elements: &mut Vec<T>, count: usize, value: T) -> Result<(), Error> {
+    if count > elements.len() {
+        elements.try_reserve_exact(count - elements.len()).map_err(|_| missing::<T>(what, count))?;
+        elements.resize(count, value);
+    }
+    Ok(())
+}
+
 /// Returns the error for `count` elements for which there is no memory.
 pub fn missing<T>(what: &'static str, count: usize) -> Error {
     Error::Memory { what, bytes: count.saturating_mul(size_of::<T>()) }

@@ -1,7 +1,7 @@
 //! Limits on velocity, acceleration and deceleration, as a base controller applies them.
 
-use super::Twist;
 use super::ramp::Ramp;
+use super::{Twist, traced};
 use crate::error::{Error, check_finite, check_number};
 use crate::pose::Pose;
 
@@ -104,6 +104,29 @@ impl Limits {
         pose.checked()?;
         check_finite("grip", grip)?;
         self.ramp(wanted, current, dt)?.integrate(pose, dt, grip).checked()
+    }
+
+    /// Returns the pose of [`integrate`](Self::integrate) after each of several times \[s\], as `[x, y, yaw]`.
+    ///
+    /// # Errors
+    /// - [`Error::Number`]: a number is not finite, or a time is negative.
+    /// - [`Error::Row`]: a resulting pose is not finite.
+    /// - [`Error::Memory`]: there is not enough memory.
+    pub fn trace(
+        &self,
+        pose: Pose,
+        wanted: Twist,
+        current: Twist,
+        times: &[f64],
+        grip: f64,
+    ) -> Result<Vec<[f64; 3]>, Error> {
+        pose.checked()?;
+        check_finite("grip", grip)?;
+        let ramp = self.ramp(wanted, current, 0.0)?;
+        traced(times, |time| {
+            check_number("times", time, "at least 0", |value| value >= 0.0)?;
+            Ok(ramp.integrate(pose, time, grip))
+        })
     }
 
     /// Returns the length of the path \[m\] that the robot of [`integrate`](Self::integrate) drives without slip.

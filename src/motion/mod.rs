@@ -1,11 +1,14 @@
 //! Motion in the plane, integrated exactly: under a constant twist, and under limits on acceleration.
 
+mod course;
 mod limits;
 mod noise;
 mod ramp;
 
 use glam::DVec2;
 
+pub use course::Course;
+pub(crate) use course::PoseColumns;
 pub use limits::Limits;
 pub use noise::MotionNoise;
 
@@ -129,6 +132,28 @@ pub fn integrate_batch(poses: &[[f64; 3]], twists: &[[f64; 3]], duration: f64) -
     Ok(reached)
 }
 
+/// Returns [`integrate`]`(pose, twist, times[i])` for each i, as `[x, y, yaw]`.
+///
+/// # Errors
+/// - [`Error::Number`]: a number is not finite.
+/// - [`Error::Row`]: a resulting pose is not finite.
+/// - [`Error::Memory`]: there is not enough memory.
+pub fn trace(pose: Pose, twist: Twist, times: &[f64]) -> Result<Vec<[f64; 3]>, Error> {
+    let (pose, twist) = (pose.checked()?, twist.checked()?);
+    traced(times, |time| Ok(integrate(pose, twist, time)))
+}
+
+/// Returns the pose at each time \[s\] as `[x, y, yaw]`, after a check that all numbers are finite.
+fn traced(times: &[f64], pose_at: impl Fn(f64) -> Result<Pose, Error>) -> Result<Vec<[f64; 3]>, Error> {
+    let mut poses = memory::with_room("the resulting poses", times.len())?;
+    for &time in times {
+        check_finite("times", time)?;
+        poses.push(pose_at(time)?.to_array());
+    }
+    check_rows("the resulting poses", &poses, Some(1))?;
+    Ok(poses)
+}
+
 /// Returns the pose at `fraction` of the arc from `start` (fraction 0) to `end` (fraction 1), with its yaw in (-π, π].
 ///
 /// The arc is that of the constant twist [`Twist::between`]. Fractions outside of \[0, 1\] continue the arc.
@@ -147,9 +172,15 @@ pub fn interpolate(start: Pose, end: Pose, fraction: f64) -> Pose {
 
 /// Returns sin(x)/x, computed by its series near 0.
 fn sinc(x: f64) -> f64 {
+    sinc_of(x, libm::sin(x))
+}
+
+/// Returns sin(x)/x for a sine that is known.
+#[inline(always)]
+fn sinc_of(x: f64, sin: f64) -> f64 {
     let square = x * x;
     // Below this limit the first omitted term, x⁶/5040, is smaller than 2⁻⁵³.
-    if square < 1e-5 { 1.0 - square / 6.0 * (1.0 - square / 20.0) } else { libm::sin(x) / x }
+    if square < 1e-5 { 1.0 - square / 6.0 * (1.0 - square / 20.0) } else { sin / x }
 }
 
 /// Returns the derivative of sin(x)/x, computed by its series near 0.

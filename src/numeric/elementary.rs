@@ -9,7 +9,7 @@ const MAX_ANGLE: f64 = 1e5;
 const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
 /// Adding this number to a number below 2⁵¹ and subtracting it again rounds to the nearest integer.
-const ROUND: f64 = 6_755_399_441_055_744.0;
+pub(super) const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// Writes the cosine and the sine of each angle to `cos` and `sin`, to within 2 ulp. Returns true if all angles are finite.
 ///
@@ -50,8 +50,8 @@ fn direction(angle: f64) -> (f64, f64) {
     (cos, sin)
 }
 
-/// Coefficients of (sin x - x) / x³ in powers of x².
-const SIN: [f64; 6] = [
+/// Coefficients of (sin x - x) / x³ in powers of x² (fdlibm, `k_sin.c`).
+pub(super) const SIN: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
     -1.984_126_982_985_795e-4,
@@ -60,8 +60,8 @@ const SIN: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-/// Coefficients of (cos x - 1 + x²/2) / x⁴ in powers of x².
-const COS: [f64; 6] = [
+/// Coefficients of (cos x - 1 + x²/2) / x⁴ in powers of x² (fdlibm, `k_cos.c`).
+pub(super) const COS: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
     2.480_158_728_947_673e-5,

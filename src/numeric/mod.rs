@@ -3,5 +3,6 @@
 pub mod elementary;
 mod group;
 pub mod normal;
+pub mod sincos;
 
 pub use group::{GROUP, Group};

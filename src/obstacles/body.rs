@@ -29,8 +29,7 @@ impl Body {
     pub fn new(shape: &Shape, pose: Pose) -> Result<Self, Error> {
         let (corners, radius) = shape.skeleton();
         let (sin, cos) = libm::sincos(pose.yaw);
-        let heading = DVec2::new(cos, sin);
-        let placed = corners.iter().map(|&corner| pose.position + heading.rotate(corner));
+        let placed = corners.iter().map(|&corner| placed(corner, pose.position, DVec2::new(cos, sin)));
         let corners = memory::collected(super::OBSTACLES, placed)?;
         let low = corners.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
@@ -52,12 +51,7 @@ impl Body {
     /// Returns true if a point is inside. On the outline, rounding decides.
     pub fn contains(&self, point: DVec2) -> bool {
         let (center, reach) = self.bounds;
-        point.distance_squared(center) <= reach * reach
-            && if self.radius > 0.0 {
-                point.distance_squared(center) < self.radius * self.radius
-            } else {
-                encloses(&self.corners, point)
-            }
+        point.distance_squared(center) <= reach * reach && contains(&self.corners, self.radius, point)
     }
 
     /// Returns true if a ray may meet the bounding circle within `limit` metres. A quick test that never misses a hit.
@@ -72,54 +66,99 @@ impl Body {
     ///
     /// `direction` must be a unit vector.
     pub fn entry(&self, origin: DVec2, direction: DVec2) -> f64 {
-        if self.radius > 0.0 { self.disc_entry(origin, direction) } else { self.polygon_entry(origin, direction) }
-    }
-
-    fn disc_entry(&self, origin: DVec2, direction: DVec2) -> f64 {
-        let offset = self.corners[0] - origin;
-        let (along, across) = (direction.dot(offset), direction.perp_dot(offset));
-        let square = self.radius * self.radius - across * across;
-        if along < 0.0 || square < 0.0 { f64::INFINITY } else { (along - square.sqrt()).max(0.0) }
-    }
-
-    /// Returns the distance to the nearest edge that the ray crosses from outside to inside.
-    ///
-    /// Corners are expressed in the ray's own frame: `along` it and `left` of it. The interior lies to the left of every
-    /// edge (corners are counter-clockwise), so an edge that the ray enters through runs from the ray's left to its right:
-    ///
-    /// ```text
-    ///           start (left > 0)
-    ///             |
-    ///             |   interior
-    ///  origin --->+------------->
-    ///             |
-    ///             v
-    ///            end (left < 0)
-    /// ```
-    ///
-    /// The side of a corner is computed once and used for both of its edges, so no ray passes between two edges.
-    fn polygon_entry(&self, origin: DVec2, direction: DVec2) -> f64 {
-        let left_and_along = |corner: DVec2| {
-            let offset = corner - origin;
-            (direction.perp_dot(offset), direction.dot(offset))
-        };
-        let mut nearest = f64::INFINITY;
-        let mut start = left_and_along(self.corners[self.corners.len() - 1]);
-        for &corner in &self.corners {
-            let end = left_and_along(corner);
-            if start.0 >= 0.0 && end.0 <= 0.0 && start.0 > end.0 {
-                let distance = (start.0 * end.1 - end.0 * start.1) / (start.0 - end.0);
-                if distance > -BEHIND_TOLERANCE {
-                    nearest = nearest.min(distance.max(0.0));
-                }
-            }
-            start = end;
+        if self.radius > 0.0 {
+            disc_entry(self.corners[0] - origin, self.radius, direction)
+        } else {
+            let sides = self.corners.iter().map(|&corner| side(corner - origin, direction));
+            let last = side(self.corners[self.corners.len() - 1] - origin, direction);
+            nearest_entry(last, sides)
         }
-        nearest
     }
 
     /// Iterates over the edges as (start, end). A disc gives one edge, which starts and ends at its centre.
     pub fn edges(&self) -> impl Iterator<Item = (DVec2, DVec2)> + Clone {
         edges(&self.corners)
+    }
+}
+
+/// Returns the coordinates in the map frame of a corner of a shape at a pose, given by its position and the unit vector along
+/// its x axis.
+#[inline(always)]
+pub fn placed(corner: DVec2, position: DVec2, heading: DVec2) -> DVec2 {
+    position + heading.rotate(corner)
+}
+
+/// Returns true if a point is inside a shape with this skeleton. On the outline, rounding decides.
+pub fn contains(corners: &[DVec2], radius: f64, point: DVec2) -> bool {
+    if radius > 0.0 { point.distance_squared(corners[0]) < radius * radius } else { encloses(corners, point) }
+}
+
+/// Returns the distance \[m\] at which a ray enters a disc, infinity if it does not. `offset` leads from the ray's origin to the
+/// centre.
+#[inline(always)]
+pub fn disc_entry(offset: DVec2, radius: f64, direction: DVec2) -> f64 {
+    let (along, across) = (direction.dot(offset), direction.perp_dot(offset));
+    let square = radius * radius - across * across;
+    let distance = along - square.max(0.0).sqrt();
+    if (along < 0.0) | (square < 0.0) {
+        f64::INFINITY
+    } else if distance > 0.0 {
+        distance
+    } else {
+        0.0
+    }
+}
+
+/// A corner of a polygon in the frame of a ray: how far it is to the left of the ray, and how far along it \[m\].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Side {
+    left: f64,
+    along: f64,
+}
+
+/// Returns the side of a corner. `offset` leads to it from the ray's origin.
+#[inline(always)]
+pub fn side(offset: DVec2, direction: DVec2) -> Side {
+    Side { left: direction.perp_dot(offset), along: direction.dot(offset) }
+}
+
+/// Returns the distance to the nearest edge that a ray crosses from outside to inside, from the sides of all corners; `last`
+/// is that of the last corner.
+#[inline(always)]
+fn nearest_entry(last: Side, sides: impl Iterator<Item = Side>) -> f64 {
+    let (mut nearest, mut start) = (f64::INFINITY, last);
+    for end in sides {
+        nearest = nearest.min(edge_entry(start, end));
+        start = end;
+    }
+    nearest
+}
+
+/// Returns the distance at which a ray crosses an edge from outside to inside, infinity if it does not.
+///
+/// The interior lies to the left of every edge (corners are counter-clockwise), so an edge that the ray enters through runs
+/// from the ray's left to its right:
+///
+/// ```text
+///           start (left > 0)
+///             |
+///             |   interior
+///  origin --->+------------->
+///             |
+///             v
+///            end (left < 0)
+/// ```
+///
+/// The side of a corner is computed once and used for both of its edges, so no ray passes between two edges.
+#[inline(always)]
+pub fn edge_entry(start: Side, end: Side) -> f64 {
+    let distance = (start.left * end.along - end.left * start.along) / (start.left - end.left);
+    let is_entered = (start.left >= 0.0) & (end.left <= 0.0) & (start.left > end.left) & (distance > -BEHIND_TOLERANCE);
+    if !is_entered {
+        f64::INFINITY
+    } else if distance > 0.0 {
+        distance
+    } else {
+        0.0
     }
 }

@@ -1,11 +1,14 @@
 //! Obstacles: discs and polygons at poses in the map frame, which beams meet at their exact outlines.
 
 mod body;
+mod passing;
 mod view;
 
 use glam::DVec2;
 
 pub(crate) use body::Body;
+pub use passing::MovingObstacle;
+pub(crate) use passing::Passing;
 pub(crate) use view::View;
 
 use crate::error::Error;

@@ -74,6 +74,11 @@ impl<'grid> Caster<'grid> {
         if self.kernel.uses_free_boxes() { self.grid.prepare(threads) } else { Ok(()) }
     }
 
+    /// Returns the kernel that casts.
+    pub(super) fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
     /// Sends ranges in metres to the sink, group by group; infinite for no return within the maximum range.
     ///
     /// # Panics
@@ -183,11 +188,23 @@ impl<'grid> Caster<'grid> {
         let [x, y, dx, dy] = columns.origins_and_directions();
         let mut yaws = [0.0; GROUP];
         for (slot, &ray) in rays.iter().enumerate() {
-            let Pose { position, yaw } = self.grid.pose_in_grid(ray.into());
-            let origin = self.grid.in_cells(position);
+            let (origin, yaw) = self.in_grid(ray.into());
             (x[slot], y[slot], yaws[slot]) = (origin.x, origin.y, yaw);
         }
         let are_finite = directions(&yaws, dx, dy);
+        self.start_group(columns, are_finite);
+    }
+
+    /// Returns the position of a pose \[cells\] and its yaw, in the frame of the grid.
+    #[inline(always)]
+    pub(super) fn in_grid(&self, pose: Pose) -> (DVec2, f64) {
+        let Pose { position, yaw } = self.grid.pose_in_grid(pose);
+        (self.grid.in_cells(position), yaw)
+    }
+
+    /// Completes a group whose origins and directions are filled.
+    #[inline(always)]
+    pub(super) fn start_group(&self, columns: &mut RayColumns, are_finite: bool) {
         if !(are_finite && columns.start((self.grid.width(), self.grid.height()))) {
             let [x, y, dx, dy] = columns.origins_and_directions().map(|column| *column);
             *columns = RayColumns::MISSES;

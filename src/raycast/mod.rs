@@ -11,6 +11,7 @@ mod ray;
 mod rays;
 mod sink;
 mod source;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -21,3 +22,4 @@ pub(crate) use fans::{Fans, Start};
 pub use kernel::{KERNEL_VARIABLE, Kernel};
 use ray::Ray;
 pub(crate) use sink::{Sink, StoreRanges, store};
+pub(crate) use sweep::Sweep;

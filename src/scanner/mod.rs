@@ -1,5 +1,8 @@
 //! Laser scanners: single scans and batches of scans.
 
+mod sinks;
+mod sweep;
+
 use std::iter;
 
 use glam::DVec2;
@@ -14,9 +17,11 @@ use crate::numeric::{GROUP, Group};
 use crate::obstacles::View;
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges, store};
+use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::world::World;
+use sinks::{Beyond, Noisy, SinkPerScan};
+pub use sweep::{Courses, Sweeps};
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -368,79 +373,10 @@ impl LaserScanner {
         let mut views = views.iter_mut().flatten();
         let mut sinks = sinks.map(|sink| {
             let view = views.next().and_then(Option::take);
-            Beyond { view, slant: slant.as_ref(), cos, sin, sink }
+            Beyond { foreground: view, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
         caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 })
-    }
-}
-
-/// Sends the groups of several scans to one sink per scan. Groups arrive in order, numbered across all scans.
-struct SinkPerScan<S, N> {
-    /// Sink of the current scan.
-    sink: S,
-    /// Sinks of the following scans.
-    upcoming: N,
-    /// Number of groups in a scan.
-    groups: usize,
-    /// Number of the first group of the current scan.
-    first: usize,
-}
-
-impl<S: Sink, N: Iterator<Item = S>> SinkPerScan<S, N> {
-    // Not inlined, to keep the loop over groups small.
-    #[inline(never)]
-    fn start_next_scan(&mut self) {
-        self.first += self.groups;
-        self.sink = self.upcoming.next().expect("one sink per scan");
-    }
-}
-
-impl<S: Sink, N: Iterator<Item = S>> Sink for SinkPerScan<S, N> {
-    #[inline(always)]
-    fn take(&mut self, group: usize, ranges: &Group) {
-        if group == self.first + self.groups {
-            self.start_next_scan();
-        }
-        self.sink.take(group - self.first, ranges);
-    }
-}
-
-/// Adds what is not in the grid to the ranges, then passes them on to `sink`.
-struct Beyond<'a, S> {
-    /// The obstacles that this scan can see; `None` if there is nothing to add.
-    view: Option<View<'a>>,
-    /// Slant of the beams; `None` if the scanner is not tilted.
-    slant: Option<&'a Slant>,
-    cos: &'a [Group],
-    sin: &'a [Group],
-    sink: S,
-}
-
-impl<S: Sink> Sink for Beyond<'_, S> {
-    #[inline(always)]
-    fn take(&mut self, group: usize, ranges: &Group) {
-        let Some(view) = &self.view else { return self.sink.take(group, ranges) };
-        let mut ranges = *ranges;
-        let (cos, sin) = (&self.cos[group], &self.sin[group]);
-        view.shorten(group * GROUP, |lane| DVec2::new(cos[lane], sin[lane]), &mut ranges);
-        if let Some(slant) = self.slant {
-            ranges = slant.ranges(group, &ranges);
-        }
-        self.sink.take(group, &ranges);
-    }
-}
-
-/// Draws a reading for each range from a beam model and stores it.
-struct Noisy<'a> {
-    sampler: Sampler<'a>,
-    readings: &'a mut [f32],
-}
-
-impl Sink for Noisy<'_> {
-    #[inline(always)]
-    fn take(&mut self, group: usize, ranges: &Group) {
-        store(self.readings, group, &self.sampler.sample(group, ranges));
     }
 }
