@@ -33,9 +33,11 @@ FULL_TURN_TOLERANCE: float
 """A field of beams within this of 2π [rad] counts as a full turn."""
 
 # A pose (x, y, yaw), a twist (vx, vy, wz), and obstacles as (Shape, pose) pairs, in every form that functions take.
+# An obstacle that moves during a scan has a twist, or a pose for each beam.
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
 _TwistLike: TypeAlias = Sequence[float] | NDArray[np.float64]
 _Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]
+_MovingObstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike] | tuple[Shape, _PoseLike, _TwistLike]]
 
 @final
 class Pose:
@@ -149,6 +151,28 @@ class Pose:
             >>> round(x, 9), round(y, 9)
             (1.0, 1.0)
         """
+    def trace(self, twist: _TwistLike, times: ArrayLike) -> NDArray[np.float64]:
+        """Returns the poses reached at several times at a constant twist: those of `integrate`.
+
+        Args:
+            twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            times: (N,) times [s] from this pose on. Anything that NumPy can convert to float64 without loss.
+
+        Returns:
+            (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
+
+        Raises:
+            ValueError: `times` is not one-dimensional, or a number or a pose reached is not finite.
+            TypeError: `times` cannot be converted to float64 without loss.
+
+        Examples:
+            >>> from mobile_robot_simulator import Pose
+            >>> Pose(1.0, 2.0, 0.0).trace((0.5, 0.0, 0.0), times=[0.0, 2.0, 4.0])
+            array([[1., 2., 0.],
+                   [2., 2., 0.],
+                   [3., 2., 0.]])
+        """
+
     def twist_to(self, other: _PoseLike, dt: float) -> tuple[float, float, float]:
         """Returns the constant twist that leads from this pose to another pose in `dt` seconds.
 
@@ -747,7 +771,9 @@ class LaserScanner:
         grid: OccupancyGrid,
         poses: ArrayLike,
         *,
-        obstacles: _Obstacles = (),
+        twists: ArrayLike | None = None,
+        scan_duration: float | None = None,
+        obstacles: _MovingObstacles = (),
         noise: BeamModel | None = None,
         seed: int | RandomStream | None = None,
         first_index: int | None = None,
@@ -759,11 +785,22 @@ class LaserScanner:
         True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
         batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine.
 
+        With `scan_duration`, the scans take time, as those of a head that turns. Beam j is then taken
+        `j * time_increment(scan_duration)` seconds after beam 0, from where its robot is at that time, past obstacles where
+        they are at that time: the range of `scan` from there, to the last bit.
+
         Args:
             grid: Map to scan.
-            poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie outside the
-                grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
-            obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame.
+            poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad], at the time of beam 0. Poses
+                may lie outside the grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
+                Or (N, beam_count, 3): the robot at the time of each beam.
+            twists: (N, 3), one row (vx, vy, wz) per scan: the constant velocity in the robot's frame at which it moves while
+                the scan is taken [m/s, m/s, rad/s]. None means that robots stand.
+            scan_duration: Time in which the head turns through the field of the beams [s]. None means that all beams are taken
+                in one instant.
+            obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame. An obstacle may
+                move during each scan: (Shape, pose, twist) from its pose at the time of beam 0 on, or (Shape, poses) with a
+                (beam_count, 3) array of its poses at the time of each beam.
             noise: Beam model to draw the readings from. None means no noise.
             seed: Seed of the noise, 0 to 2**64 - 1, or a `RandomStream`, which counts the scans of all calls. Noise needs one.
             first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0, or that of the
@@ -776,8 +813,8 @@ class LaserScanner:
                 at `angle_min + j * angle_increment`. Exactly `max_range` means no return.
 
         Raises:
-            ValueError: A shape is wrong, a pose is not finite, an integer is out of range, noise has no seed, or `out` is
-                read-only, in use or not in C order.
+            ValueError: A shape is wrong, a number is not finite, an integer is out of range, `scan_duration` is negative or
+                missing where something moves, noise has no seed, or `out` is read-only, in use or not in C order.
             TypeError: An argument has the wrong type or dtype.
             OSError: The threads could not be started.
 
@@ -791,7 +828,59 @@ class LaserScanner:
             >>> mrs.LaserScanner(beam_count=1).scan_batch(grid, poses)
             array([[1.5],
                    [0.5]], dtype=float32)
+
+            Three beams, nearly all ahead, of a robot that drives towards the wall at 1 m/s:
+
+            >>> ahead = mrs.LaserScanner(fov=1e-9, beam_count=3)
+            >>> ahead.scan_batch(grid, poses[:1], twists=[(1.0, 0.0, 0.0)], scan_duration=0.5)
+            array([[1.5 , 1.25, 1.  ]], dtype=float32)
         """
+
+    def time_increment(self, scan_duration: float) -> float:
+        """Returns the time from one beam to the next of a scan that takes time [s]; 0 with a single beam.
+
+        It is the `time_increment` of a `LaserScan` message.
+
+        Args:
+            scan_duration: Time in which the head turns through the field of the beams [s]. A head that turns at a rate f
+                takes `fov / (2 * pi * f)`. In a full turn, the last beam is taken one time increment before its end.
+
+        Raises:
+            ValueError: `scan_duration` is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.LaserScanner(fov=3.0, beam_count=101).time_increment(0.05)
+            0.0005
+        """
+
+    def beam_poses(self, poses: ArrayLike, twists: ArrayLike, scan_duration: float) -> NDArray[np.float64]:
+        """Returns where each robot of a batch is at the time of each beam of its scan.
+
+        These are the poses from which `scan_batch` takes the beams of a scan that takes time: those of `Pose.integrate`. Who
+        knows them can undo the distortion of the scan.
+
+        Args:
+            poses: (N, 3), one row (x, y, yaw) per robot at the time of beam 0, in any frame [m, m, rad].
+            twists: (N, 3), one row (vx, vy, wz) per robot: its constant velocity in its own frame [m/s, m/s, rad/s].
+            scan_duration: Time in which the head turns through the field of the beams [s].
+
+        Returns:
+            (N, beam_count, 3) float64, rows (x, y, yaw) in the frame of `poses` [m, m, rad]. Yaws are not wrapped.
+
+        Raises:
+            ValueError: A shape is wrong, a number is not finite, or `scan_duration` is negative.
+            TypeError: An array cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> laser = mrs.LaserScanner(fov=1.0, beam_count=3)
+            >>> laser.beam_poses([(0.0, 0.0, 0.0)], [(1.0, 0.0, 0.0)], 0.5)
+            array([[[0.  , 0.  , 0.  ],
+                    [0.25, 0.  , 0.  ],
+                    [0.5 , 0.  , 0.  ]]])
+        """
+
     def mark_invalid(
         self, readings: ArrayLike, *, no_return: Literal["inf", "max", "below_max"] = "inf"
     ) -> NDArray[np.float32]:
@@ -1116,6 +1205,34 @@ class Limits:
             >>> limits.integrate(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dt=5.0)
             Pose(0.5, 0.0, 0.0)
         """
+    def trace(
+        self, pose: _PoseLike, wanted: _TwistLike, current: _TwistLike, times: ArrayLike, *, grip: float = 1.0
+    ) -> NDArray[np.float64]:
+        """Returns the poses that a robot reaches at several times while its velocity follows `apply`: those of `integrate`.
+
+        Args:
+            pose: Pose at the start.
+            wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            current: Velocity of the wheels at the start, in the same form.
+            times: (N,) times from the start on [s]. Anything that NumPy can convert to float64 without loss.
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        Returns:
+            (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
+
+        Raises:
+            ValueError: `times` is not one-dimensional, a time is negative, or a number or a pose reached is not finite.
+            TypeError: `times` cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> limits = mrs.Limits(deceleration=(1.0, 1.0, 1.0))
+            >>> limits.trace(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), times=[0.0, 1.0, 5.0])
+            array([[0. , 0. , 0. ],
+                   [0.5, 0. , 0. ],
+                   [0.5, 0. , 0. ]])
+        """
+
     def distance(self, wanted: _TwistLike, current: _TwistLike, dt: float) -> float:
         """Returns the length of the path that a robot drives in `dt` seconds while its velocity follows `apply`.
 

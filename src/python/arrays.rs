@@ -33,15 +33,48 @@ impl Deref for Rows<'_> {
 /// Number of rows up to which a batch is copied, so that it may change during the call.
 const MAX_COPIED: usize = 5_000;
 
+/// Name of what is read from an array, in an error.
+const WHAT: &str = "the rows of an array";
+
 /// Returns a batch of shape `(N, 3)` from anything that NumPy converts to `float64` without loss.
 ///
 /// A large batch in C order is read in place. Any other is copied, also one that may share memory with `out`.
 pub fn rows<'py>(name: &str, value: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
-    const WHAT: &str = "the rows of an array";
     let array = typed::<f64>(name, value)?;
-    let [count, 3] = *array.shape() else {
+    let [_, 3] = *array.shape() else {
         return Err(PyValueError::new_err(format!("{name} must have shape (N, 3), got {}", shape(array.shape()))));
     };
+    rows_of(array, out)
+}
+
+/// Returns a batch of shape `(N, 3)`, or `(N, beam_count, 3)`; true if it has this second shape, whose rows follow each other.
+pub fn rows_or_beam_rows<'py>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    beam_count: usize,
+    out: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Rows<'py>, bool)> {
+    let array = typed::<f64>(name, value)?;
+    let has_beams = array.ndim() == 3;
+    let is_good = match *array.shape() {
+        [_, 3] => true,
+        [_, beams, 3] => beams == beam_count,
+        _ => false,
+    };
+    if !is_good {
+        let needed = if has_beams {
+            format!(" for each beam must have shape (N, {beam_count}, 3)")
+        } else {
+            " must have shape (N, 3)".into()
+        };
+        return Err(PyValueError::new_err(format!("{name}{needed}, got {}", shape(array.shape()))));
+    }
+    Ok((rows_of(array, out)?, has_beams))
+}
+
+/// Returns the rows of an array whose last dimension is 3.
+fn rows_of<'py>(array: PyReadonlyArrayDyn<'py, f64>, out: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
+    let count = array.len() / 3;
     if count > MAX_COPIED && array.is_c_contiguous() && !may_overlap(array.as_any(), out)? {
         return Ok(Rows::Borrowed(array));
     }
@@ -51,6 +84,15 @@ pub fn rows<'py>(name: &str, value: &Bound<'py, PyAny>, out: Option<&Bound<'py, 
         None => memory::collected(WHAT, view.rows().into_iter().map(|row| [row[0], row[1], row[2]]))?,
     };
     Ok(Rows::Copied(rows))
+}
+
+/// Returns the numbers of an array of shape `(N,)`.
+pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = typed::<f64>(name, value)?;
+    if array.ndim() != 1 {
+        return Err(PyValueError::new_err(format!("{name} must have shape (N,), got {}", shape(array.shape()))));
+    }
+    Ok(memory::collected(WHAT, array.as_array().iter().copied())?)
 }
 
 fn may_overlap<'py>(array: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<bool> {

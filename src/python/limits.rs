@@ -1,8 +1,10 @@
 //! The Python class `Limits`.
 
+use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use super::arrays::numbers;
 use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::{Recipe, recipe};
@@ -142,6 +144,48 @@ impl Limits {
         let (wanted, current) = (wanted.named("wanted")?, current.named("current")?);
         let (dt, grip) = (dt.named("dt")?, grip.named("grip")?);
         Ok(Pose(self.0.integrate(pose.0, wanted.into(), current.into(), dt, grip)?))
+    }
+
+    /// Returns the poses that a robot reaches at several times while its velocity follows `apply`: those of `integrate`.
+    ///
+    /// Args:
+    ///     pose: Pose at the start.
+    ///     wanted: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     current: Velocity of the wheels at the start, in the same form.
+    ///     times: (N,) times from the start on [s]. Anything that NumPy can convert to float64 without loss.
+    ///     grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+    ///
+    /// Returns:
+    ///     (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: `times` is not one-dimensional, a time is negative, or a number or a pose reached is not finite.
+    ///     TypeError: `times` cannot be converted to float64 without loss.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> limits = mrs.Limits(deceleration=(1.0, 1.0, 1.0))
+    ///     >>> limits.trace(mrs.Pose(), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), times=[0.0, 1.0, 5.0])
+    ///     array([[0. , 0. , 0. ],
+    ///            [0.5, 0. , 0. ],
+    ///            [0.5, 0. , 0. ]])
+    #[pyo3(
+        text_signature = "($self, pose, wanted, current, times, *, grip=1.0)",
+        signature = (pose, wanted, current, times, *, grip = 1.0.into())
+    )]
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        pose: PoseArgument,
+        wanted: Argument<[f64; 3]>,
+        current: Argument<[f64; 3]>,
+        times: &Bound<'py, PyAny>,
+        grip: Argument<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (wanted, current) = (wanted.named("wanted")?, current.named("current")?);
+        let grip = grip.named("grip")?;
+        let poses = self.0.trace(pose.0, wanted.into(), current.into(), &numbers("times", times)?, grip)?;
+        Ok(Array2::from(poses).into_pyarray(py))
     }
 
     /// Returns the length of the path that a robot drives in `dt` seconds while its velocity follows `apply`.

@@ -1,14 +1,15 @@
 //! The Python class `Pose`, and the conversion of pose arguments.
 
+use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{short_repr, type_name};
+use super::arrays::{numbers, short_repr, type_name};
 use super::number::Argument;
 use super::{Recipe, recipe};
 use crate::error::check_number;
-use crate::{Twist, integrate, interpolate, yaw_from_quaternion};
+use crate::{Twist, integrate, interpolate, trace, yaw_from_quaternion};
 
 /// Position [m] and heading [rad] of one frame in another frame.
 ///
@@ -159,6 +160,35 @@ impl Pose {
     ///     (1.0, 1.0)
     fn integrate(&self, twist: Argument<[f64; 3]>, dt: Argument<f64>) -> PyResult<Self> {
         Ok(Self(integrate(self.0, Twist::from(twist.named("twist")?), dt.named("dt")?).checked()?))
+    }
+
+    /// Returns the poses reached at several times at a constant twist: those of `integrate`.
+    ///
+    /// Args:
+    ///     twist: Velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+    ///     times: (N,) times [s] from this pose on. Anything that NumPy can convert to float64 without loss.
+    ///
+    /// Returns:
+    ///     (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: `times` is not one-dimensional, or a number or a pose reached is not finite.
+    ///     TypeError: `times` cannot be converted to float64 without loss.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Pose
+    ///     >>> Pose(1.0, 2.0, 0.0).trace((0.5, 0.0, 0.0), times=[0.0, 2.0, 4.0])
+    ///     array([[1., 2., 0.],
+    ///            [2., 2., 0.],
+    ///            [3., 2., 0.]])
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        twist: Argument<[f64; 3]>,
+        times: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let poses = trace(self.0, Twist::from(twist.named("twist")?), &numbers("times", times)?)?;
+        Ok(Array2::from(poses).into_pyarray(py))
     }
 
     /// Returns the constant twist that leads from this pose to another pose in `dt` seconds.

@@ -5,17 +5,17 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{check_out, fill, rows, short_repr, typed, vector};
+use super::arrays::{check_out, fill, rows, rows_or_beam_rows, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
 use super::mount::MountArgument;
 use super::number::Argument;
-use super::obstacles::ObstaclesArgument;
+use super::obstacles::{MovingObstaclesArgument, ObstaclesArgument};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{BeamLayout, Mount, NoReturn, Noise, ScannerOptions};
+use crate::{BeamLayout, Courses, Mount, NoReturn, Noise, ScannerOptions, Sweeps};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -246,11 +246,22 @@ impl LaserScanner {
     /// True ranges are those of `scan`. Scan i draws its noise from the random stream (seed, first_index + i), so a long
     /// batch may be split into chunks: the readings are the same bytes for any split, number of threads and machine.
     ///
+    /// With `scan_duration`, the scans take time, as those of a head that turns. Beam j is then taken
+    /// `j * time_increment(scan_duration)` seconds after beam 0, from where its robot is at that time, past obstacles where
+    /// they are at that time: the range of `scan` from there, to the last bit.
+    ///
     /// Args:
     ///     grid: Map to scan.
-    ///     poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Poses may lie outside the
-    ///         grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
-    ///     obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame.
+    ///     poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad], at the time of beam 0. Poses
+    ///         may lie outside the grid. Anything that NumPy can convert to float64 without loss, such as a list of poses.
+    ///         Or (N, beam_count, 3): the robot at the time of each beam.
+    ///     twists: (N, 3), one row (vx, vy, wz) per scan: the constant velocity in the robot's frame at which it moves while
+    ///         the scan is taken [m/s, m/s, rad/s]. None means that robots stand.
+    ///     scan_duration: Time in which the head turns through the field of the beams [s]. None means that all beams are taken
+    ///         in one instant.
+    ///     obstacles: Pairs (Shape, pose) that the beams of all scans also hit, with poses in the map frame. An obstacle may
+    ///         move during each scan: (Shape, pose, twist) from its pose at the time of beam 0 on, or (Shape, poses) with a
+    ///         (beam_count, 3) array of its poses at the time of each beam.
     ///     noise: Beam model to draw the readings from. None means no noise.
     ///     seed: Seed of the noise, 0 to 2**64 - 1, or a `RandomStream`, which counts the scans of all calls. Noise needs one.
     ///     first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0, or that of the
@@ -263,8 +274,8 @@ impl LaserScanner {
     ///         at `angle_min + j * angle_increment`. Exactly `max_range` means no return.
     ///
     /// Raises:
-    ///     ValueError: A shape is wrong, a pose is not finite, an integer is out of range, noise has no seed, or `out` is
-    ///         read-only, in use or not in C order.
+    ///     ValueError: A shape is wrong, a number is not finite, an integer is out of range, `scan_duration` is negative or
+    ///         missing where something moves, noise has no seed, or `out` is read-only, in use or not in C order.
     ///     TypeError: An argument has the wrong type or dtype.
     ///     OSError: The threads could not be started.
     ///
@@ -278,14 +289,22 @@ impl LaserScanner {
     ///     >>> mrs.LaserScanner(beam_count=1).scan_batch(grid, poses)
     ///     array([[1.5],
     ///            [0.5]], dtype=float32)
+    ///
+    ///     Three beams, nearly all ahead, of a robot that drives towards the wall at 1 m/s:
+    ///
+    ///     >>> ahead = mrs.LaserScanner(fov=1e-9, beam_count=3)
+    ///     >>> ahead.scan_batch(grid, poses[:1], twists=[(1.0, 0.0, 0.0)], scan_duration=0.5)
+    ///     array([[1.5 , 1.25, 1.  ]], dtype=float32)
     #[pyo3(
-        text_signature = "($self, grid, poses, *, obstacles=(), noise=None, seed=None, first_index=None, threads=None, \
-                          out=None)",
+        text_signature = "($self, grid, poses, *, twists=None, scan_duration=None, obstacles=(), noise=None, seed=None, \
+                          first_index=None, threads=None, out=None)",
         signature = (
             grid,
             poses,
             *,
-            obstacles = ObstaclesArgument::none(),
+            twists = None,
+            scan_duration = None,
+            obstacles = MovingObstaclesArgument::none(),
             noise = None,
             seed = None,
             first_index = None,
@@ -299,14 +318,28 @@ impl LaserScanner {
         py: Python<'py>,
         grid: GridArgument<'py>,
         poses: &Bound<'py, PyAny>,
-        obstacles: ObstaclesArgument,
+        twists: Option<&Bound<'py, PyAny>>,
+        scan_duration: Option<Argument<f64>>,
+        obstacles: MovingObstaclesArgument<'py>,
         noise: Option<NoiseArgument>,
         seed: Option<&Bound<'py, PyAny>>,
         first_index: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (grid, poses, threads) = (grid.get().core(), rows("poses", poses, out.as_ref())?, thread_count(threads)?);
+        let (grid, threads) = (grid.get().core(), thread_count(threads)?);
+        let scan_duration = scan_duration.map(|duration| duration.named("scan_duration")).transpose()?;
+        let (poses, has_beams) = rows_or_beam_rows("poses", poses, self.beam_count(), out.as_ref())?;
+        let scans = if has_beams { poses.len() / self.beam_count() } else { poses.len() };
+        let twists = twists.map(|twists| rows("twists", twists, out.as_ref())).transpose()?;
+        if twists.is_some() && has_beams {
+            return Err(PyValueError::new_err("twists must be None if poses has one pose for each beam, got both"));
+        }
+        if twists.is_some() && scan_duration.is_none() {
+            return Err(PyValueError::new_err(
+                "twists need scan_duration, the time in which the beams of a scan are taken [s]",
+            ));
+        }
         let seed = SeedArgument::new(seed, "first_index", first_index)?;
         if noise.is_some() && seed.is_none() {
             return Err(PyValueError::new_err(
@@ -315,12 +348,90 @@ impl LaserScanner {
             ));
         }
         let poses: &[[f64; 3]] = &poses;
-        check_out::<f32>(out.as_ref(), &[poses.len(), self.beam_count()])?;
+        check_out::<f32>(out.as_ref(), &[scans, self.beam_count()])?;
         let noise = noise
-            .map(|model| seed.take(poses.len()).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
+            .map(|model| seed.take(scans).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
             .transpose()?;
-        fill(py, out, &[poses.len(), self.beam_count()], |readings| {
-            self.0.scan_batch((&*grid, &obstacles.0), poses, noise, threads, readings)
+        if scan_duration.is_none() && !has_beams {
+            let obstacles = obstacles.standing()?;
+            return fill(py, out, &[scans, self.beam_count()], |readings| {
+                self.0.scan_batch((&*grid, &obstacles), poses, noise, threads, readings)
+            });
+        }
+        let standing;
+        let courses = match &twists {
+            _ if has_beams => Courses::Poses(poses),
+            Some(twists) => Courses::Arcs { poses, twists },
+            None => {
+                standing = memory::filled("the twists", [0.0; 3], poses.len())?;
+                Courses::Arcs { poses, twists: &standing }
+            }
+        };
+        if scan_duration.is_none() {
+            obstacles.check_have_poses()?;
+        }
+        let obstacles = obstacles.moving()?;
+        let sweeps = Sweeps { courses, scan_duration: scan_duration.unwrap_or(0.0), obstacles: &obstacles };
+        fill(py, out, &[scans, self.beam_count()], |readings| self.0.sweep_batch(&grid, sweeps, noise, threads, readings))
+    }
+
+    /// Returns the time from one beam to the next of a scan that takes time [s]; 0 with a single beam.
+    ///
+    /// It is the `time_increment` of a `LaserScan` message.
+    ///
+    /// Args:
+    ///     scan_duration: Time in which the head turns through the field of the beams [s]. A head that turns at a rate f
+    ///         takes `fov / (2 * pi * f)`. In a full turn, the last beam is taken one time increment before its end.
+    ///
+    /// Raises:
+    ///     ValueError: `scan_duration` is negative or not finite.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> mrs.LaserScanner(fov=3.0, beam_count=101).time_increment(0.05)
+    ///     0.0005
+    fn time_increment(&self, scan_duration: Argument<f64>) -> PyResult<f64> {
+        let scan_duration = scan_duration.named("scan_duration")?;
+        crate::error::check_number("scan_duration", scan_duration, "at least 0", |value| value >= 0.0)?;
+        Ok(self.0.time_increment(scan_duration))
+    }
+
+    /// Returns where each robot of a batch is at the time of each beam of its scan.
+    ///
+    /// These are the poses from which `scan_batch` takes the beams of a scan that takes time: those of `Pose.integrate`. Who
+    /// knows them can undo the distortion of the scan.
+    ///
+    /// Args:
+    ///     poses: (N, 3), one row (x, y, yaw) per robot at the time of beam 0, in any frame [m, m, rad].
+    ///     twists: (N, 3), one row (vx, vy, wz) per robot: its constant velocity in its own frame [m/s, m/s, rad/s].
+    ///     scan_duration: Time in which the head turns through the field of the beams [s].
+    ///
+    /// Returns:
+    ///     (N, beam_count, 3) float64, rows (x, y, yaw) in the frame of `poses` [m, m, rad]. Yaws are not wrapped.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, a number is not finite, or `scan_duration` is negative.
+    ///     TypeError: An array cannot be converted to float64 without loss.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> laser = mrs.LaserScanner(fov=1.0, beam_count=3)
+    ///     >>> laser.beam_poses([(0.0, 0.0, 0.0)], [(1.0, 0.0, 0.0)], 0.5)
+    ///     array([[[0.  , 0.  , 0.  ],
+    ///             [0.25, 0.  , 0.  ],
+    ///             [0.5 , 0.  , 0.  ]]])
+    fn beam_poses<'py>(
+        &self,
+        py: Python<'py>,
+        poses: &Bound<'py, PyAny>,
+        twists: &Bound<'py, PyAny>,
+        scan_duration: Argument<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let scan_duration = scan_duration.named("scan_duration")?;
+        let (poses, twists) = (rows("poses", poses, None)?, rows("twists", twists, None)?);
+        let courses = Courses::Arcs { poses: &poses, twists: &twists };
+        fill(py, None, &[poses.len(), self.beam_count(), 3], |numbers: &mut [f64]| {
+            self.0.beam_poses(courses, scan_duration, numbers.as_chunks_mut().0)
         })
     }
 

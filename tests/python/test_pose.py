@@ -91,6 +91,21 @@ def test_integration_follows_the_twist() -> None:
     assert mrs.Pose(1.0, 2.0, 0.0).integrate((2.0, -1.0, 0.0), 0.5) == mrs.Pose(2.0, 1.5, 0.0)
 
 
+def test_a_trace_has_the_poses_of_integrate() -> None:
+    start, times = mrs.Pose(1.0, -2.0, 3.0), np.linspace(-2.0, 5.0, 50)
+    for twist in ((1.0, 0.0, 0.0), (0.4, -0.2, 1.3), (0.0, 0.0, 0.0), (1.0, 1.0, 1e-9)):
+        trace = start.trace(twist, times)
+        assert trace.dtype == np.float64
+        assert np.array_equal(trace, [tuple(start.integrate(twist, time)) for time in times])
+    assert start.trace((1.0, 0.0, 0.0), []).shape == (0, 3)
+    with pytest.raises(ValueError, match=r"^times must have shape \(N,\), got \(1, 2\)"):
+        start.trace((1.0, 0.0, 0.0), [[0.0, 1.0]])
+    with pytest.raises(ValueError, match=r"^times must be finite, got NaN"):
+        start.trace((1.0, 0.0, 0.0), [0.0, math.nan])
+    with pytest.raises(ValueError, match=r"^vx must be finite, got inf"):
+        start.trace((math.inf, 0.0, 0.0), [0.0])
+
+
 @pytest.mark.parametrize("fraction", [-1.0, 0.0, 0.25, 0.5, 1.0, 3.0])
 def test_interpolation_stays_on_the_arc(fraction: float) -> None:
     start, twist = mrs.Pose(1.0, -2.0, 3.0), (0.8, 0.1, 0.9)

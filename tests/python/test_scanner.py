@@ -828,3 +828,78 @@ def test_a_pose_of_the_wrong_count_is_a_wrong_value_and_anything_else_a_wrong_ty
     for wrong in (5, "abc", "ab", None, (0.0, "x"), (0.0, 0.0, None), object()):
         with pytest.raises(TypeError, match="a pose must be three numbers"):
             laser.scan(grid, wrong)  # type: ignore[arg-type]
+
+
+SWEEP = {"twists": np.array([[0.5, -0.2, 1.5], [0.0, 0.0, 0.0]]), "scan_duration": 0.4}
+
+
+def test_a_scan_over_time_is_taken_beam_by_beam(room: mrs.OccupancyGrid) -> None:
+    laser = mrs.LaserScanner(fov=4.0, beam_count=41, mount=(0.2, 0.0, 0.1))
+    poses, disc = np.array([[1.0, 2.0, 0.5], [-3.0, 1.0, 2.0]]), mrs.Shape.disc(0.5)
+    times = np.arange(41) * laser.time_increment(0.4)
+    found = laser.scan_batch(room, poses, obstacles=[(disc, (2.0, 2.0, 0.0), (1.0, 0.0, 1.0))], **SWEEP)
+    for row, (pose, twist) in enumerate(zip(poses, SWEEP["twists"], strict=True)):
+        for beam, seconds in enumerate(times):
+            placed = [(disc, mrs.Pose(2.0, 2.0, 0.0).integrate((1.0, 0.0, 1.0), seconds))]
+            assert found[row, beam] == laser.scan(room, mrs.Pose(*pose).integrate(twist, seconds), obstacles=placed)[beam]
+    beam_poses = laser.beam_poses(poses, SWEEP["twists"], 0.4)
+    assert np.array_equal(beam_poses[0], mrs.Pose(*poses[0]).trace(SWEEP["twists"][0], times))
+    disc_poses = mrs.Pose(2.0, 2.0, 0.0).trace((1.0, 0.0, 1.0), times)
+    assert np.array_equal(laser.scan_batch(room, beam_poses, obstacles=[(disc, disc_poses)]), found)
+    # Robots that stand, and no duration.
+    assert np.array_equal(laser.scan_batch(room, poses, scan_duration=0.4), laser.scan_batch(room, poses))
+    assert np.array_equal(laser.scan_batch(room, poses, **{**SWEEP, "scan_duration": 0.0}), laser.scan_batch(room, poses))
+
+
+def test_noise_of_a_scan_over_time_depends_on_seed_and_index_alone(room: mrs.OccupancyGrid) -> None:
+    laser, poses = mrs.LaserScanner(beam_count=61), np.tile([1.0, 2.0, 0.5], (60, 1))
+    twists = np.linspace(-1.0, 1.0, 180).reshape(60, 3)
+    noise = mrs.BeamModel(sigma_hit=0.05, z_short=0.1)
+
+    def readings(start: int, end: int, **options: Any) -> bytes:
+        batch = {"twists": twists[start:end], "scan_duration": 0.2, "noise": noise, "seed": 5, "first_index": start}
+        ranges: bytes = laser.scan_batch(room, poses[start:end], **batch, **options).tobytes()
+        return ranges
+
+    whole = readings(0, 60)
+    assert readings(0, 60, threads=2) == whole
+    assert readings(0, 60, out=np.empty((60, 61), np.float32)) == whole
+    assert readings(0, 13) + readings(13, 60, threads=3) == whole
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scan_duration": None}, r"twists need scan_duration, the time in which the beams of a scan are taken \[s\]"),
+        ({"scan_duration": -1.0}, "scan_duration must be at least 0, got -1"),
+        ({"scan_duration": math.inf}, "scan_duration must be at least 0, got inf"),
+        ({"twists": np.zeros((3, 3))}, "twists must have 2 elements, got 3"),
+        ({"twists": np.zeros((2, 2))}, r"twists must have shape \(N, 3\), got \(2, 2\)"),
+        ({"twists": np.full((2, 3), math.nan)}, r"twists must be finite, got \[NaN, NaN, NaN\] in row 0"),
+        (
+            {"poses": np.zeros((2, 4, 3))},
+            r"poses for each beam must have shape \(N, 5, 3\), got \(2, 4, 3\)",
+        ),
+        ({"poses": np.zeros((2, 5, 3))}, "twists must be None if poses has one pose for each beam, got both"),
+        ({"obstacles": [(mrs.Shape.disc(1.0), np.zeros((4, 3)))]}, "the poses of an obstacle must have 5 elements, got 4"),
+        ({"obstacles": [(mrs.Shape.disc(1.0), np.zeros((4, 2)))]}, r"the poses of an obstacle must have shape \(N, 3\)"),
+        (
+            {"obstacles": [(mrs.Shape.disc(1.0), (0, 0, 0), (1, 0))]},
+            "the twist of an obstacle must be three numbers",
+        ),
+        ({"obstacles": [(mrs.Shape.disc(1.0), (0, 0, 0), (math.nan, 0, 0))]}, "vx must be finite, got NaN"),
+    ],
+)
+def test_bad_values_of_a_scan_over_time_are_named(room: mrs.OccupancyGrid, options: dict[str, Any], message: str) -> None:
+    laser, given = mrs.LaserScanner(beam_count=5), {"poses": np.zeros((2, 3)), **SWEEP, **options}
+    with pytest.raises(ValueError, match=message):
+        laser.scan_batch(room, **given)
+
+
+def test_obstacles_move_only_while_time_passes(room: mrs.OccupancyGrid) -> None:
+    laser, disc = mrs.LaserScanner(beam_count=5), mrs.Shape.disc(1.0)
+    for poses in (np.zeros((2, 3)), np.zeros((2, 5, 3))):
+        with pytest.raises(ValueError, match="obstacles that move need scan_duration"):
+            laser.scan_batch(room, poses, obstacles=[(disc, (3.0, 0.0, 0.0), (1.0, 0.0, 0.0))])
+    with pytest.raises(ValueError, match="scan_duration must be at least 0, got -1"):
+        laser.time_increment(-1.0)
