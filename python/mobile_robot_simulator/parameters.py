@@ -358,6 +358,11 @@ class LaserParameters(Parameters):
     laser_max_range: Annotated[Number, Field(gt=0.0, le=1e30)] = Field(30.0, description="largest range [m]")
     laser_min_range: Annotated[Number, Field(ge=0.0)] = Field(0.05, description="smallest valid range [m]")
     laser_frequency: Rate = Field(10.0, description="rate of the scans [Hz]")
+    laser_scan_duration: Annotated[Number, Field(ge=0.0)] = Field(
+        0.0,
+        description="time in which the head turns through the field of the beams [s], at most one period; a head that turns "
+        "at laser_frequency takes laser_fov / 2π of a period; 0 measures all beams in one instant",
+    )
     apply_noise: bool = Field(True, description="add noise to the ranges")
     sigma_hit: Annotated[Number, Field(gt=0.0)] = Field(0.005, description="standard deviation of a correct range [m]")
     lambda_short: Annotated[Number, Field(gt=0.0)] = Field(
@@ -393,6 +398,11 @@ class LaserParameters(Parameters):
         if self.laser_min_range >= self.laser_max_range:
             raise ValueError(
                 f"laser_min_range must be less than laser_max_range {self.laser_max_range}, got {self.laser_min_range}"
+            )
+        if self.laser_scan_duration > 1.0 / self.laser_frequency:
+            raise ValueError(
+                f"laser_scan_duration must be at most 1 / laser_frequency, {1.0 / self.laser_frequency:g} s, "
+                f"got {self.laser_scan_duration}"
             )
         low, high = self.laser_angle_min, self.laser_angle_max
         if (low is None) != (high is None):

@@ -7,26 +7,23 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import messages
 from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
+from ..instant import NANOSECONDS
 from ..messages import Header, LaserScan, Quaternion, TFMessage, Time, TransformStamped, Vector3
 from ..parameters import LaserParameters
-from ..physics.world import Carrier
+from ..physics.world import Carrier, Passing
 from .interface import Node, Publisher, QoS
+from .laser_messages import scan_message
 from .map_listener import MapListener, MapListenerSnapshot
+from .scan_truth import ScanTruth
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
 from .truth_listener import TruthListener, TruthSnapshot
 from .waiting import WaitingLog
 
-RANGE_MAX_MARGIN = 0.001
-"""With `no_return: max`, `range_max` of a scan exceeds the reading of a beam without a return by this [m]."""
-
 POINT = Shape.disc(1e-9)
-
-NO_INTENSITIES = np.zeros(0, np.float32)
 
 WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
 """Parameters that hold the weights of the beam model."""
@@ -64,6 +61,7 @@ class LaserSnapshot:
         transforms: State of the transform buffer.
         listener: Subscriptions of the node's own transform listener, None if it has none or is stopped.
         truth: State of the listener to the ground truth.
+        scan_truth: The truth about the last scan that took time.
     """
 
     parameters: LaserParameters
@@ -77,6 +75,7 @@ class LaserSnapshot:
     transforms: TransformSnapshot
     listener: Handles | None
     truth: TruthSnapshot
+    scan_truth: ScanTruth | None
 
 
 class LaserScannerSimulator(Handle):
@@ -89,6 +88,8 @@ class LaserScannerSimulator(Handle):
     Time:
         The node publishes scans at `laser_frequency`. Each scan is measured from the pose at its stamp. The node
         extrapolates that pose from the last message with the last velocity, so a scan never waits for a message.
+        With `laser_scan_duration`, the beams are taken one after the other, each from where the robot is then, past
+        obstacles where they are then. The stamp is that of the first beam, and the scan is published when its time is over.
         There are no scans until both the map and the pose are known. After 2 s without them the node logs what it waits for,
         and again every 10 s.
     Map:
@@ -130,6 +131,7 @@ class LaserScannerSimulator(Handle):
         self._mount: Pose | tuple[float, ...] | None = None
         self._has_warned = False
         self._scan_count = 0
+        self._scan_truth: ScanTruth | None = None
         self._running: Handles | None = None
         self._scans: Publisher[LaserScan] | None = None
         self._use_parameters(parameters)
@@ -146,6 +148,11 @@ class LaserScannerSimulator(Handle):
     def scanner(self) -> LaserScanner:
         """Current scanner, with its mount on the robot."""
         return self._scanner
+
+    @property
+    def scan_truth(self) -> ScanTruth | None:
+        """The truth about the last scan that took time, None before the first one. See `laser_scan_duration`."""
+        return self._scan_truth
 
     def set_parameters(self, **values: Any) -> None:
         """Changes parameters by name. The next scan uses them.
@@ -214,6 +221,7 @@ class LaserScannerSimulator(Handle):
             transforms=self._transforms.save(),
             listener=self._listener.save() if self._has_own_listener else None,
             truth=self._truth.save(),
+            scan_truth=self._scan_truth,
         )
 
     def restore(self, state: LaserSnapshot) -> None:
@@ -224,6 +232,7 @@ class LaserScannerSimulator(Handle):
         self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
         self._transforms.restore(state.transforms)
         self._truth.restore(state.truth)
+        self._scan_truth = state.scan_truth
         if self._has_own_listener:
             self._listener.restore(state.listener)
 
@@ -301,10 +310,18 @@ class LaserScannerSimulator(Handle):
         if grid is None or map_from_base is None or not is_mounted:
             return
         self._check_position(grid, map_from_base)
-        ranges = self._measure(grid, map_from_base)
+        self._prepare(grid)
+        stamp_ns = now_ns - round(parameters.laser_scan_duration * NANOSECONDS)
+        if stamp_ns == now_ns:
+            ranges = self._measure(grid, map_from_base)
+        elif (first := self._base_pose(stamp_ns)) is not None:
+            ranges = self._measure_over_time(grid, stamp_ns, first, map_from_base)
+        else:
+            return
+        self._scan_count += 1
         if self._carrier is not None:
             self._carrier.publish_transforms(now_ns)
-        self._scans.publish_lazily(_scan_message, now_ns, parameters, self._scanner, ranges)
+        self._scans.publish_lazily(scan_message, stamp_ns, parameters, self._scanner, ranges)
 
     def _base_pose(self, now_ns: int) -> Pose | None:
         """Returns the pose of the robot's base in the map frame. None if it is unknown."""
@@ -340,46 +357,47 @@ class LaserScannerSimulator(Handle):
             self._node.get_logger().warning(f"the laser is inside a wall, at ({x:.2f}, {y:.2f}): all true ranges are 0")
 
     def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> Any:
-        """Measures the next scan, with noise if `apply_noise` is set. Returns its ranges, (beam_count,) float32 [m]."""
-        self._prepare(grid)
-        ranges = self._scanner.scan_batch(
+        """Measures the next scan in one instant. Returns its ranges, (beam_count,) float32 [m]."""
+        return self._scanner.scan_batch(
             grid,
             np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
             obstacles=[] if self._carrier is None else self._carrier.surroundings,
-            noise=self._beam_model if self._parameters.apply_noise else None,
+            noise=self._noise,
             seed=self._parameters.seed,
             first_index=self._scan_count,
             threads=1,
         )[0]
-        self._scan_count += 1
+
+    def _measure_over_time(self, grid: OccupancyGrid, stamp_ns: int, first: Pose, last: Pose) -> Any:
+        """Measures the next scan, of which beam 0 was taken at a stamp [ns]. Returns its ranges, (beam_count,) float32 [m].
+
+        A robot in this process knows where it was at the time of each beam. Otherwise the robot has moved on an arc from
+        the `first` to the `last` pose.
+        """
+        duration = self._parameters.laser_scan_duration
+        increment = self._scanner.time_increment(duration)
+        times_ns = np.rint(np.arange(self._scanner.beam_count) * (increment * NANOSECONDS)).astype(np.int64)
+        offsets_ns = times_ns - round(duration * NANOSECONDS)
+        if self._carrier is not None and self._parameters.pose_source == "truth":
+            poses = self._carrier.poses_at(offsets_ns)
+        else:
+            poses = first.trace(first.twist_to(last, duration), times_ns / NANOSECONDS)
+        passing: list[Passing] = [] if self._carrier is None else self._carrier.surroundings_at(offsets_ns)
+        ranges = self._scanner.scan_batch(
+            grid,
+            poses[np.newaxis],
+            obstacles=passing,
+            noise=self._noise,
+            seed=self._parameters.seed,
+            first_index=self._scan_count,
+            threads=1,
+        )[0]
+        seed, index = self._parameters.seed, self._scan_count
+        self._scan_truth = ScanTruth(
+            stamp_ns, times_ns, poses, ranges, grid, self._scanner, self._noise, seed, index, tuple(passing)
+        )
         return ranges
 
-
-def _scan_message(
-    stamp_ns: int, parameters: LaserParameters, scanner: LaserScanner, ranges: NDArray[np.float32]
-) -> LaserScan:
-    return LaserScan(
-        Header(Time.from_nanoseconds(stamp_ns), parameters.frames["laser_frame_id"]),
-        angle_min=scanner.angle_min,
-        angle_max=scanner.angle_max,
-        angle_increment=scanner.angle_increment,
-        scan_time=1.0 / parameters.laser_frequency,
-        range_min=scanner.min_range,
-        range_max=_range_max(parameters),
-        ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
-        intensities=NO_INTENSITIES,
-    )
-
-
-def _range_max(parameters: LaserParameters) -> float:
-    """Returns `range_max` of the scans [m].
-
-    Programs such as laser_geometry drop readings of `range_max` and above. With `no_return: max`, beams without a return
-    must not be dropped, so `range_max` exceeds their reading. It is a float32 in messages, hence the next float32 if the
-    margin would be lost.
-    """
-    max_range = parameters.laser_max_range
-    if parameters.no_return != "max":
-        return max_range
-    next_above = float(np.nextafter(np.float32(max_range), np.float32(np.inf)))
-    return max(max_range + RANGE_MAX_MARGIN, next_above)
+    @property
+    def _noise(self) -> BeamModel | None:
+        return self._beam_model if self._parameters.apply_noise else None

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from itertools import takewhile
 from typing import Any, SupportsFloat, SupportsIndex
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import messages
 from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
@@ -29,7 +32,7 @@ from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
-from ..physics.world import Placed, World
+from ..physics.world import Passing, Placed, World
 from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
@@ -213,6 +216,14 @@ class MobileRobotSimulator(Handle):
     def surroundings(self) -> list[Placed]:
         """Obstacles and other robots that a scanner on this robot sees now, with their poses in the map frame."""
         return self._world.seen_by(self)
+
+    def poses_at(self, offsets_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Returns the true poses in the map frame at times [ns] relative to now, (N, 3) float64; see `Carrier.poses_at`."""
+        return self._motion.map_poses_at(self._world.now_ns() + offsets_ns)
+
+    def surroundings_at(self, offsets_ns: NDArray[np.int64]) -> list[Passing]:
+        """Returns what a scanner on this robot saw at times [ns] relative to now; see `Carrier.surroundings_at`."""
+        return self._world.around_during(self, self._world.now_ns() + offsets_ns)
 
     @property
     def start_pose(self) -> Pose:

@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .._core import Limits, Pose
 from ..instant import NANOSECONDS
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
@@ -47,6 +50,10 @@ class Segment:
     def pose_at(self, time_ns: float) -> Pose:
         """Pose of the robot in the map frame, at a time [ns] in the segment."""
         return self.profile.move(self.pose, time_ns, self.grip).wrapped()
+
+    def trace(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Poses at several times in the segment, (N, 3): those of `pose_at`, with yaws that are not wrapped."""
+        return self.profile.trace(self.pose, times_ns, self.grip)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +216,23 @@ class Motion:
         """Pose of the robot in the map frame, at a time in the past."""
         index = bisect_right(self.segments, time_ns, key=lambda segment: segment.start_ns)
         return self.segments[max(0, index - 1)].pose_at(time_ns)
+
+    def map_poses_at(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Poses of the robot in the map frame at past times: those of `map_pose_at`, with yaws that are not wrapped.
+
+        Args:
+            times_ns: (N,) int64, increasing times [ns]; at least one.
+
+        Returns:
+            (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+        """
+        segments = self.trajectory(int(times_ns[-1]))
+        first = max(0, bisect_right(segments, times_ns[0], key=lambda segment: segment.start_ns) - 1)
+        last = bisect_right(segments, times_ns[-1], key=lambda segment: segment.start_ns)
+        segments = segments[first : max(last, first + 1)]
+        ends = np.searchsorted(times_ns, [segment.start_ns for segment in segments[1:]])
+        parts = np.split(times_ns, ends)
+        return np.concatenate([segment.trace(times) for segment, times in zip(segments, parts, strict=True)])
 
     def trajectory(self, time_ns: int) -> list[Segment]:
         """Trajectory from the start up to a time, at most the present."""

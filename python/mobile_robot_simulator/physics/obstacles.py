@@ -11,6 +11,7 @@ from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import Pose, Shape
 from ..handle import Handle
@@ -21,6 +22,9 @@ from .velocity_profile import Velocity
 
 PoseLike: TypeAlias = Pose | tuple[float, float, float]
 """A pose, or its x, y [m] and yaw [rad]."""
+
+Course: TypeAlias = Pose | NDArray[np.float64]
+"""One pose, or an (N, 3) array of poses at several times."""
 
 Waypoints: TypeAlias = Sequence[tuple[float, float, float, float]]
 """Rows of time [s], x, y [m] and yaw [rad], with increasing times."""
@@ -81,6 +85,24 @@ class Obstacle(Handle):
         except TypeError as error:
             message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
             raise TypeError(message) from error
+
+    def course(self, times_ns: NDArray[np.int64]) -> Course:
+        """Returns where the obstacle is at several times: those of `pose`.
+
+        Args:
+            times_ns: (N,) int64, increasing times [ns].
+
+        Returns:
+            The pose of an obstacle that was never moved; else (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+
+        Raises:
+            Exception: Those of `pose`.
+        """
+        if self._motion is not None:
+            return self._motion.map_poses_at(times_ns)
+        if isinstance(self._pose_at, _Standing):
+            return self._pose_at.pose
+        return np.array([tuple(self.pose(time_ns)) for time_ns in times_ns.tolist()])
 
     def move(self, time_ns: int, *, pose: Pose | None = None, velocity: Velocity | None = None) -> None:
         """Moves the obstacle from now on.

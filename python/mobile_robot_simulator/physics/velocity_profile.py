@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .._core import Limits, Pose
 from ..instant import NANOSECONDS
 
@@ -66,6 +69,30 @@ class VelocityProfile:
             return pose
         velocity = self.limits.apply(self.command, self.velocity, held)
         return self.limits.integrate(pose, STANDING, velocity, after, grip=grip)
+
+    def trace(self, pose: Pose, times_ns: NDArray[np.int64], grip: float = 1.0) -> NDArray[np.float64]:
+        """Poses that are reached at several times: those of `move`.
+
+        Args:
+            pose: Pose at the start, in any frame.
+            times_ns: (N,) int64, the times [ns].
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        Returns:
+            (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+        """
+        held = np.maximum(np.minimum(times_ns, self.until_ns) - self.start_ns, 0) / NANOSECONDS
+        if self.limits is None:
+            return pose.trace(scaled(self.command, grip), held)
+        poses = self.limits.trace(pose, self.command, self.velocity, held, grip=grip)
+        is_after = times_ns > self.until_ns
+        if is_after.any():
+            longest = self._held(self.until_ns)
+            velocity = self.limits.apply(self.command, self.velocity, longest)
+            released = self.limits.integrate(pose, self.command, self.velocity, longest, grip=grip)
+            after = (times_ns[is_after] - self.until_ns) / NANOSECONDS
+            poses[is_after] = self.limits.trace(released, STANDING, velocity, after, grip=grip)
+        return poses
 
     def distance(self, time_ns: float) -> float:
         """Length of the path that the wheels have driven since the start [m]."""

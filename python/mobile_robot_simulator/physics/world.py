@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
 from ..quoting import quoted
 from .motion import Motion
-from .obstacles import Obstacle, ObstacleSnapshot
+from .obstacles import Course, Obstacle, ObstacleSnapshot
 from .velocity_profile import Velocity
 
 STEP_NS = 20_000_000
@@ -26,6 +27,10 @@ SHOWN_NAMES = 10
 
 Placed: TypeAlias = tuple[Shape, Pose]
 """A shape and its pose in the map frame."""
+
+
+Passing: TypeAlias = tuple[Shape, Course]
+"""A shape, and its pose or its poses at several times in the map frame."""
 
 
 class Body(Protocol):
@@ -52,6 +57,23 @@ class Carrier(Protocol):
     @property
     def surroundings(self) -> list[Placed]:
         """Obstacles and other robots now; scanners see these in addition to the map."""
+
+    def poses_at(self, offsets_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Returns the true poses in the map frame at times up to now.
+
+        Args:
+            offsets_ns: (N,) int64, increasing times [ns] relative to now; none is positive.
+
+        Returns:
+            (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+        """
+
+    def surroundings_at(self, offsets_ns: NDArray[np.int64]) -> list[Passing]:
+        """Returns the obstacles and other robots that are here now, and where they were at times up to now.
+
+        Args:
+            offsets_ns: (N,) int64, increasing times [ns] relative to now; none is positive.
+        """
 
     def publish_transforms(self, stamp_ns: int) -> None:
         """Publishes the transforms of the body, unless it has done so at this stamp [ns].
@@ -237,6 +259,19 @@ class World(Handle):
         """Obstacles and other robots, where they were at a time in the past."""
         everybody = self._everybody(time_ns, lambda body: body.motion.map_pose_at(time_ns))
         return [placed for other, placed in everybody if other is not body]
+
+    def around_during(self, body: Body, times_ns: NDArray[np.int64]) -> list[Passing]:
+        """Obstacles and other robots that are here now, and where they were at several times in the past.
+
+        Args:
+            body: The robot to leave out.
+            times_ns: (N,) int64, increasing times [ns].
+        """
+        around: list[Passing] = [(obstacle.shape, obstacle.course(times_ns)) for obstacle in self.obstacles]
+        for other in self._bodies:
+            if other is not body and other.footprint is not None:
+                around.append((other.footprint, other.motion.map_poses_at(times_ns)))
+        return around
 
     def save(self) -> WorldSnapshot:
         """Returns a snapshot for `restore`."""

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._core import Pose, Shape, clearance, clearance_batch
 from ..handle import Handle
@@ -129,6 +129,23 @@ class GroundTruth(Handle):
             ValueError: The time is outside that range.
         """
         return self._robot.motion.map_pose_at(self._past_ns(time))
+
+    def poses_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Returns the poses in the map frame at past times: those of `pose_at`, with yaws that are not wrapped.
+
+        Args:
+            times: (N,) simulated times [s], increasing, from the time at which the robot was added until now.
+
+        Returns:
+            (N, 3) float64, rows x [m], y [m], yaw [rad].
+
+        Raises:
+            ValueError: There are no times, they decrease, or one is outside that range.
+        """
+        times_ns = np.array([self._past_ns(float(time)) for time in np.asarray(times, np.float64)], np.int64)
+        if not len(times_ns) or np.any(np.diff(times_ns) < 0):
+            raise ValueError(f"the times must be one or more and must not decrease, got {quoted(times)}")
+        return self._robot.motion.map_poses_at(times_ns)
 
     @property
     def path(self) -> NDArray[np.float64]:

@@ -103,6 +103,21 @@ def test_a_scan_field_by_field(room: mrs.OccupancyGrid) -> None:
     assert scan.intensities.dtype == np.float32 and len(scan.intensities) in (0, 61)
 
 
+def test_a_scan_that_takes_time_follows_the_arc_between_two_poses_in_tf(room: mrs.OccupancyGrid) -> None:
+    rig = Rig(room, laser_scan_duration=0.06, laser_frequency=10.0)
+    drive(rig, 0.5)
+    scan, scanner = rig.scans[-1], rig.laser.scanner
+    assert scan.header.stamp.nanoseconds == 440_000_000
+    increment = scanner.time_increment(0.06)
+    assert scan.time_increment == increment == 0.06 / 60
+    expected = [
+        scanner.scan(room, mrs.Pose().integrate(TWIST, 0.44 + beam * increment))[beam] for beam in range(scanner.beam_count)
+    ]
+    np.testing.assert_allclose(scan.ranges, scanner.mark_invalid(np.array(expected)), atol=1e-6)
+    at_once = scanner.mark_invalid(scanner.scan(room, mrs.Pose().integrate(TWIST, 0.44)))
+    assert not np.allclose(scan.ranges, at_once, atol=1e-3)
+
+
 def test_missing_and_near_returns_are_marked() -> None:
     cells = np.zeros((40, 40), np.int8)
     cells[:, 22] = 100
