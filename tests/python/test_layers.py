@@ -157,6 +157,7 @@ TESTED_ELSEWHERE = {
     "cli/ros.py": "needs ROS: tests/ros",
     "cli/summary.py": "cli/test_drive.py reads the summary of a drive",
     "maps/floor_plans": "maps/test_floor_plans.py checks the plans that its modules draw together",
+    "maps/cell_map.py": "maps/test_formats.py gives good and bad sizes of cells",
     "maps/map_image.py": "maps/test_map_files.py reads every encoding through load_map",
     "entity_messages.py": "nodes/test_entity_services.py sends and receives them",
     "marker_messages.py": "nodes/test_world_server.py sends and receives them",

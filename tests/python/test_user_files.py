@@ -69,7 +69,7 @@ def test_no_reader_reads_a_device(
 
 @pytest.mark.parametrize("read", READERS)
 def test_no_reader_reads_a_file_that_is_too_large(tmp_path: Path, read: Callable[[Path], object]) -> None:
-    path = tmp_path / "large"
+    path = tmp_path / "large.yaml"
     with path.open("wb") as file:
         file.truncate(2**40)  # takes no space on the disk
     with pytest.raises(OSError, match=r"Must have at most \d+ bytes, got 1099511627776 bytes.*large"):

@@ -24,7 +24,7 @@ def nothing(*_: object) -> None:
         (lambda: mrs.save_map(3, "x.yaml"), TypeError, "the grid must be an OccupancyGrid, got 3"),
         (lambda: mrs.save_map(hall(), 3), TypeError, "the path of a map must be a text or a Path, got 3"),
         (lambda: mrs.load_map(3), TypeError, "the path of a map must be a text or a Path, got 3"),
-        (lambda: mrs.load_map(""), ValueError, "the path of a map must name a YAML file, got ''"),
+        (lambda: mrs.load_map(""), ValueError, "the path of a map must name a file, got ''"),
         (lambda: mrs.floor_plan("office", seed="a"), TypeError, "seed must be an integer, got 'a'"),
         (lambda: mrs.floor_plan("office", seed=1.5), TypeError, "seed must be an integer, got 1.5"),
         (lambda: mrs.floor_plan("office", resolution="a"), TypeError, "resolution must be a number [m], got 'a'"),

@@ -11,12 +11,14 @@ import typer
 from .._core import OccupancyGrid, Pose
 from ..faults import Fault
 from ..faults.reading import read_fault
-from ..maps.map_files import load_map
+from ..maps import load_map
 from ..parameter_files import read_assignment, read_file, translated
 from ..parameters import LaserParameters, for_node
 from .console import print_note
 
-MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="Map file in the YAML format of map_server.")]
+MapFile = Annotated[
+    Path, typer.Argument(metavar="MAP", help="Map file: the YAML file of map_server, or a world in another format.")
+]
 Assignments = Annotated[
     list[str] | None,
     typer.Option("-p", "--param", metavar="NAME:=VALUE", help="Set a parameter. Can be given several times."),

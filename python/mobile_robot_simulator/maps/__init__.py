@@ -1,6 +1,8 @@
 """Occupancy grids: loaded from map files, saved to map files, and generated as floor plans."""
 
 from .floor_plans import floor_plan
-from .map_files import load_map, save_map
+from .formats import load_map
+from .map_files import save_map
+from .movingai import Scenario, load_scenarios
 
-__all__ = ["floor_plan", "load_map", "save_map"]
+__all__ = ["Scenario", "floor_plan", "load_map", "load_scenarios", "save_map"]

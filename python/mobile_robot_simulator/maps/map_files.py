@@ -16,7 +16,7 @@ import os
 import re
 import warnings
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import yaml
@@ -27,9 +27,10 @@ from ..new_files import write_files
 from ..quoting import quoted
 from ..user_files import read_text
 from ..yaml_documents import MappingNode, Node, ScalarNode, SequenceNode, entries_of, invalid, parse
+from .cell_map import CellMap
 from .map_image import MapImage, is_image, read_image
 
-__all__ = ["load_map", "save_map"]
+__all__ = ["read_map_server", "save_map"]
 
 _Cells: TypeAlias = NDArray[np.int8]
 _Entries: TypeAlias = dict[str, Node]
@@ -46,63 +47,22 @@ _SAVED_THRESHOLDS = {"occupied_thresh": 0.65, "free_thresh": 0.196}
 _SAVED_GREYS = {0: 254, 100: 0, -1: 205}
 
 
-def load_map(
-    path: str | os.PathLike[str],
-    *,
-    occupied_threshold: int = 60,
-    unknown: Literal["free", "occupied"] = "free",
-    transparency: Literal["unknown", "averaged"] = "unknown",
-) -> OccupancyGrid:
-    """Loads a map from a map_server YAML file and its image.
-
-    The bottom row of the image becomes row 0 of the grid. Let `pixel` be the 8-bit Rec. 601 luma of a pixel and
-    p = (255 - pixel) / 255, or p = pixel / 255 with `negate`. The value of its cell depends on the mode:
-
-    - trinary: 100 if p >= occupied_thresh, 0 if p <= free_thresh, else -1;
-    - scale: the same, but round(100 * (p - free_thresh) / (occupied_thresh - free_thresh)) between the thresholds;
-    - raw: `pixel` if it is at most 100, else -1; `negate` and the thresholds have no effect.
-
-    In trinary and scale mode a pixel that is not fully opaque becomes -1, as in Nav2 since April 2025 (Kilted, and Jazzy
-    since 1.3.7). Earlier versions of Nav2 and ROS 1 averaged the opacity with the three colours in trinary mode;
-    `transparency="averaged"` does so too.
-
-    The image may be PNM (P1 to P6), PNG, JPEG, BMP, TIFF or GIF. Samples of more than 8 bits are scaled to 8 bits and
-    rounded down. Colours of 16-bit samples can come out one level too high, because Pillow keeps only their high byte.
+def read_map_server(path: Path, *, is_averaged: bool) -> CellMap:
+    """Returns the cells of a map_server YAML file and its image, as `load_map` defines them.
 
     Args:
         path: The YAML file.
-        occupied_threshold: Cells of at least this value block beams. Not to be confused with `occupied_thresh` in the
-            YAML file, which turns pixels into cells.
-        unknown: Treatment of unknown cells, which have the value -1: "free", or "occupied", which blocks beams.
-        transparency: Treatment of an image with transparency: "unknown" or "averaged", as above.
-
-    Returns:
-        The grid.
+        is_averaged: Whether the opacity of a pixel is averaged with its colours in trinary mode.
 
     Raises:
-        OSError: A file cannot be read; FileNotFoundError if it does not exist.
-        TypeError: The path is not a path.
+        OSError: A file cannot be read.
         ValueError: The YAML file or the image is invalid or truncated. The message gives the file, the key, its value and
             the requirement.
-
-    Warns:
-        UserWarning: The yaw of the origin is NaN, as in some real files; it is read as 0.
-
-    Sources: nav2_map_server, map_io.cpp, before and after commit 8d69483 of 2025-04-24; GraphicsMagick 1.3, image.h and
-    pnm.c; Netpbm, pgm(5).
     """
-    if transparency not in ("unknown", "averaged"):
-        raise ValueError(f"transparency must be 'unknown' or 'averaged', got {quoted(transparency)}")
-    yaml_path = _yaml_path(path)
-    description = _read_description(yaml_path)
-    image = read_image(description.image_path, yaml_path)
-    return OccupancyGrid(
-        _cells_from_image(image, description, is_averaged=transparency == "averaged"),
-        resolution=description.resolution,
-        origin=description.origin,
-        occupied_threshold=occupied_threshold,
-        unknown=unknown,
-    )
+    description = _read_description(path)
+    image = read_image(description.image_path, path)
+    cells = _cells_from_image(image, description, is_averaged=is_averaged)
+    return CellMap(cells, description.resolution, description.origin)
 
 
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
@@ -126,7 +86,7 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     """
     if not isinstance(grid, OccupancyGrid):
         raise TypeError(f"the grid must be an OccupancyGrid, got {quoted(grid)}")
-    yaml_path = _yaml_path(path)
+    yaml_path = map_path(path)
     if yaml_path.suffix.lower() not in (".yaml", ".yml"):
         raise ValueError(f"the path of a map must end in .yaml or .yml, got {quoted(str(yaml_path))}")
     image_path = yaml_path.with_suffix(".pgm")
@@ -140,11 +100,17 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     )
 
 
-def _yaml_path(path: object) -> Path:
+def map_path(path: object) -> Path:
+    """Returns the path of a map after checking that it is one.
+
+    Raises:
+        TypeError: It is neither a text nor a path.
+        ValueError: It is empty.
+    """
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"the path of a map must be a text or a Path, got {quoted(path)}")
     if not os.fspath(path):
-        raise ValueError("the path of a map must name a YAML file, got ''")
+        raise ValueError("the path of a map must name a file, got ''")
     return Path(path)
 
 
@@ -224,7 +190,7 @@ def _origin(entries: _Entries) -> tuple[float, float, float]:
     x, y, yaw = map(_number, origin.value)
     text = _text(origin.value[2])
     if text.lower().lstrip("+-.") == "nan":
-        warnings.warn(f"the yaw of the map's origin is {text}; 0 is used instead", stacklevel=4)
+        warnings.warn(f"the yaw of the map's origin is {text}; 0 is used instead", stacklevel=5)
         yaw = 0.0
     if not all(map(math.isfinite, (x, y, yaw))):
         raise invalid("origin", origin, "three finite numbers [x, y, yaw]")

@@ -8,7 +8,7 @@ from typing import Any
 from .. import messages
 from .._core import OccupancyGrid
 from ..handle import Handle, Handles
-from ..maps.map_files import load_map
+from ..maps import load_map
 from ..parameters import MapParameters
 from .interface import Node, Publisher, QoS
 from .map_messages import to_message

@@ -165,8 +165,8 @@ class SimulationFactory:
 
 def _load(file: str | Path) -> OccupancyGrid:
     """Returns the map of a map file. If there is no such file, the error lists the kinds of floor plans."""
+    from ..maps import load_map
     from ..maps.floor_plans import KINDS
-    from ..maps.map_files import load_map
 
     try:
         return load_map(file)
