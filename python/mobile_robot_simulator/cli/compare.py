@@ -18,10 +18,13 @@ from .options import Assignments, MapFile, ParamsFile, RosArgs, load_grid, read_
 from .signals import signals_as_interrupt
 
 if TYPE_CHECKING:
-    from ..compare import Comparison
+    from ..compare import Comparison, Spread
 
 REPORT = "report.json"
 """File with the results in the folder given to --out."""
+
+PLACES = 3
+"""Number of places that the table has."""
 
 BEAMS = {
     "both": "return in both",
@@ -129,7 +132,20 @@ def _rows(comparison: Comparison) -> list[tuple[str, str]]:
     rows += [(BEAMS[kind], f"{count / total:.1%} of the beams") for kind, count in residuals.counts.items() if count]
     rows += [("residual, median", _signed(spread.median)), ("residual, MAD", f"{spread.mad:.3f} m")]
     rows += [(f"within {near:.2f} m", f"{share:.1%}") for near, share in spread.within.items()]
+    for band in comparison.breakdown.by_range:
+        limits = f"{band.low:g} to {band.high:g} m" if math.isfinite(band.high) else f"from {band.low:g} m"
+        rows.append((f"at {limits}", _spread(band.spread)))
+    for band in comparison.breakdown.by_incidence:
+        low, high = math.degrees(band.low), math.degrees(band.high)
+        rows.append((f"incidence {low:.0f} to {high:.0f}°", _spread(band.spread)))
+    for place in comparison.breakdown.places[:PLACES]:
+        text = f"{place.wrong} of {place.count} beams, median {_signed(place.median)}"
+        rows.append((f"wrong at {place.x:.2f}, {place.y:.2f}", text))
     return rows
+
+
+def _spread(spread: Spread) -> str:
+    return f"median {_signed(spread.median)}, MAD {spread.mad:.3f} m"
 
 
 def _signed(metres: float) -> str:

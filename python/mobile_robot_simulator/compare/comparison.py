@@ -14,8 +14,10 @@ from .._core import OccupancyGrid
 from ..logs import ScanLog
 from .alignment import REACH, Alignment, align_log, moved
 from .beams import Beams
+from .breakdown import INCIDENCES, RANGES, Breakdown, bands, wrong_places
+from .incidence import incidence_of
 from .refinement import Refinement, refine_poses
-from .residuals import Residuals
+from .residuals import Residuals, Spread
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,7 @@ class Comparison:
         offset: What was subtracted from the measured ranges [m].
         alignment: How the log's frame was moved, or None.
         refinement: How each pose was changed after that, or None.
+        breakdown: The residuals by range, by incidence, by beam and by place.
     """
 
     grid: OccupancyGrid
@@ -41,6 +44,14 @@ class Comparison:
     offset: float
     alignment: Alignment | None
     refinement: Refinement | None
+    breakdown: Breakdown
+
+    def ends(self) -> NDArray[np.float64]:
+        """Returns where the beams with a residual really ended, (M, 2) float64, in the map frame [m].
+
+        They are in the order of `residuals.values`, without NaN.
+        """
+        return _ends(self.poses, self.log.angles, self.log.ranges, ~np.isnan(self.residuals.values))[0]
 
     def report(self) -> dict[str, Any]:
         """Returns the results as values that JSON has. Lengths are in metres, angles in radians."""
@@ -56,10 +67,9 @@ class Comparison:
             "refinement": self.refinement and self.refinement.report(),
             "beams": self.residuals.counts,
             "residuals": {
-                "median": spread.median,
-                "mad": spread.mad,
-                "within": {f"{near:.2f}": share for near, share in spread.within.items()},
+                **spread.report(),
                 "histogram": {"edges": edges.round(6).tolist(), "counts": counts.tolist()},
+                **self.breakdown.report(),
             },
         }
 
@@ -114,7 +124,38 @@ def compare_log(
     residuals = Residuals(log.ranges, simulated, log.max_range)
     if not residuals.counts["both"]:
         raise ValueError(f"{log.path}: no beam has a return in both the log and the simulation; {_places(grid, log)}")
-    return Comparison(grid, log, poses, simulated, residuals, offset, alignment, refinement)
+    breakdown = _break_down(grid, log, poses, simulated, residuals.values, lambda share: progress("finding walls", share))
+    return Comparison(grid, log, poses, simulated, residuals, offset, alignment, refinement, breakdown)
+
+
+def _break_down(
+    grid: OccupancyGrid,
+    log: ScanLog,
+    poses: NDArray[np.float64],
+    simulated: NDArray[np.float32],
+    values: NDArray[np.float32],
+    progress: Callable[[float], None],
+) -> Breakdown:
+    is_known = ~np.isnan(values)
+    walls, directions = _ends(poses, log.angles, simulated, is_known)
+    ends, _ = _ends(poses, log.angles, log.ranges, is_known)
+    known = values[is_known]
+    return Breakdown(
+        bands(known, simulated[is_known], RANGES),
+        bands(known, incidence_of(grid, walls, directions, progress=progress), INCIDENCES),
+        [Spread.of(column) for column in values.T],
+        wrong_places(known, ends),
+    )
+
+
+def _ends(
+    poses: NDArray[np.float64], angles: NDArray[np.float64], ranges: NDArray[np.float32], wanted: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns the ends (M, 2) of the wanted beams in the map frame [m], and their directions (M,) [rad]."""
+    scans, beams = np.nonzero(wanted)
+    directions = poses[scans, 2] + angles[beams]
+    steps = ranges[wanted][:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
+    return poses[scans, :2] + steps, directions
 
 
 def _places(grid: OccupancyGrid, log: ScanLog) -> str:

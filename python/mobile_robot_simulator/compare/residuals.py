@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,16 @@ class Spread:
         median, size = np.median(values), np.abs(values)
         mad = np.median(np.abs(values - median))
         return cls(len(values), float(median), float(mad), {near: float((size <= near).mean()) for near in NEAR})
+
+    def report(self) -> dict[str, Any]:
+        """Returns the attributes as values that JSON has. None stands for NaN."""
+        known = self.count > 0
+        return {
+            "count": self.count,
+            "median": self.median if known else None,
+            "mad": self.mad if known else None,
+            "within": {f"{near:.2f}": share if known else None for near, share in self.within.items()},
+        }
 
 
 class Residuals:

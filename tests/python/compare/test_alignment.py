@@ -46,6 +46,7 @@ def test_the_error_without_an_error_is_not_changed() -> None:
     assert found.map_from_log == mrs.Pose() and found.error_before == found.error_after == 0.0
 
 
+@pytest.mark.slow
 def test_a_log_of_another_frame_is_found_with_a_large_reach() -> None:
     said = said_with((-6.5, 4.0), 2.9)
     found = align_log(GRID, log_of(GRID, POSES, noise=NOISE, said=said), reach=(8.0, math.pi))

@@ -47,6 +47,35 @@ def test_a_moved_wall_is_recovered() -> None:
     np.testing.assert_allclose(comparison.residuals.values, [[0.0, 0.1, 0.0]], atol=1e-6)
 
 
+def test_a_wall_that_moved_is_the_worst_place() -> None:
+    """The right wall is 0.4 m farther than on the map. The others are where they were."""
+    poses = np.array([[2.0 + 0.1 * k, 2.0, 0.0] for k in range(20)])
+    comparison = compare_log(room(100), log_of(room(108), poses), align="none")
+    places = comparison.breakdown.places
+    assert places and all(place.x == 5.25 or place.y in (0.25, 3.75) for place in places)  # its ends hide the other walls
+    assert places[0].x == 5.25 and places[0].wrong == places[0].count and places[0].median == pytest.approx(0.42, abs=0.03)
+    assert comparison.breakdown.by_incidence[-1].spread.count > 0
+    # Beams 0 and 100 look back, at the walls that did not move. The middle one looks at the right wall.
+    by_beam = comparison.breakdown.by_beam
+    assert (by_beam[0].median, by_beam[100].median) == (0.0, 0.0) and by_beam[50].median == pytest.approx(0.4, abs=1e-5)
+
+
+def test_ends_are_where_the_real_beams_ended() -> None:
+    log = log_of(GRID, POSES)
+    comparison = compare_log(GRID, log, align="none")
+    expected = [LASER.end_points(pose, ranges) for pose, ranges in zip(POSES, log.ranges, strict=True)]
+    np.testing.assert_allclose(comparison.ends(), np.vstack(expected), atol=1e-5)
+
+
+def test_noise_that_grows_with_the_range_is_seen_by_range() -> None:
+    log = log_of(GRID, POSES)
+    errors = np.random.default_rng(3).standard_normal(log.ranges.shape).astype(np.float32)
+    comparison = compare_log(GRID, replace(log, ranges=log.ranges * (1 + np.float32(0.02) * errors)), align="none")
+    for band in comparison.breakdown.by_range:
+        simulated = comparison.simulated[(comparison.simulated >= band.low) & (comparison.simulated < band.high)]
+        assert 1.4826 * band.spread.mad == pytest.approx(0.02 * np.median(simulated), rel=0.2)
+
+
 def test_a_shift_of_the_log_is_taken_out_unless_it_shall_stay() -> None:
     log = log_of(GRID, POSES, said=POSES + np.array([0.1, -0.05, 0.0]))
     stays, aligned = compare_log(GRID, log, align="none"), compare_log(GRID, log)
