@@ -12,6 +12,7 @@ from .._core import OccupancyGrid
 from ..quoting import quoted
 from ..user_files import open_regular
 from .cell_map import CellMap, check_length
+from .houseexpo import read_houseexpo
 from .map_files import map_path, read_map_server
 from .map_image import is_image
 from .movingai import read_movingai
@@ -34,7 +35,10 @@ class _Format(NamedTuple):
     """Side of the cells if the user gives none [m]."""
 
 
-_FORMATS = (_Format("MovingAI map", (".map",), re.compile(rb"\s*type[ \t]"), read_movingai, 1.0),)
+_FORMATS = (
+    _Format("MovingAI map", (".map",), re.compile(rb"\s*type[ \t]"), read_movingai, 1.0),
+    _Format("HouseExpo", (".json",), re.compile(rb'\s*\{\s*"'), read_houseexpo, 0.05),
+)
 
 _START_LENGTH = 4096
 
