@@ -16,6 +16,7 @@ from .houseexpo import read_houseexpo
 from .map_files import map_path, read_map_server
 from .map_image import is_image
 from .movingai import read_movingai
+from .sdf_world import read_sdf_world
 
 __all__ = ["load_map"]
 
@@ -35,9 +36,13 @@ class _Format(NamedTuple):
     """Side of the cells if the user gives none [m]."""
 
 
+_XML = rb"\s*(<\?xml.*?\?>\s*)?(<!--.*?-->\s*)*"
+"""What an XML file may have before its first element."""
+
 _FORMATS = (
     _Format("MovingAI map", (".map",), re.compile(rb"\s*type[ \t]"), read_movingai, 1.0),
     _Format("HouseExpo", (".json",), re.compile(rb'\s*\{\s*"'), read_houseexpo, 0.05),
+    _Format("Gazebo world", (".world", ".sdf"), re.compile(_XML + rb"<sdf\b", re.DOTALL), read_sdf_world, 0.05),
 )
 
 _START_LENGTH = 4096

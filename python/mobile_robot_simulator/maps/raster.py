@@ -74,7 +74,7 @@ class Raster:
         width, height = last - first
         winding = _winding((height, width), edges)
         block = self._occupied[first[1] : last[1], first[0] : last[0]]
-        block |= _crossed((height, width), edges) | (winding % 2 != 0 if is_even_odd else winding != 0)
+        block |= _crossed((height, width), edges) | (winding & 1 != 0 if is_even_odd else winding != 0)
 
     def add_outside(self, ring: _Points) -> None:
         """Adds everything outside of a closed polygon.
@@ -83,7 +83,7 @@ class Raster:
             ring: Corners (N, 2) of the polygon [m]. A point is inside if it is enclosed an odd number of times.
         """
         edges = _closed(self._ticks(ring))
-        self._occupied |= _crossed(self._occupied.shape, edges) | (_winding(self._occupied.shape, edges) % 2 == 0)
+        self._occupied |= _crossed(self._occupied.shape, edges) | (_winding(self._occupied.shape, edges) & 1 == 0)
 
     def add_walls(self, lines: Iterable[_Points]) -> None:
         """Adds walls.

@@ -13,6 +13,11 @@ import mobile_robot_simulator as mrs
 WORLDS = {
     "small.map": b"type octile\nheight 2\nwidth 3\nmap\n..@\n...\n",
     "small.json": b'{"verts": [[0, 0], [2, 0], [2, 1], [0, 1]], "id": "small"}',
+    "small.world": b"""<?xml version="1.0" ?>
+        <!-- small -->
+        <sdf version="1.6"><world name="default"><model name="a"><link name="b"><collision name="c">
+        <geometry><cylinder><radius>1</radius><length>1</length></cylinder></geometry>
+        </collision></link></model></world></sdf>""",
 }
 """One small file of each format."""
 
@@ -57,7 +62,7 @@ def test_an_unknown_format_is_an_error_that_says_what_is_known(tmp_path: Path, d
         mrs.load_map(path)
     assert str(caught.value) == (
         f"{path}: the format of this map is unknown; the known formats are map_server (.yaml, .yml), MovingAI map (.map), "
-        "HouseExpo (.json)"
+        "HouseExpo (.json), Gazebo world (.world, .sdf)"
     )
 
 
