@@ -18,10 +18,13 @@ from .options import Assignments, MapFile, ParamsFile, RosArgs, load_grid, read_
 from .signals import signals_as_interrupt
 
 if TYPE_CHECKING:
-    from ..compare import Comparison, Spread
+    from ..compare import Comparison, NoiseFit, Spread
 
 REPORT = "report.json"
 """File with the results in the folder given to --out."""
+
+NOISE = "noise.yaml"
+"""File with the fitted beam model, for `run --params-file`, in that folder."""
 
 PLACES = 3
 """Number of places that the table has."""
@@ -50,7 +53,7 @@ def compare(
         Path, typer.Argument(metavar="LOG", help="CARMEN log, ROS 1 or ROS 2 bag, MCAP file, CSV file or NumPy archive.")
     ],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help=f"Folder for {REPORT}. It is made if it does not exist.")
+        Path | None, typer.Option(metavar="DIR", help=f"Folder for {REPORT} and {NOISE}. It is made if it does not exist.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     align: Annotated[
@@ -81,7 +84,7 @@ def compare(
 
     A residual is a measured range less the simulated one. Of the parameters, only `unknown` has an effect.
     """
-    from ..compare import compare_log
+    from ..compare import compare_log, noise_text
     from ..logs import read_log
 
     with signals_as_interrupt():
@@ -99,7 +102,10 @@ def compare(
         report = {"map": str(map_file), **comparison.report()}
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
-            write_files({out / REPORT: (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()})
+            files = {REPORT: json.dumps(report, indent=2, allow_nan=False) + "\n"}
+            if comparison.noise is not None:
+                files[NOISE] = noise_text(comparison.noise, comparison.log)
+            write_files({out / name: text.encode("utf-8", "surrogateescape") for name, text in files.items()})
     if as_json:
         print(json.dumps(report, allow_nan=False))
     else:
@@ -141,6 +147,25 @@ def _rows(comparison: Comparison) -> list[tuple[str, str]]:
     for place in comparison.breakdown.places[:PLACES]:
         text = f"{place.wrong} of {place.count} beams, median {_signed(place.median)}"
         rows.append((f"wrong at {place.x:.2f}, {place.y:.2f}", text))
+    if comparison.noise is not None:
+        rows += _noise_rows(comparison.noise, comparison.grid.resolution)
+    return rows
+
+
+def _noise_rows(noise: NoiseFit, resolution: float) -> list[tuple[str, str]]:
+    model, behind = noise.fit.model, noise.offset_fit.model
+    weights = f"hit {model.z_hit:.3f}, short {model.z_short:.3f}, max {model.z_max:.3f}, rand {model.z_rand:.3f}"
+    rows = [("fitted noise", f"sigma {model.sigma_hit:.4f} m, {weights}")]
+    if noise.fit.unidentified:
+        rows.append(("  not determined", ", ".join(noise.fit.unidentified)))
+    cells = round(noise.offset / resolution, 1) + 0.0
+    text = f"{_signed(noise.offset)} ({cells:+.1f} cells); sigma is then {behind.sigma_hit:.4f} m"
+    rows.append(("offset of the walls", text))
+    for name, score in noise.scores.items():
+        text = f"{score.log_likelihood:+.3f} per reading"
+        if score.impossible:
+            text = f"none: {score.impossible} of {noise.test_count} readings are impossible"
+        rows.append((f"log-likelihood, {name}", text))
     return rows
 
 

@@ -3,7 +3,22 @@
 from .alignment import Alignment
 from .breakdown import Band, Breakdown, Place
 from .comparison import Comparison, compare_log
+from .noise_file import noise_text
+from .noise_fit import NoiseFit, Score
 from .refinement import Refinement
 from .residuals import Residuals, Spread
 
-__all__ = ["Alignment", "Band", "Breakdown", "Comparison", "Place", "Refinement", "Residuals", "Spread", "compare_log"]
+__all__ = [
+    "Alignment",
+    "Band",
+    "Breakdown",
+    "Comparison",
+    "NoiseFit",
+    "Place",
+    "Refinement",
+    "Residuals",
+    "Score",
+    "Spread",
+    "compare_log",
+    "noise_text",
+]

@@ -16,6 +16,7 @@ from .alignment import REACH, Alignment, align_log, moved
 from .beams import Beams
 from .breakdown import INCIDENCES, RANGES, Breakdown, bands, wrong_places
 from .incidence import incidence_of
+from .noise_fit import NoiseFit, fit_noise
 from .refinement import Refinement, refine_poses
 from .residuals import Residuals, Spread
 
@@ -34,6 +35,7 @@ class Comparison:
         alignment: How the log's frame was moved, or None.
         refinement: How each pose was changed after that, or None.
         breakdown: The residuals by range, by incidence, by beam and by place.
+        noise: The beam model of the log. None for a log of one scan, or without readings that can be used.
     """
 
     grid: OccupancyGrid
@@ -45,6 +47,7 @@ class Comparison:
     alignment: Alignment | None
     refinement: Refinement | None
     breakdown: Breakdown
+    noise: NoiseFit | None
 
     def ends(self) -> NDArray[np.float64]:
         """Returns where the beams with a residual really ended, (M, 2) float64, in the map frame [m].
@@ -71,6 +74,7 @@ class Comparison:
                 "histogram": {"edges": edges.round(6).tolist(), "counts": counts.tolist()},
                 **self.breakdown.report(),
             },
+            "noise": self.noise and self.noise.report(),
         }
 
 
@@ -125,7 +129,8 @@ def compare_log(
     if not residuals.counts["both"]:
         raise ValueError(f"{log.path}: no beam has a return in both the log and the simulation; {_places(grid, log)}")
     breakdown = _break_down(grid, log, poses, simulated, residuals.values, lambda share: progress("finding walls", share))
-    return Comparison(grid, log, poses, simulated, residuals, offset, alignment, refinement, breakdown)
+    noise = fit_noise(log, simulated, progress=lambda share: progress("fitting the noise", share))
+    return Comparison(grid, log, poses, simulated, residuals, offset, alignment, refinement, breakdown, noise)
 
 
 def _break_down(

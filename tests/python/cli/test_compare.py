@@ -31,7 +31,7 @@ def test_a_report(command: Command, room: Path, log: Path, tmp_path: Path) -> No
     assert done.stdout.startswith(f"{room}, {log}\n") and "2 of 101 beams" in done.stdout and "+0.000 m" in done.stdout
     report = json.loads((out / "report.json").read_text())
     assert report["map"] == str(room) and report["beams"]["both"] == 202 and report["residuals"]["mad"] == 0.0
-    assert [file.name for file in out.iterdir()] == ["report.json"]
+    assert sorted(file.name for file in out.iterdir()) == ["noise.yaml", "report.json"]
 
 
 def test_json_without_a_folder(command: Command, room: Path, log: Path, tmp_path: Path) -> None:
@@ -66,3 +66,21 @@ def test_a_shifted_log_is_aligned_and_refined(command: Command, room: Path, tmp_
     assert report["alignment"] is None and report["refinement"] is None and report["offset"] == 0.01
     done = command("compare", room, shifted, "--reach", 0.05, 0.01)
     assert "│ alignment " in done.stdout and done.stderr.startswith("the alignment is at the limit of its reach; ")
+
+
+def test_run_reads_the_fitted_noise(command: Command, room: Path, tmp_path: Path) -> None:
+    """The noise of a log, then the noise of a drive with it, are the same."""
+    grid = mrs.load_map(room)
+    noise = mrs.BeamModel(sigma_hit=0.04, z_hit=0.9, z_short=0.0, z_max=0.0, z_rand=0.1)
+    log = save(log_of(grid, grid.draw_free_poses(100, radius=0.3, seed=1), noise=noise), tmp_path / "noisy.npz")
+    for number in (1, 2):
+        done = command("compare", room, log, "--out", tmp_path / f"out{number}", "--json", "--align", "none")
+        assert done.returncode == 0, done.stderr
+        fit = json.loads(done.stdout)["noise"]["fit"]
+        assert fit["sigma_hit"] == pytest.approx(0.04, rel=0.06) and fit["z_rand"] == pytest.approx(0.1, abs=0.015)
+        if number == 1:
+            pytest.importorskip("rosbags", reason="the extra `recording` is not installed")
+            log = tmp_path / "drive"
+            file = tmp_path / "out1" / "noise.yaml"
+            done = command("run", room, "--duration", 10, "--seed", 1, "--out", log, "--params-file", file)
+            assert done.returncode == 0, done.stderr

@@ -13,6 +13,7 @@ from compare.simulated_logs import LASER, free_poses, log_of, office
 from logs.test_carmen import REAL_LOG
 from map_folders import SHARED_MAPS
 from mobile_robot_simulator.compare import compare_log
+from mobile_robot_simulator.compare.noise_fit import AMCL
 from mobile_robot_simulator.logs import read_log
 
 GRID = office()
@@ -135,13 +136,19 @@ def test_the_report_has_the_results() -> None:
     assert sum(report["residuals"]["histogram"]["counts"]) == report["beams"]["both"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not REAL_LOG.is_file() or not SHARED_MAPS.is_dir(), reason="needs ../shared/logs and ../shared/maps")
 def test_a_real_log() -> None:
+    """160 scans of a public log, whose poses somebody else corrected."""
     grid, log = mrs.load_map(SHARED_MAPS / "radish_intel" / "map_logframe.yaml"), read_log(REAL_LOG)
-    comparison = compare_log(grid, log)
-    assert comparison.alignment is not None and comparison.alignment.error_after < comparison.alignment.error_before
-    spread, counts = comparison.residuals.spread, comparison.residuals.counts
+    comparison = compare_log(grid, log, refine=True)
+    spread, counts, alignment = comparison.residuals.spread, comparison.residuals.counts, comparison.alignment
     assert counts["both"] / sum(counts.values()) > 0.99
-    assert abs(spread.median) < 0.05 and 0.04 < spread.mad < 0.1 and spread.within[0.2] > 0.75
-    refined = compare_log(grid, log, refine=True).residuals.spread
-    assert refined.mad < 0.03 and refined.within[0.05] > 0.7
+    assert abs(spread.median) < 0.02 and 0.01 < spread.mad < 0.03 and spread.within[0.05] > 0.7
+    assert alignment is not None and alignment.error_after < alignment.error_before < 0.11
+    bands = comparison.breakdown.by_incidence
+    assert bands[-1].spread.mad > 2 * bands[0].spread.mad
+    noise = comparison.noise
+    assert noise is not None and 0.03 < noise.fit.model.sigma_hit < 0.06 and noise.fit.model.z_hit > 0.8
+    assert all(noise.scores["fit"].log_likelihood > noise.scores[name].log_likelihood + 0.5 for name in AMCL)
+    assert noise.scores["fit with offset"].log_likelihood > noise.scores["fit"].log_likelihood
