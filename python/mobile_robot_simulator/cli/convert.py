@@ -20,7 +20,11 @@ def convert(
     resolution: Annotated[
         float | None, typer.Option(help="Cell size in metres. Without it, the usual one of the format is used.")
     ] = None,
+    unit: Annotated[
+        float | None,
+        typer.Option(help="Length of a unit of a drawing, SVG or DXF, in metres. Without it: that of a DXF file, or 1."),
+    ] = None,
 ) -> None:
     """Convert a world to a map of map_server: a YAML file and an image next to it."""
-    save_map(load_map(map_file, resolution=resolution), file)
+    save_map(load_map(map_file, resolution=resolution, unit=unit), file)
     console.print(f"{file}", highlight=False)

@@ -12,11 +12,13 @@ from .._core import OccupancyGrid
 from ..quoting import quoted
 from ..user_files import open_regular
 from .cell_map import CellMap, check_length
+from .dxf import read_dxf
 from .houseexpo import read_houseexpo
 from .map_files import map_path, read_map_server
 from .map_image import is_image
 from .movingai import read_movingai
 from .sdf_world import read_sdf_world
+from .svg import read_svg
 
 __all__ = ["load_map"]
 
@@ -29,20 +31,28 @@ class _Format(NamedTuple):
     start: re.Pattern[bytes]
     """What a file begins with."""
 
-    read: Callable[[Path, float], CellMap]
-    """Reads a file with a side of the cells [m]."""
+    read: Callable[..., CellMap]
+    """Reads a file with a side of the cells [m] and, if it is a drawing, the length of its unit."""
 
     resolution: float
     """Side of the cells if the user gives none [m]."""
 
+    is_drawing: bool = False
+    """Whether the user may give the length of a unit."""
 
-_XML = rb"\s*(<\?xml.*?\?>\s*)?(<!--.*?-->\s*)*"
+
+_XML = rb"(\xef\xbb\xbf)?\s*(<\?xml.*?\?>\s*)?(<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*"
 """What an XML file may have before its first element."""
+
+_DXF = rb"AutoCAD Binary DXF|\s*(999\s*\n[^\n]*\n\s*)*0\s*\n\s*SECTION\b"
+"""What a DXF file begins with: the mark of binary ones, or the first group after comments."""
 
 _FORMATS = (
     _Format("MovingAI map", (".map",), re.compile(rb"\s*type[ \t]"), read_movingai, 1.0),
     _Format("HouseExpo", (".json",), re.compile(rb'\s*\{\s*"'), read_houseexpo, 0.05),
     _Format("Gazebo world", (".world", ".sdf"), re.compile(_XML + rb"<sdf\b", re.DOTALL), read_sdf_world, 0.05),
+    _Format("SVG", (".svg",), re.compile(_XML + rb"<svg\b", re.DOTALL), read_svg, 0.05, is_drawing=True),
+    _Format("DXF", (".dxf",), re.compile(_DXF, re.DOTALL), read_dxf, 0.05, is_drawing=True),
 )
 
 _START_LENGTH = 4096
@@ -55,6 +65,7 @@ def load_map(
     unknown: Literal["free", "occupied"] = "free",
     transparency: Literal["unknown", "averaged"] = "unknown",
     resolution: float | None = None,
+    unit: float | None = None,
 ) -> OccupancyGrid:
     """Loads a map: a map_server YAML file with its image, or one of the formats of benchmarks.
 
@@ -82,13 +93,15 @@ def load_map(
         unknown: Treatment of unknown cells, which have the value -1: "free", or "occupied", which blocks beams.
         transparency: Treatment of an image with transparency: "unknown" or "averaged", as above.
         resolution: Side of a cell [m]. None means the usual one of the format. A map_server file has its own.
+        unit: Length of a unit of a drawing, SVG or DXF [m]. None means the unit of a DXF file if it gives one, else 1 m.
 
     Returns:
         The grid.
 
     Raises:
+        ImportError: The file is a drawing, and the extra `worlds` is not installed.
         OSError: A file cannot be read; FileNotFoundError if it does not exist.
-        TypeError: The path is not a path.
+        TypeError: The path is not a path, or a length is not a number.
         ValueError: The format is unknown, or the file or its image is invalid or truncated. The message gives the file,
             what is wrong, and the requirement.
 
@@ -101,14 +114,18 @@ def load_map(
     if transparency not in ("unknown", "averaged"):
         raise ValueError(f"transparency must be 'unknown' or 'averaged', got {quoted(transparency)}")
     side = None if resolution is None else check_length("resolution", resolution)
+    length = None if unit is None else check_length("unit", unit)
     place = map_path(path)
     found = _format_of(place)
+    if length is not None and not (found and found.is_drawing):
+        raise ValueError(f"{place}: only drawings, SVG and DXF, have a unit, so none can be given here; got {length}")
     if found is None:
         if side is not None:
             raise ValueError(f"{place}: the YAML file of a map gives its resolution, so none can be given here; got {side}")
         cell_map = read_map_server(place, is_averaged=transparency == "averaged")
     else:
-        cell_map = found.read(place, found.resolution if side is None else side)
+        options = {"unit": length} if found.is_drawing else {}
+        cell_map = found.read(place, found.resolution if side is None else side, **options)
     return OccupancyGrid(
         cell_map.cells,
         resolution=cell_map.resolution,

@@ -7,7 +7,6 @@ collision shapes are read. They are boxes, cylinders and spheres on a flat floor
 from __future__ import annotations
 
 import math
-import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,13 +17,12 @@ import numpy as np
 
 from .._core import Pose
 from ..quoting import quoted
-from ..user_files import read_text
 from .cell_map import CellMap
 from .raster import Raster
+from .xml_document import read_xml
 
 __all__ = ["read_sdf_world"]
 
-_LIMIT = 2**26
 _NO_OBSTACLES = ("model://ground_plane", "model://sun")
 _GEOMETRIES = {"box": ("size", 3), "cylinder": ("radius", 1), "sphere": ("radius", 1)}
 
@@ -64,8 +62,9 @@ def read_sdf_world(path: Path, resolution: float) -> CellMap:
     Warns:
         UserWarning: Models that move were left out.
     """
+    root = read_xml(path)
     try:
-        world = _world(read_text(path, _LIMIT))
+        world = _world(root)
         poses = _state(world)
         solids: list[_Solid] = []
         moving = 0
@@ -97,15 +96,7 @@ def read_sdf_world(path: Path, resolution: float) -> CellMap:
     return raster.cell_map()
 
 
-def _world(text: str) -> ElementTree.Element:
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise ValueError("must have no document type and no entities")
-    # Worlds of DynaBARN have frame=> for frame=''. Gazebo reads them, although this is not XML.
-    text = re.sub(r"\bframe=\s*>", "frame=''>", text.strip())
-    try:
-        root = ElementTree.fromstring(text.encode("utf-8", "surrogateescape"))
-    except ElementTree.ParseError as error:
-        raise ValueError(f"not valid XML: {error}") from None
+def _world(root: ElementTree.Element) -> ElementTree.Element:
     world = root.find("world")
     if root.tag != "sdf" or world is None:
         raise ValueError(f"must be an sdf with a world, got {quoted(root.tag)}")

@@ -10,6 +10,13 @@ import pytest
 
 import mobile_robot_simulator as mrs
 
+DRAWINGS = {
+    "small.svg": b"<?xml version='1.0'?><!DOCTYPE svg><svg xmlns='http://www.w3.org/2000/svg'>"
+    b"<rect width='2' height='1'/></svg>",
+    "small.dxf": b"0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n11\n2\n21\n1\n0\nENDSEC\n0\nEOF\n",
+}
+"""Small drawings. They need the extra `worlds`."""
+
 WORLDS = {
     "small.map": b"type octile\nheight 2\nwidth 3\nmap\n..@\n...\n",
     "small.json": b'{"verts": [[0, 0], [2, 0], [2, 1], [0, 1]], "id": "small"}',
@@ -18,6 +25,7 @@ WORLDS = {
         <sdf version="1.6"><world name="default"><model name="a"><link name="b"><collision name="c">
         <geometry><cylinder><radius>1</radius><length>1</length></cylinder></geometry>
         </collision></link></model></world></sdf>""",
+    **DRAWINGS,
 }
 """One small file of each format."""
 
@@ -27,7 +35,22 @@ worlds = pytest.mark.parametrize("name", WORLDS)
 def write(folder: Path, name: str, other_name: str | None = None) -> Path:
     path = folder / (other_name or name)
     path.write_bytes(WORLDS[name])
+    if name in DRAWINGS:
+        pytest.importorskip("svgelements", reason="the extra `worlds` is not installed")
+        pytest.importorskip("ezdxf", reason="the extra `worlds` is not installed")
     return path
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_a_drawing_may_have_a_unit(tmp_path: Path, name: str) -> None:
+    grid = mrs.load_map(write(tmp_path, name), resolution=0.25, unit=0.5)
+    assert grid.shape[1] in (4 + 2, 5 + 2) and grid.resolution == 0.25
+
+
+@pytest.mark.parametrize("name", sorted({*WORLDS} - {*DRAWINGS}))
+def test_others_may_not(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"only drawings, SVG and DXF, have a unit, so none can be given here; got 0\.5"):
+        mrs.load_map(write(tmp_path, name), unit=0.5)
 
 
 @worlds
@@ -62,7 +85,7 @@ def test_an_unknown_format_is_an_error_that_says_what_is_known(tmp_path: Path, d
         mrs.load_map(path)
     assert str(caught.value) == (
         f"{path}: the format of this map is unknown; the known formats are map_server (.yaml, .yml), MovingAI map (.map), "
-        "HouseExpo (.json), Gazebo world (.world, .sdf)"
+        "HouseExpo (.json), Gazebo world (.world, .sdf), SVG (.svg), DXF (.dxf)"
     )
 
 

@@ -85,6 +85,14 @@ def test_a_disc_covers_the_cells_that_are_nearer_than_its_radius() -> None:
     assert drawn(raster) == ["......", "..##..", ".####.", ".####.", "..##..", "......"]
 
 
+def test_a_cell_that_only_touches_a_disc_stays_free() -> None:
+    """The corner (8, 9) is 5 m from (5, 5), as 3² + 4² = 5²."""
+    raster = Raster((0, 0), (10, 10), 1.0)
+    raster.add_disc((5, 5), 5.0)
+    cells = raster.cell_map().cells[1:-1, 1:-1]
+    assert (cells[9, 8], cells[9, 7], cells[8, 8]) == (0, 100, 100)
+
+
 @pytest.mark.parametrize("high", [(1e9, 1.0), (30_000.0, 30_000.0), (float("inf"), 1.0), (float("nan"), 1.0)])
 def test_a_grid_that_is_too_large_is_an_error(high: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match=r"a grid must have at most|coordinates must be finite"):
