@@ -20,8 +20,8 @@ from .signals import signals_as_interrupt
 if TYPE_CHECKING:
     from ..compare import Comparison, NoiseFit, Spread
 
-REPORT = "report.json"
-"""File with the results in the folder given to --out."""
+REPORT, PAGE = "report.json", "report.html"
+"""Files with the results in the folder given to --out."""
 
 NOISE = "noise.yaml"
 """File with the fitted beam model, for `run --params-file`, in that folder."""
@@ -53,7 +53,8 @@ def compare(
         Path, typer.Argument(metavar="LOG", help="CARMEN log, ROS 1 or ROS 2 bag, MCAP file, CSV file or NumPy archive.")
     ],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help=f"Folder for {REPORT} and {NOISE}. It is made if it does not exist.")
+        Path | None,
+        typer.Option(metavar="DIR", help=f"Folder for {PAGE}, {REPORT} and {NOISE}. It is made if it does not exist."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     align: Annotated[
@@ -84,7 +85,7 @@ def compare(
 
     A residual is a measured range less the simulated one. Of the parameters, only `unknown` has an effect.
     """
-    from ..compare import compare_log, noise_text
+    from ..compare import compare_log, html_report, noise_text
     from ..logs import read_log
 
     with signals_as_interrupt():
@@ -101,15 +102,16 @@ def compare(
         _note_limits(comparison)
         report = {"map": str(map_file), **comparison.report()}
         if out is not None:
-            out.mkdir(parents=True, exist_ok=True)
-            files = {REPORT: json.dumps(report, indent=2, allow_nan=False) + "\n"}
+            files = {PAGE: html_report(comparison, str(map_file))}
+            files[REPORT] = json.dumps(report, indent=2, allow_nan=False) + "\n"
             if comparison.noise is not None:
                 files[NOISE] = noise_text(comparison.noise, comparison.log)
+            out.mkdir(parents=True, exist_ok=True)
             write_files({out / name: text.encode("utf-8", "surrogateescape") for name, text in files.items()})
     if as_json:
         print(json.dumps(report, allow_nan=False))
     else:
-        print_table(f"{map_file}, {log}", _rows(comparison) + ([("report", f"{out / REPORT}")] if out is not None else []))
+        print_table(f"{map_file}, {log}", _rows(comparison) + ([("report", f"{out / PAGE}")] if out is not None else []))
 
 
 def _note_limits(comparison: Comparison) -> None:

@@ -6,6 +6,7 @@ from .comparison import Comparison, compare_log
 from .noise_file import noise_text
 from .noise_fit import NoiseFit, Score
 from .refinement import Refinement
+from .report_page import html_report
 from .residuals import Residuals, Spread
 
 __all__ = [
@@ -20,5 +21,6 @@ __all__ = [
     "Score",
     "Spread",
     "compare_log",
+    "html_report",
     "noise_text",
 ]

@@ -13,12 +13,14 @@ except ImportError as error:
 from .drive import DrivePicture
 from .grid import GridPicture, grid_png, plot_grid
 from .picture import Picture
+from .residuals import ResidualPicture
 from .scan import ScanPicture
 
 __all__ = [
     "DrivePicture",
     "GridPicture",
     "Picture",
+    "ResidualPicture",
     "ScanPicture",
     "grid_png",
     "plot_grid",

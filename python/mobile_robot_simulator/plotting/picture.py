@@ -87,9 +87,9 @@ class Picture(ABC):
             raise ValueError(f"a picture's file must end in {', '.join(_METADATA)}, got {quoted(str(path))}")
         write_files({path: self._image(suffix, _DPI)})
 
-    def to_png(self) -> bytes:
-        """Returns the picture as a PNG image for notebooks, at most about 800 pixels a side."""
-        return self._image(".png", _NOTEBOOK_DPI)
+    def to_png(self, dpi: int = _NOTEBOOK_DPI) -> bytes:
+        """Returns the picture as a PNG image. The default is for notebooks: at most about 800 pixels a side."""
+        return self._image(".png", dpi)
 
     def to_figure(self, dpi: int = _DPI) -> Figure:
         """Returns a figure of the picture that is independent of pyplot and of the user's settings."""

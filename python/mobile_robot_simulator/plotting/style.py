@@ -11,6 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap
 FREE, OCCUPIED, UNKNOWN = (255, 255, 255), (38, 42, 51), (226, 229, 233)
 INK, FAINT, ROBOT, SCAN, GOAL = "#262a33", "#8a919c", "#1f4fd8", "#e8442e", "#f5a300"
 CONTACT = "#c00018"
+FARTHER, NEARER = "#1f4fd8", "#d3261a"
 SHAPE = "#b9c2d0"
 TIME = LinearSegmentedColormap.from_list("time", ["#20308f", "#7a2bc4", "#d62a9d", "#ff8a3d"])
 """Colours along a path, from its start to its end."""

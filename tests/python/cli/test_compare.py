@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -31,7 +34,34 @@ def test_a_report(command: Command, room: Path, log: Path, tmp_path: Path) -> No
     assert done.stdout.startswith(f"{room}, {log}\n") and "2 of 101 beams" in done.stdout and "+0.000 m" in done.stdout
     report = json.loads((out / "report.json").read_text())
     assert report["map"] == str(room) and report["beams"]["both"] == 202 and report["residuals"]["mad"] == 0.0
-    assert sorted(file.name for file in out.iterdir()) == ["noise.yaml", "report.json"]
+    assert sorted(file.name for file in out.iterdir()) == ["noise.yaml", "report.html", "report.json"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
+@pytest.mark.parametrize(("name", "status"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_leaves_nothing(room: Path, tmp_path: Path, name: str, status: int) -> None:
+    grid = mrs.load_map(room)
+    log = save(log_of(grid, grid.draw_free_poses(50, radius=0.3, seed=1)), tmp_path / "log.npz", without="max_range")
+    words = ["compare", room, log, "--reach", 60, 3.1, "--out", tmp_path / "out"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mobile_robot_simulator", *map(str, words)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None and "max_range is not given" in process.stderr.readline()
+    process.send_signal(getattr(signal, name))  # the search takes half a minute
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == status and output == "" and not (tmp_path / "out").exists()
+
+
+def test_an_older_report_stays_if_the_new_one_fails(command: Command, room: Path, log: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "report.html").mkdir(parents=True)
+    (out / "report.json").write_text("older")
+    done = command("compare", room, log, "--out", out)
+    assert done.returncode == 1 and "report.html: cannot write a file over a folder" in done.stderr
+    assert (out / "report.json").read_text() == "older" and len(list(out.iterdir())) == 2
 
 
 def test_json_without_a_folder(command: Command, room: Path, log: Path, tmp_path: Path) -> None:

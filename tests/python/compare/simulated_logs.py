@@ -48,8 +48,8 @@ def log_of(
     )
 
 
-def save(log: ScanLog, file: Path) -> Path:
-    """Writes a log as an archive of NumPy arrays."""
+def save(log: ScanLog, file: Path, *, without: str = "") -> Path:
+    """Writes a log as an archive of NumPy arrays, without one of them if it is named."""
     names = ("poses", "ranges", "angles", "stamps", "min_range", "max_range")
-    np.savez(file, **{name: getattr(log, name) for name in names})
+    np.savez(file, **{name: getattr(log, name) for name in names if name != without})
     return file
