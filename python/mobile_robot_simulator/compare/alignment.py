@@ -17,6 +17,9 @@ from .scoring import BASE_CAP, Scans, offsets
 REACH = (1.0, 0.2)
 """Default of the largest shift in x and y [m], and of the largest yaw [rad]."""
 
+MOST_POSES = 12_000_000
+"""Largest number of poses of the frame that are tried at first."""
+
 _COARSEST, _FINEST = 0.4, 0.001  # steps of the shift [m]
 _COARSE_SCANS, _FINE_SCANS = 16, 64
 _COARSE_BEAMS, _FINE_BEAMS = 45, 180
@@ -76,7 +79,7 @@ def align_log(
         progress: Called repeatedly with the share of the work that is done, up to 1.
 
     Raises:
-        ValueError: `reach` is negative or not finite.
+        ValueError: `reach` is negative, not finite, or needs more than `MOST_POSES` poses.
     """
     largest_shift, largest_yaw = reach
     if not (0.0 <= largest_shift < math.inf and 0.0 <= largest_yaw <= math.pi):
@@ -85,7 +88,13 @@ def align_log(
     lever = _lever(log, centre)
     step = min(_COARSEST, max(largest_shift / 2, _FINEST))
     yaw_step = step / lever
-    candidates = offsets(step, yaw_step, math.ceil(largest_shift / step), math.ceil(largest_yaw / yaw_step))
+    steps, yaw_steps = math.ceil(largest_shift / step), math.ceil(largest_yaw / yaw_step)
+    count = (2 * steps + 1) ** 2 * (2 * yaw_steps + 1)
+    if count > MOST_POSES:
+        raise ValueError(
+            f"reach must need at most {MOST_POSES} poses, got {largest_shift}, {largest_yaw}, which needs {count}"
+        )
+    candidates = offsets(step, yaw_step, steps, yaw_steps)
     limits = np.array([largest_shift, largest_shift, largest_yaw])
     best, level = candidates[(np.abs(candidates) <= limits + 1e-12).all(axis=1)], 0
     levels = math.ceil(math.log2(step / _FINEST)) + 1

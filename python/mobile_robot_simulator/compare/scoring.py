@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -83,8 +81,8 @@ def offsets(step: float, yaw_step: float, reach: int, yaw_reach: int) -> NDArray
     Returns:
         (K, 3) float64: x, y [m], yaw [rad].
     """
-    flat, turns = range(-reach, reach + 1), range(-yaw_reach, yaw_reach + 1)
-    lattice = np.array(list(itertools.product(flat, flat, turns)), np.float64)
+    flat, turns = np.arange(-reach, reach + 1.0), np.arange(-yaw_reach, yaw_reach + 1.0)
+    lattice = np.stack(np.meshgrid(flat, flat, turns, indexing="ij"), axis=-1).reshape(-1, 3)
     lattice = lattice[np.argsort((lattice**2).sum(axis=1), kind="stable")]
     scaled: NDArray[np.float64] = lattice * np.array([step, step, yaw_step])
     return scaled

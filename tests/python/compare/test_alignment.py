@@ -74,3 +74,8 @@ def test_progress_ends_at_1() -> None:
 def test_a_wrong_reach(reach: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match=r"reach must be at least 0 m and 0 to π rad, got "):
         align_log(GRID, log_of(GRID, POSES), reach=reach)
+
+
+def test_a_reach_that_would_take_for_ever() -> None:
+    with pytest.raises(ValueError, match=r"reach must need at most 12000000 poses, got 10000.0, 0.1, which needs \d+"):
+        align_log(GRID, log_of(GRID, POSES), reach=(1e4, 0.1))
