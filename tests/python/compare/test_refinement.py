@@ -12,6 +12,7 @@ import mobile_robot_simulator as mrs
 from compare.simulated_logs import SEED, free_poses, log_of, office
 from mobile_robot_simulator.compare import refinement
 from mobile_robot_simulator.compare.refinement import refine_poses
+from mobile_robot_simulator.compare.scoring import BASE_CAP, Scans
 
 GRID = office()
 POSES = free_poses(GRID, 80)
@@ -27,6 +28,18 @@ def test_errors_of_each_pose_are_recovered() -> None:
     np.testing.assert_allclose(found.poses - (POSES - ERRORS), found.changes, atol=1e-12)
     assert (found.errors_after <= found.errors_before).all() and found.errors_after.mean() < 0.045
     np.testing.assert_allclose(found.distances, [math.hypot(x, y) for x, y, _ in found.changes])
+
+
+@pytest.mark.parametrize("said", [POSES, POSES - ERRORS], ids=["right", "wrong"])
+def test_the_errors_are_those_of_the_poses(said: np.ndarray) -> None:
+    """Among many random readings, the coarse steps may lead away from a pose to a worse one. Then it stays."""
+    rough = mrs.BeamModel(sigma_hit=0.1, lambda_short=0.5, z_hit=0.3, z_short=0.3, z_max=0.1, z_rand=0.3)
+    log = log_of(GRID, POSES, noise=rough)
+    found = refine_poses(GRID, log, said)
+    scans = Scans.of_log(GRID, log, np.arange(len(said)), 180)
+    errors = scans.score(np.stack([said, found.poses], axis=1), BASE_CAP)
+    np.testing.assert_allclose(errors, np.column_stack([found.errors_before, found.errors_after]), atol=1e-9)
+    assert (errors[:, 1] <= errors[:, 0]).all()
 
 
 def test_right_poses_stay() -> None:
