@@ -19,7 +19,7 @@ AMCL = {
 }
 """Defaults of AMCL on ROS 1, and of Nav2's, with their weights scaled to sum to 1."""
 
-MOST_READINGS = 50_000
+MOST_READINGS = 20_000
 """Largest number of readings that a model is fitted to. Of longer logs, scans at equal distances are used."""
 
 _MOST_ROUNDS, _CLOSE, _LEAST_SIGMA = 100, 1e-5, 1e-5  # of the offset; [m]
