@@ -50,6 +50,21 @@ pub fn for_each_chunk<T: Send>(
     for_each_chunk_watched(&Watch::new(), threads, elements, length, work)
 }
 
+/// The same for elements that take the work of `weight` elements each, such as a number for a whole scan.
+///
+/// # Errors
+/// Those of [`for_each_chunk`].
+pub fn for_each_heavy_chunk<T: Send>(
+    threads: Option<usize>,
+    elements: &mut [T],
+    weight: usize,
+    length: usize,
+    work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    let pool = pool_for(threads, elements.len().saturating_mul(weight))?;
+    for_each_chunk_in(pool, &Watch::new(), elements, length, work)
+}
+
 /// The same with a watch of the caller, which `work` may look at if a chunk takes long.
 ///
 /// # Errors
@@ -61,8 +76,18 @@ pub fn for_each_chunk_watched<T: Send>(
     length: usize,
     work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
+    for_each_chunk_in(pool_for(threads, elements.len())?, watch, elements, length, work)
+}
+
+fn for_each_chunk_in<T: Send>(
+    pool: Option<Arc<ThreadPool>>,
+    watch: &Watch,
+    elements: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
     let work = |(index, chunk): (usize, &mut [T])| watch.check().and_then(|()| work(index, chunk));
-    match pool_for(threads, elements.len())? {
+    match pool {
         None => elements.chunks_mut(length).enumerate().try_for_each(work)?,
         Some(pool) => watch.run(&pool, || elements.par_chunks_mut(length).enumerate().try_for_each(work))?,
     }

@@ -70,6 +70,7 @@ mod python;
 pub mod random;
 pub mod raycast;
 mod scanner;
+mod scorer;
 mod shape;
 mod slant;
 mod world;
@@ -84,6 +85,6 @@ pub use motion::{Course, Limits, MotionNoise, Twist, integrate, integrate_batch,
 pub use mount::Mount;
 pub use obstacles::{MovingObstacle, Obstacles};
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
-pub use scanner::{Courses, LaserScanner, NoReturn, Noise, ScannerOptions, Sweeps};
+pub use scanner::{Courses, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
 pub use world::World;

@@ -62,6 +62,21 @@ impl Slant {
         Ok(Self { groups, max_range })
     }
 
+    /// Returns the slant of some of the beams.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn selected(&self, beams: &[usize]) -> Result<Self, Error> {
+        let level = SlantGroup { cos_elevation: [1.0; GROUP], floor: [f64::INFINITY; GROUP] };
+        let mut groups = memory::filled("the beams", level, beams.len().div_ceil(GROUP))?;
+        for (place, &beam) in beams.iter().enumerate() {
+            let (to, from) = (&mut groups[place / GROUP], &self.groups[beam / GROUP]);
+            to.cos_elevation[place % GROUP] = from.cos_elevation[beam % GROUP];
+            to.floor[place % GROUP] = from.floor[beam % GROUP];
+        }
+        Ok(Self { groups, max_range: self.max_range })
+    }
+
     /// Returns the horizontal part of the range of a beam \[m\].
     pub fn horizontal(&self, beam: usize, range: f64) -> f64 {
         range * self.groups[beam / GROUP].cos_elevation[beam % GROUP]

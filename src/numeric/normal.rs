@@ -40,6 +40,11 @@ pub fn mass_around_mean(below: f64, above: f64) -> f64 {
     0.5 * (libm::erf(below * FRAC_1_SQRT_2) + libm::erf(above * FRAC_1_SQRT_2))
 }
 
+/// Returns the probability of a number above `x`, 1 - Φ(x), without cancellation.
+pub fn mass_above(x: f64) -> f64 {
+    0.5 * libm::erfc(x * FRAC_1_SQRT_2)
+}
+
 /// Returns the density φ(x).
 pub fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) / libm::sqrt(2.0 * PI)

@@ -1,5 +1,6 @@
 //! Laser scanners: single scans and batches of scans.
 
+mod score;
 mod sinks;
 mod sweep;
 
@@ -20,6 +21,7 @@ use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::world::World;
+pub use score::{Readings, Score};
 use sinks::{Beyond, Noisy, SinkPerScan};
 pub use sweep::{Courses, Sweeps};
 

@@ -7,6 +7,7 @@ use crate::motion::PoseColumns;
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Passing, View};
 use crate::raycast::{Sink, store};
+use crate::scorer::{Product, ReadingColumns, Scorer};
 use crate::slant::Slant;
 
 /// Sends the groups of several scans to one sink per scan. Groups arrive in order, numbered across all scans.
@@ -90,6 +91,26 @@ impl<F: Foreground, S: Sink> Sink for Beyond<'_, F, S> {
             ranges = slant.ranges(group, &ranges);
         }
         self.sink.take(group, &ranges);
+    }
+}
+
+/// Scores the readings of a scan by its ranges.
+pub struct Scoring<'a> {
+    pub scorer: &'a Scorer,
+    pub readings: &'a [ReadingColumns],
+    pub product: Product,
+    /// Gets the log-likelihood of the scan.
+    pub score: &'a mut f64,
+}
+
+impl Sink for Scoring<'_> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        let ranges = ranges.map(|range| self.scorer.as_stored(range));
+        self.scorer.multiply(&self.readings[group], &ranges, &mut self.product);
+        if group + 1 == self.readings.len() {
+            *self.score = self.scorer.log_likelihood(&self.product);
+        }
     }
 }
 

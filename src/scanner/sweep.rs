@@ -1,5 +1,7 @@
 //! Scans that take time: each beam is taken from where the robot is at its own time.
 
+use std::ops::Range;
+
 use super::sinks::{Beyond, Noisy, PassingBy, SinkPerScan};
 use super::{LaserScanner, Noise};
 use crate::batch::{check_rows, for_each_chunk, thread_count};
@@ -123,33 +125,26 @@ impl LaserScanner {
         threads: Option<usize>,
         readings: &mut [f32],
     ) -> Result<(), Error> {
-        let Sweeps { courses, scan_duration, obstacles } = sweeps;
         let (beam_count, max_range) = (self.options.beam_count, self.options.max_range);
-        let time_increment = self.checked_time_increment(scan_duration)?;
-        let scans = courses.checked(beam_count, threads)?;
-        if readings.len() != scans * beam_count {
-            return Err(Error::Length { name: "out", value: readings.len(), needed: scans * beam_count });
+        let plan = self.plan(sweeps, threads)?;
+        if readings.len() != plan.scans * beam_count {
+            return Err(Error::Length { name: "out", value: readings.len(), needed: plan.scans * beam_count });
         }
-        for obstacle in obstacles {
-            obstacle.course.check(beam_count)?;
-        }
-        let passing = Passing::new(obstacles, beam_count, time_increment, max_range)?;
         let caster = self.caster(grid.into())?;
         caster.prepare(threads)?;
-        let at_a_time = caster.fans_per_cast(scans, self.cos.len(), thread_count(threads, readings.len())?);
+        let at_a_time = caster.fans_per_cast(plan.scans, self.cos.len(), thread_count(threads, readings.len())?);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
-            let courses = (first..).map(|scan| courses.course(scan, beam_count)).take(readings.len() / beam_count);
+            let scans = first..first + readings.len() / beam_count;
             let readings = readings.chunks_exact_mut(beam_count);
             if let Some(Noise { model, seed, first_index }) = &noise {
                 let sinks = (first..).zip(readings).map(|(scan, readings)| {
                     let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
                     Noisy { sampler: Sampler::new(model, max_range, bits), readings }
                 });
-                self.cast_sweeps(caster, &passing, time_increment, courses, sinks)
+                self.cast_sweeps(caster, &plan, scans, sinks)
             } else {
-                let sinks = readings.map(|ranges| StoreRanges { max_range, ranges });
-                self.cast_sweeps(caster, &passing, time_increment, courses, sinks)
+                self.cast_sweeps(caster, &plan, scans, readings.map(|ranges| StoreRanges { max_range, ranges }))
             }
         })
     }
@@ -185,24 +180,41 @@ impl LaserScanner {
         Ok(self.time_increment(scan_duration))
     }
 
-    /// Casts all beams of each scan and sends the ranges of each scan to its own sink.
-    fn cast_sweeps<'a>(
+    /// Checks a batch of scans that take time.
+    pub(super) fn plan<'a>(&self, sweeps: Sweeps<'a>, threads: Option<usize>) -> Result<Plan<'a>, Error> {
+        let Sweeps { courses, scan_duration, obstacles } = sweeps;
+        let time_increment = self.checked_time_increment(scan_duration)?;
+        let beam_count = self.options.beam_count;
+        let scans = courses.checked(beam_count, threads)?;
+        for obstacle in obstacles {
+            obstacle.course.check(beam_count)?;
+        }
+        let passing = Passing::new(obstacles, beam_count, time_increment, self.options.max_range)?;
+        Ok(Plan { courses, scans, time_increment, passing })
+    }
+
+    /// Casts all beams of some scans and sends the ranges of each scan to its own sink.
+    pub(super) fn cast_sweeps(
         &self,
         caster: Caster<'_>,
-        passing: &Passing<'_>,
-        time_increment: f64,
-        courses: impl Iterator<Item = Course<'a>>,
+        plan: &Plan<'_>,
+        scans: Range<usize>,
         sinks: impl Iterator<Item = impl Sink>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, base_from_fan, options, .. } = self;
-        let empty = Course::Poses(&[]);
-        let sweep =
-            |course| Sweep { course, time_increment, base_from_fan: *base_from_fan, cos, sin, count: options.beam_count };
-        let mut sweeps = [sweep(empty); Fans::MAX];
-        let mut count = 0;
-        for (place, course) in sweeps.iter_mut().zip(courses) {
-            *place = sweep(course);
-            count += 1;
+        let Plan { courses, time_increment, passing, .. } = plan;
+        let sweep = |course| Sweep {
+            course,
+            time_increment: *time_increment,
+            base_from_fan: *base_from_fan,
+            cos,
+            sin,
+            count: options.beam_count,
+        };
+        let mut sweeps = [sweep(Course::Poses(&[])); Fans::MAX];
+        let count = scans.len();
+        for (place, scan) in sweeps.iter_mut().zip(scans) {
+            *place = sweep(courses.course(scan, options.beam_count));
         }
         caster.with_sweeps(&sweeps[..count], |swept| {
             let mut scans = swept.map_from_fan.chunks_exact(cos.len());
@@ -216,4 +228,12 @@ impl LaserScanner {
             }
         })
     }
+}
+
+/// A batch of scans that take time, after its checks.
+pub(super) struct Plan<'a> {
+    courses: Courses<'a>,
+    pub scans: usize,
+    time_increment: f64,
+    passing: Passing<'a>,
 }
