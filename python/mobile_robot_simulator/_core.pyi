@@ -836,6 +836,68 @@ class LaserScanner:
             array([[1.5 , 1.25, 1.  ]], dtype=float32)
         """
 
+    def log_likelihood(
+        self,
+        grid: OccupancyGrid,
+        poses: ArrayLike,
+        ranges: NDArray[np.float32],
+        *,
+        noise: BeamModel,
+        beams: int | Sequence[int] | None = None,
+        temper: float = 1.0,
+        twists: ArrayLike | None = None,
+        scan_duration: float | None = None,
+        obstacles: _MovingObstacles = (),
+        threads: int | None = None,
+        out: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.float64]:
+        """Returns the log-likelihood of a scan, given each pose from which it may have been taken.
+
+        It is `temper * sum(log(noise.likelihood(ranges, true_ranges, max_range, min_range=min_range)))`, with the true ranges of
+        `scan` from each pose, to within 1e-9 for each beam. No array of true ranges is made. Readings may have the marks of
+        `mark_invalid`.
+
+        The beam model takes the errors of all beams as independent. They are not: what the map or the pose gets wrong, many
+        beams get wrong in the same way. So the likelihood of all beams is far too sure. Two things help: few `beams`, and a
+        `temper` below 1, such as 10 divided by the number of beams, which makes the scan count like ten independent beams.
+
+        Args:
+            grid: Map.
+            poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]; at the time of beam 0 if the
+                scan takes time. Anything that NumPy can convert to float64 without loss.
+            ranges: (beam_count,) float32, the readings of one scan [m]; or (N, beam_count), a scan for each pose. NaN does not
+                count.
+            noise: Beam model of the readings.
+            beams: Beams that count: a number k for every k-th beam from beam 0 on, or a sequence of their numbers. None means
+                all.
+            temper: Factor of the log-likelihood, above 0.
+            twists: (N, 3), the velocity (vx, vy, wz) of the robot while the scan is taken [m/s, m/s, rad/s], as for `scan_batch`.
+            scan_duration: Time in which the head turns through the field of the beams [s]. None means that all beams are taken
+                in one instant.
+            obstacles: Obstacles, as for `scan_batch`.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: (N,) float64, an array for the result. None means a new array.
+
+        Returns:
+            (N,) float64, which is `out` if it was given. -inf if a reading is impossible from a pose.
+
+        Raises:
+            ValueError: A shape is wrong, a number is not finite, a beam does not exist, or `temper` is not positive.
+            TypeError: An argument has the wrong type or dtype.
+            OSError: The threads could not be started.
+
+        Examples:
+            Which of 10,000 poses is right?
+
+            >>> import mobile_robot_simulator as mrs
+            >>> grid, laser = mrs.floor_plan("office", seed=1), mrs.LaserScanner(beam_count=61)
+            >>> noise = mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1)
+            >>> poses = grid.draw_free_poses(10_000, radius=0.3, seed=1)
+            >>> scan = laser.scan_batch(grid, poses[7:8], noise=noise, seed=1)[0]
+            >>> laser.log_likelihood(grid, poses, scan, noise=noise).argmax()
+            np.int64(7)
+        """
+
     def time_increment(self, scan_duration: float) -> float:
         """Returns the time from one beam to the next of a scan that takes time [s]; 0 with a single beam.
 

@@ -22,6 +22,7 @@ mod random_stream;
 mod raycast;
 mod scanner;
 mod shape;
+mod sweep;
 
 use pyo3::PyTypeInfo;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};

@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{check_out, fill, rows, rows_or_beam_rows, short_repr, typed, vector};
+use super::arrays::{check_out, fill, rows, shape, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
 use super::mount::MountArgument;
@@ -13,9 +13,10 @@ use super::number::Argument;
 use super::obstacles::{MovingObstaclesArgument, ObstaclesArgument};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
+use super::sweep::SweepArguments;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{BeamLayout, Courses, Mount, NoReturn, Noise, ScannerOptions, Sweeps};
+use crate::{BeamLayout, Courses, Mount, NoReturn, Noise, Readings, ScannerOptions, Score};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -90,6 +91,24 @@ fn shown(mount: Mount) -> String {
     let numbers =
         if mount == mount.planar().into() { mount.planar().to_array().to_vec() } else { mount.to_array().to_vec() };
     numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", ")
+}
+
+impl LaserScanner {
+    /// Returns the numbers of the beams that an argument selects.
+    fn beams(&self, beams: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
+        if beams.try_iter().is_err() {
+            let step = whole_number("beams", beams, "a positive number k for every k-th beam, or a sequence of numbers")?;
+            if step == 0 {
+                return Err(PyValueError::new_err("beams must be a positive number k for every k-th beam, got 0"));
+            }
+            return Ok(memory::collected("the beams", (0..self.beam_count().div_ceil(step)).map(|nth| nth * step))?);
+        }
+        let mut numbers = Vec::new();
+        for beam in beams.try_iter()? {
+            memory::push("the beams", &mut numbers, whole_number("a number of beams", &beam?, "the number of a beam")?)?;
+        }
+        Ok(numbers)
+    }
 }
 
 #[pymethods]
@@ -328,18 +347,7 @@ impl LaserScanner {
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (grid, threads) = (grid.get().core(), thread_count(threads)?);
-        let scan_duration = scan_duration.map(|duration| duration.named("scan_duration")).transpose()?;
-        let (poses, has_beams) = rows_or_beam_rows("poses", poses, self.beam_count(), out.as_ref())?;
-        let scans = if has_beams { poses.len() / self.beam_count() } else { poses.len() };
-        let twists = twists.map(|twists| rows("twists", twists, out.as_ref())).transpose()?;
-        if twists.is_some() && has_beams {
-            return Err(PyValueError::new_err("twists must be None if poses has one pose for each beam, got both"));
-        }
-        if twists.is_some() && scan_duration.is_none() {
-            return Err(PyValueError::new_err(
-                "twists need scan_duration, the time in which the beams of a scan are taken [s]",
-            ));
-        }
+        let sweep = SweepArguments::new(self.beam_count(), poses, twists, scan_duration, out.as_ref())?;
         let seed = SeedArgument::new(seed, "first_index", first_index)?;
         if noise.is_some() && seed.is_none() {
             return Err(PyValueError::new_err(
@@ -347,32 +355,129 @@ impl LaserScanner {
                  first_index= the number of scans before, because calls with the same seed and index draw the same noise",
             ));
         }
-        let poses: &[[f64; 3]] = &poses;
-        check_out::<f32>(out.as_ref(), &[scans, self.beam_count()])?;
+        let size = [sweep.scans, self.beam_count()];
+        check_out::<f32>(out.as_ref(), &size)?;
         let noise = noise
-            .map(|model| seed.take(scans).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
+            .map(|model| seed.take(sweep.scans).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
             .transpose()?;
-        if scan_duration.is_none() && !has_beams {
+        if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;
-            return fill(py, out, &[scans, self.beam_count()], |readings| {
+            return fill(py, out, &size, |readings| {
                 self.0.scan_batch((&*grid, &obstacles), poses, noise, threads, readings)
             });
         }
-        let standing;
-        let courses = match &twists {
-            _ if has_beams => Courses::Poses(poses),
-            Some(twists) => Courses::Arcs { poses, twists },
-            None => {
-                standing = memory::filled("the twists", [0.0; 3], poses.len())?;
-                Courses::Arcs { poses, twists: &standing }
+        let obstacles = sweep.obstacles(&obstacles)?;
+        let sweeps = sweep.sweeps(&obstacles);
+        fill(py, out, &size, |readings| self.0.sweep_batch(&grid, sweeps, noise, threads, readings))
+    }
+
+    /// Returns the log-likelihood of a scan, given each pose from which it may have been taken.
+    ///
+    /// It is `temper * sum(log(noise.likelihood(ranges, true_ranges, max_range, min_range=min_range)))`, with the true ranges of
+    /// `scan` from each pose, to within 1e-9 for each beam. No array of true ranges is made. Readings may have the marks of
+    /// `mark_invalid`.
+    ///
+    /// The beam model takes the errors of all beams as independent. They are not: what the map or the pose gets wrong, many
+    /// beams get wrong in the same way. So the likelihood of all beams is far too sure. Two things help: few `beams`, and a
+    /// `temper` below 1, such as 10 divided by the number of beams, which makes the scan count like ten independent beams.
+    ///
+    /// Args:
+    ///     grid: Map.
+    ///     poses: (N, 3), one row (x, y, yaw) per pose of the robot in the map frame [m, m, rad]; at the time of beam 0 if the
+    ///         scan takes time. Anything that NumPy can convert to float64 without loss.
+    ///     ranges: (beam_count,) float32, the readings of one scan [m]; or (N, beam_count), a scan for each pose. NaN does not
+    ///         count.
+    ///     noise: Beam model of the readings.
+    ///     beams: Beams that count: a number k for every k-th beam from beam 0 on, or a sequence of their numbers. None means
+    ///         all.
+    ///     temper: Factor of the log-likelihood, above 0.
+    ///     twists: (N, 3), the velocity (vx, vy, wz) of the robot while the scan is taken [m/s, m/s, rad/s], as for `scan_batch`.
+    ///     scan_duration: Time in which the head turns through the field of the beams [s]. None means that all beams are taken
+    ///         in one instant.
+    ///     obstacles: Obstacles, as for `scan_batch`.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: (N,) float64, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (N,) float64, which is `out` if it was given. -inf if a reading is impossible from a pose.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, a number is not finite, a beam does not exist, or `temper` is not positive.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     Which of 10,000 poses is right?
+    ///
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid, laser = mrs.floor_plan("office", seed=1), mrs.LaserScanner(beam_count=61)
+    ///     >>> noise = mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1)
+    ///     >>> poses = grid.draw_free_poses(10_000, radius=0.3, seed=1)
+    ///     >>> scan = laser.scan_batch(grid, poses[7:8], noise=noise, seed=1)[0]
+    ///     >>> laser.log_likelihood(grid, poses, scan, noise=noise).argmax()
+    ///     np.int64(7)
+    #[pyo3(
+        text_signature = "($self, grid, poses, ranges, *, noise, beams=None, temper=1.0, twists=None, scan_duration=None, \
+                          obstacles=(), threads=None, out=None)",
+        signature = (
+            grid,
+            poses,
+            ranges,
+            *,
+            noise,
+            beams = None,
+            temper = 1.0.into(),
+            twists = None,
+            scan_duration = None,
+            obstacles = MovingObstaclesArgument::none(),
+            threads = None,
+            out = None,
+        )
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn log_likelihood<'py>(
+        &self,
+        py: Python<'py>,
+        grid: GridArgument<'py>,
+        poses: &Bound<'py, PyAny>,
+        ranges: &Bound<'py, PyAny>,
+        noise: NoiseArgument,
+        beams: Option<&Bound<'py, PyAny>>,
+        temper: Argument<f64>,
+        twists: Option<&Bound<'py, PyAny>>,
+        scan_duration: Option<Argument<f64>>,
+        obstacles: MovingObstaclesArgument<'py>,
+        threads: Option<&Bound<'py, PyAny>>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (grid, threads, temper) = (grid.get().core(), thread_count(threads)?, temper.named("temper")?);
+        let sweep = SweepArguments::new(self.beam_count(), poses, twists, scan_duration, out.as_ref())?;
+        let beams = beams.map(|beams| self.beams(beams)).transpose()?;
+        let readings = typed::<f32>("ranges", ranges)?;
+        let readings = readings.as_array();
+        let is_one = match *readings.shape() {
+            [beams] if beams == self.beam_count() => true,
+            [scans, beams] if beams == self.beam_count() && scans == sweep.scans => false,
+            ref other => {
+                let (scans, beams, got) = (sweep.scans, self.beam_count(), shape(other));
+                let text =
+                    format!("ranges must have shape ({beams},), or ({scans}, {beams}) with a scan for each pose, got {got}");
+                return Err(PyValueError::new_err(text));
             }
         };
-        if scan_duration.is_none() {
-            obstacles.check_have_poses()?;
+        let readings = memory::collected("the readings", readings.iter().copied())?;
+        let readings = if is_one { Readings::One(&readings) } else { Readings::Each(&readings) };
+        let score = Score { model: &noise.0, readings, beams: beams.as_deref(), temper };
+        let scans = sweep.scans;
+        if let Some(poses) = sweep.instant() {
+            let obstacles = obstacles.standing()?;
+            return fill(py, out, &[scans], |scores| {
+                self.0.log_likelihoods((&*grid, &obstacles), poses, score, threads, scores)
+            });
         }
-        let obstacles = obstacles.moving()?;
-        let sweeps = Sweeps { courses, scan_duration: scan_duration.unwrap_or(0.0), obstacles: &obstacles };
-        fill(py, out, &[scans, self.beam_count()], |readings| self.0.sweep_batch(&grid, sweeps, noise, threads, readings))
+        let obstacles = sweep.obstacles(&obstacles)?;
+        let sweeps = sweep.sweeps(&obstacles);
+        fill(py, out, &[scans], |scores| self.0.log_likelihoods_of_sweeps(&grid, sweeps, score, threads, scores))
     }
 
     /// Returns the time from one beam to the next of a scan that takes time [s]; 0 with a single beam.

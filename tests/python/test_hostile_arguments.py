@@ -160,6 +160,9 @@ def good() -> dict[str, Any]:
     return {
         **dict.fromkeys(("x", "y", "yaw", "qx", "qy", "qz", "dt", "radius", "limit", "length", "width", "fraction"), 0.25),
         "scan_duration": 0.25,
+        "temper": 0.25,
+        "ranges": ranges,
+        "beams": [1, 3],
         "times": np.array([0.0, 0.5]),
         **dict.fromkeys(("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "resolution", "grip"), 0.5),
         **dict.fromkeys(("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6", "reference_step", "qw"), 0.5),
