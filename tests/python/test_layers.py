@@ -37,6 +37,7 @@ ROOMS = (
     "ros",
     "simulation",
     "faults",
+    "benchmarks",
     "recording",
     "logs",
     "audit",

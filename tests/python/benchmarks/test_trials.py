@@ -1,0 +1,108 @@
+"""trials: outcomes and times of controllers that are easy to predict, in generated worlds."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from benchmarks.barn_worlds import Gaps, still, straight, write_path, write_world
+from mobile_robot_simulator.benchmarks import Observation, Task, Trial, Trials, barn_task, run_tasks
+
+SEED = 22
+
+
+@pytest.fixture
+def free(tmp_path: Path) -> Task:
+    """A world without obstacles. Its path is one cell, on the straight line to the goal."""
+    return barn_task(write_world(tmp_path, "free", []), write_path(tmp_path, "free", [(15.5, 0)]))
+
+
+def test_a_straight_drive_takes_the_time_of_its_distance(free: Task) -> None:
+    """9 m to the tolerance of 1 m. The clock starts when 0.1 m are driven, and stops at a multiple of 0.1 s."""
+    trial = run_tasks([free], straight).trials[0]
+    assert (trial.task, trial.outcome) == ("free", "succeeded")
+    assert 8.8 <= trial.time <= 9.05
+    assert trial.score == pytest.approx(5.0 / 10.0, rel=0.01)  # faster than twice the optimal time, 5 s
+
+
+def test_contact_ends_a_task(tmp_path: Path, free: Task) -> None:
+    """The front of the robot, 0.229 m ahead of its origin, meets a cylinder at y = 6.425 after 3.196 m."""
+    world = write_world(tmp_path, "blocked", [(-2.25, 6.5)])
+    trials = run_tasks([barn_task(world, write_path(tmp_path, "path", [(15, 0)])), free], straight)
+    assert [trial.outcome for trial in trials.trials] == ["collided", "succeeded"]
+    assert 3.0 <= trials.trials[0].time <= 3.3 and trials.trials[0].score == 0.0
+    assert trials.share("collided") == 0.5 and trials.score == trials.trials[1].score / 2
+
+
+def test_a_robot_that_does_not_move_runs_out_of_time(free: Task) -> None:
+    assert run_tasks([free], still).trials == (Trial("free", "timeout", pytest.approx(100.0), 0.0),)
+
+
+def test_the_goal_is_in_the_frame_of_the_robot(free: Task) -> None:
+    seen: list[Observation] = []
+
+    def controller() -> object:
+        def control(observation: Observation) -> tuple[float, float]:
+            seen.append(observation)
+            return 1.0, 1.0
+
+        return control
+
+    run_tasks([free], controller)
+    sim = free.simulation()
+    for observation in seen[:20]:
+        sim.run_for(observation.time - sim.time)
+        place = sim.pose * mrs.Pose(*observation.goal, 0.0)
+        assert (place.x, place.y) == pytest.approx(free.goal, abs=1e-9)
+        sim.publish("/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=1.0), angular=mrs.messages.Vector3(z=1.0)))
+
+
+def test_the_number_of_processes_does_not_change_the_results(free: Task) -> None:
+    tasks = [free] * 4
+    assert run_tasks(tasks, Gaps, processes=2) == run_tasks(tasks, Gaps)
+
+
+def test_the_table() -> None:
+    trials = Trials((Trial("world_0", "succeeded", 10.0, 0.5), Trial("world_6", "collided", 3.25, 0.0)))
+    assert str(trials).splitlines() == [
+        "task     outcome    time [s]   score",
+        "world_0  succeeded     10.00  0.5000",
+        "world_6  collided       3.25  0.0000",
+        "mean     50.0%         10.00  0.2500",
+    ]
+    assert math.isnan(Trials(trials.trials[1:]).time)
+
+
+@pytest.mark.parametrize("command", [(1.0, math.nan), (1.0,), "fast", None])
+def test_a_command_that_is_none_is_an_error(free: Task, command: object) -> None:
+    with pytest.raises(ValueError, match="free: a command must be"):
+        run_tasks([free], lambda: lambda _: command)
+
+
+def test_no_tasks_and_no_processes_are_errors(free: Task) -> None:
+    with pytest.raises(ValueError, match="tasks must have at least one task, got none"):
+        run_tasks([], straight)
+    with pytest.raises(ValueError, match="processes must be at least 1, got 0"):
+        run_tasks([free], straight, processes=0)
+
+
+@pytest.mark.slow
+def test_300_generated_worlds_take_at_most_30_s_on_two_cores(tmp_path: Path) -> None:
+    """The limit is four times as long, for a machine that is busy."""
+    random = np.random.default_rng(SEED)
+    start = time.perf_counter()
+    path = write_path(tmp_path, "path", [(15, 0)])
+    tasks = []
+    for index in range(300):
+        places = random.integers((0, 0), (29, 30), (15, 2))
+        cylinders = [(-4.425 + 0.15 * col, 5.075 + 0.15 * row) for col, row in places.tolist()]
+        tasks.append(barn_task(write_world(tmp_path, f"world_{index}", cylinders), path))
+    trials = run_tasks(tasks, Gaps, processes=2)
+    taken = time.perf_counter() - start
+    print(f"{taken:.1f} s", trials.share("succeeded"), trials.share("collided"), trials.share("timeout"))
+    assert len(trials.trials) == 300 and trials.share("succeeded") > 0.3 and taken < 120
