@@ -81,11 +81,12 @@ def pose_of(numbers: tuple[float, float, float], option: str) -> Pose:
 def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
     """Returns the grid of a map file. The laser's parameter `unknown` decides whether unknown cells block beams.
 
-    Prints a hint if unknown cells shall block and the map has none, because its thresholds make the usual grey free.
+    Prints a hint if unknown cells shall block and a map of map_server has none, because its thresholds make the usual grey
+    free.
     """
     unknown = for_node(LaserParameters, values).unknown
     grid = load_map(map_file, unknown=unknown)
-    if unknown == "occupied" and (grid.cells >= 0).all():
+    if unknown == "occupied" and map_file.suffix.lower() in (".yaml", ".yml") and (grid.cells >= 0).all():
         print_note(
             f"{map_file}: no cell is unknown, so unknown:=occupied has no effect. If grey areas should be unknown, "
             "lower free_thresh: with 0.196, grey 205 is unknown, as map_server means it."

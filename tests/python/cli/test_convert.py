@@ -34,3 +34,9 @@ def test_info_and_run_take_worlds(command, tmp_path):
     done = command("run", world, "--duration", 2, "--out", tmp_path / "drive")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "drive" / "summary.json").exists()
+
+
+def test_unknown_cells_of_worlds_are_no_matter_of_thresholds(command, tmp_path):
+    (tmp_path / "room.map").write_text(ROOM)
+    done = command("info", tmp_path / "room.map", "-p", "unknown:=occupied")
+    assert done.returncode == 0 and done.stderr == ""
