@@ -21,6 +21,16 @@ def test_the_tests_of_the_example_project_pass():
     assert done.stdout == "the example project works\n"
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_the_particle_filter_finds_the_robot(tmp_path, seed):
+    script, picture = ROOT / "examples/localization/particle_filter.py", tmp_path / "localization.png"
+    command = [sys.executable, script, "--seed", str(seed), "--out", picture]
+    lines = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True).stdout.splitlines()
+    errors = [float(line.split()[1]) for line in lines[1:]]
+    assert len(errors) == 12 and max(errors[-6:]) < 0.1
+    assert picture.stat().st_size > 10_000
+
+
 def test_the_documentation_shows_the_report_of_the_failure(tmp_path):
     example = shutil.copytree(ROOT / "examples/testing", tmp_path / "example")
     command = [sys.executable, "-m", "pytest", "tests/test_on_purpose.py", "--basetemp", str(tmp_path / "base")]
