@@ -1,7 +1,7 @@
 """Global localization by a particle filter (Monte Carlo localization), in NumPy on top of two calls of the simulator.
 
-A robot wanders through a map with drifting odometry and a noisy scanner. The filter knows the map, the odometry and the scans,
-and at first nothing of the pose. It prints how far its estimate is from the true pose, and draws both paths.
+A robot wanders through a map with drifting odometry and a noisy scanner. The filter knows the map, the odometry and the
+scans, and at first nothing of the pose. It prints how far its estimate is from the true pose, and draws both paths.
 
     python particle_filter.py [MAP.yaml] [--seed SEED] [--out PICTURE.png]
 """
@@ -42,6 +42,7 @@ def moved(particles, before, after, rng):
 
 
 def main():
+    """Drives the robot for a minute, and follows it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("map", nargs="?")
     parser.add_argument("--seed", type=int, default=1)
