@@ -13,9 +13,12 @@ import mobile_robot_simulator as mrs
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=60)
 settings.load_profile("repeatable")
 
-# A shell that runs `make test &` makes its child processes ignore SIGINT. Tests that send SIGINT need the default handler.
+# A shell that runs `make test &` makes its child processes ignore SIGINT, and nohup makes them ignore SIGHUP. Tests that
+# send these signals need the default handlers.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 @pytest.fixture

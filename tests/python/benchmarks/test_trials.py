@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from pathlib import Path
 
 import numpy as np
@@ -91,18 +90,13 @@ def test_no_tasks_and_no_processes_are_errors(free: Task) -> None:
         run_tasks([free], straight, processes=0)
 
 
-@pytest.mark.slow
-def test_300_generated_worlds_take_at_most_30_s_on_two_cores(tmp_path: Path) -> None:
-    """The limit is four times as long, for a machine that is busy."""
+def test_generated_worlds_are_driven_in_two_processes(tmp_path: Path) -> None:
     random = np.random.default_rng(SEED)
-    start = time.perf_counter()
     path = write_path(tmp_path, "path", [(15, 0)])
     tasks = []
-    for index in range(300):
+    for index in range(30):
         places = random.integers((0, 0), (29, 30), (15, 2))
         cylinders = [(-4.425 + 0.15 * col, 5.075 + 0.15 * row) for col, row in places.tolist()]
         tasks.append(barn_task(write_world(tmp_path, f"world_{index}", cylinders), path))
     trials = run_tasks(tasks, Gaps, processes=2)
-    taken = time.perf_counter() - start
-    print(f"{taken:.1f} s", trials.share("succeeded"), trials.share("collided"), trials.share("timeout"))
-    assert len(trials.trials) == 300 and trials.share("succeeded") > 0.3 and taken < 120
+    assert len(trials.trials) == 30 and trials.share("succeeded") > 0.3
