@@ -29,9 +29,11 @@ from ._core import (
 
 if TYPE_CHECKING:
     from . import audit as audit
+    from . import benchmarks as benchmarks
     from . import bus as bus
     from . import compare as compare
     from . import faults as faults
+    from . import localization as localization
     from . import logs as logs
     from . import maps as maps
     from . import messages as messages
@@ -72,9 +74,11 @@ __all__ = [
 
 _SUBMODULES = (
     "audit",
+    "benchmarks",
     "bus",
     "compare",
     "faults",
+    "localization",
     "logs",
     "maps",
     "messages",

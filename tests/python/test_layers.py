@@ -30,6 +30,7 @@ ROOMS = (
     "nav2_loopback_names",
     "parameter_files",
     "maps",
+    "localization",
     "plotting",
     "physics",
     "nodes",

@@ -56,9 +56,11 @@ BUILT_WITH = [
 
 SUBMODULES = [
     "audit",
+    "benchmarks",
     "bus",
     "compare",
     "faults",
+    "localization",
     "logs",
     "maps",
     "messages",

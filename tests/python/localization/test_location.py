@@ -1,0 +1,68 @@
+"""locate: finds where in a map a scan was taken, or says that two places look the same."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.localization import locate
+
+NOISE = mrs.BeamModel(sigma_hit=0.03, lambda_short=1.0, z_hit=0.9, z_short=0.03, z_max=0.02, z_rand=0.05)
+LASER = mrs.LaserScanner(beam_count=181, mount=(0.1, 0.0, 0.2))
+
+
+def errors(found: np.ndarray, true: np.ndarray) -> tuple[float, float]:
+    """Returns the distance [m] and the angle [rad] between two poses."""
+    return math.hypot(*(found - true)[:2]), abs(math.remainder(found[2] - true[2], math.tau))
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_robot_is_found_anywhere_in_an_office(seed: int) -> None:
+    grid = mrs.floor_plan("office", seed=seed, size=(20.0, 15.0))
+    poses = grid.draw_free_poses(3, radius=0.3, seed=seed)
+    for pose, scan in zip(poses, LASER.scan_batch(grid, poses, noise=NOISE, seed=seed), strict=True):
+        location = locate(grid, LASER, LASER.mark_invalid(scan), noise=NOISE)
+        distance, angle = errors(location.poses[0], pose)
+        assert (distance < 0.1 and angle < math.radians(2.0)) or location.margin < 5.0
+
+
+def test_two_places_that_look_the_same_have_no_margin() -> None:
+    # A closed room with a niche, twice.
+    room = np.zeros((60, 50), np.int8)
+    room[[0, -1], :] = room[:, [0, -1]] = 100
+    room[20:30, 1:12] = 100
+    grid = mrs.OccupancyGrid(np.hstack((room, room)), resolution=0.1, origin=(1.0, 2.0, 0.4))
+    pose = grid.origin * mrs.Pose(3.0, 4.0, 1.0)
+    scan = LASER.scan(grid, pose)
+    location = locate(grid, LASER, scan, noise=NOISE)
+    assert location.margin < 1.0
+    other = grid.origin * mrs.Pose(8.0, 4.0, 1.0)
+    for place in (pose, other):
+        assert min(errors(found, np.array(tuple(place)))[0] for found in location.poses[:2]) < 0.02
+    assert repr(location).startswith("Location((")
+
+
+def test_progress_ends_at_one_and_threads_do_not_matter() -> None:
+    grid = mrs.floor_plan("office", seed=1, size=(20.0, 15.0))
+    scan = LASER.scan(grid, (6.0, 9.0, 1.0))
+    shares: list[float] = []
+    one = locate(grid, LASER, scan, noise=NOISE, progress=shares.append, threads=1)
+    two = locate(grid, LASER, scan, noise=NOISE, threads=2)
+    assert shares == sorted(shares) and shares[-1] == 1.0 and len(shares) > 5
+    assert one.poses.tobytes() == two.poses.tobytes()
+    assert one.log_likelihoods.tobytes() == two.log_likelihoods.tobytes()
+    assert (np.diff(one.log_likelihoods) <= 0.0).all()
+
+
+def test_bad_input_is_named() -> None:
+    grid = mrs.floor_plan("office", seed=1, size=(20.0, 15.0))
+    with pytest.raises(ValueError, match=r"ranges must have shape \(181,\)"):
+        locate(grid, LASER, np.ones(5, np.float32), noise=NOISE)
+    with pytest.raises(ValueError, match="ranges must have at least one return"):
+        locate(grid, LASER, np.full(181, np.inf, np.float32), noise=NOISE)
+    full = mrs.OccupancyGrid(np.full((50, 50), 100, np.int8), resolution=0.1)
+    with pytest.raises(ValueError, match="the map must have a free cell"):
+        locate(full, LASER, np.ones(181, np.float32), noise=NOISE)
