@@ -116,12 +116,15 @@ def go_on(work):
         work()
 
 work = globals()[sys.argv[1]]
-for _ in range(2):
-    threading.Thread(target=go_on, args=(work,), daemon=True).start()
+busy = [threading.Thread(target=go_on, args=(work,), daemon=True) for _ in range(2)]
+for thread in busy:
+    thread.start()
 for _ in range(FORKS):
     time.sleep(np.random.default_rng(os.getpid() + time.monotonic_ns()).uniform(0.0, 0.004))
     fork_and_check(fresh[0] if work in (first_scan, prepare, draw) else grid, expected)
 ends.set()
+for thread in busy:
+    thread.join()
 assert results(grid) == expected
 print("done")
 """
