@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from maps.house_plans import generated
 
 SEED = 22
 L_SHAPE = [[0, 0], [0.2, 0], [0.2, 0.1], [0.1, 0.1], [0.1, 0.2], [0, 0.2]]
@@ -19,19 +20,6 @@ def write(folder: Path, verts: object, name: str = "0a1b.json") -> Path:
     plan = {"verts": verts, "id": "0a1b", "room_category": {"kitchen": [[0, 0, 1, 1]]}, "room_num": 1, "bbox": {}}
     path.write_text(json.dumps(plan))
     return path
-
-
-def generated(random: np.random.Generator) -> list[list[float]]:
-    """The outline of rooms along a corridor, with walls of 0.1 m between them, as plans of the dataset are."""
-    corners, x = [[0.0, 0.0]], 0.0
-    widths = random.uniform(2.0, 5.0, random.integers(3, 8))
-    for width in widths:
-        depth = random.uniform(2.0, 5.0)
-        door = x + random.uniform(0.2, width - 1.2)
-        corners += [[door, 0], [door, -0.1], [x, -0.1], [x, -depth], [x + width - 0.1, -depth], [x + width - 0.1, -0.1]]
-        corners += [[door + 0.9, -0.1], [door + 0.9, 0]]
-        x += width
-    return np.round([*corners, [x, 0], [x, 1.8], [0, 1.8]], 4).tolist()
 
 
 def test_the_inside_is_free_and_the_outside_is_occupied(tmp_path: Path) -> None:
