@@ -47,7 +47,7 @@ def test_two_places_that_look_the_same_have_no_margin() -> None:
 
 def test_progress_ends_at_one_and_threads_do_not_matter() -> None:
     grid = mrs.floor_plan("office", seed=1, size=(20.0, 15.0))
-    scan = LASER.scan(grid, (6.0, 9.0, 1.0))
+    scan = LASER.scan(grid, (10.0, 7.0, 0.0))
     shares: list[float] = []
     one = locate(grid, LASER, scan, noise=NOISE, progress=shares.append, threads=1)
     two = locate(grid, LASER, scan, noise=NOISE, threads=2)
@@ -55,6 +55,8 @@ def test_progress_ends_at_one_and_threads_do_not_matter() -> None:
     assert one.poses.tobytes() == two.poses.tobytes()
     assert one.log_likelihoods.tobytes() == two.log_likelihoods.tobytes()
     assert (np.diff(one.log_likelihoods) <= 0.0).all()
+    # Other places are kept, so that the margin compares with one of them.
+    assert len(one.poses) > 5 and 0.0 < one.margin < math.inf
 
 
 def test_bad_input_is_named() -> None:
