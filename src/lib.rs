@@ -39,12 +39,15 @@
 //! - **Beams**: beam `i` points at `angle_min + i · angle_increment`, with `angle_increment = fov / (beam_count - 1)`. A
 //!   full turn has `angle_increment = fov / beam_count`, so that no beam is repeated. Other layouts, clockwise ones too:
 //!   see [`BeamLayout`].
+//! - **Time within a scan**: by default all beams are taken in one instant. In a scan that takes time, each beam has the range
+//!   of a scan in the instant of the beam; see [`LaserScanner::sweep_batch`].
 //! - **Noise**: the beam model of *Probabilistic Robotics*, table 6.1, with each part normalised; see [`BeamModel`].
 //! - **Same seed, same bytes**: results are the same for any number of threads, any split of a batch, any instruction set
 //!   and any machine. The random stream of a scan depends only on the seed and the index of the scan. Operations that a
 //!   result depends on have a fixed order and no fused multiply-adds. Transcendental functions come from the `libm` crate,
-//!   with two exceptions: this crate has its own polynomials for the random numbers of the beam model and for the directions
-//!   of unrelated rays. So an unrelated ray and the beam of a scan at the same angle may differ in the last bits.
+//!   with three exceptions: this crate has its own polynomials for the random numbers of the beam model, for the scores of
+//!   scans, and for the directions of unrelated rays. So an unrelated ray and the beam of a scan at the same angle may differ
+//!   in the last bits.
 //! - **Motion**: a twist is integrated exactly (the exponential map of SE(2)), not by Euler steps.
 
 mod batch;

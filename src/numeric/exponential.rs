@@ -1,10 +1,9 @@
 //! The exponential function for a group of numbers, with the same bytes on every machine.
 
+use super::elementary::ROUND;
+
 /// ln 2 as the sum of a number of 32 bits and the rest (fdlibm, `e_exp.c`).
 const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
-
-/// Adding this number to a number below 2⁵¹ and subtracting it again rounds to the nearest integer.
-const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// Below this, the result is 0. The exponential of this number is still a normal number.
 const LOWEST: f64 = -708.0;
