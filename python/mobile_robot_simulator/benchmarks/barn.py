@@ -69,8 +69,8 @@ def barn_task(
         path: Its shortest path, such as `worlds/BARN/path_files/path_0.npy`: cells (N, 2) of 0.15 m. The optimal time is
             that at 2 m/s from the start, along the path, to the goal.
         resolution: Side of a cell of the grid [m].
-        quickest: Multiple of the optimal time up to which a faster robot scores more: 2 in the challenge's code since April
-            2022, 4 in the report on the challenge of 2022.
+        quickest: Multiple of the optimal time below which a faster robot does not score more. The challenge's `run.py` has
+            2; published copies of it have 4.
         parameters: Parameters that replace or complete those of the Jackal.
 
     Raises:
