@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from . import physics as physics
     from . import plotting as plotting
     from . import recording as recording
+    from . import requirements as requirements
     from . import ros as ros
     from . import simulation as simulation
     from . import testing as testing
@@ -87,6 +88,7 @@ _SUBMODULES = (
     "physics",
     "plotting",
     "recording",
+    "requirements",
     "ros",
     "simulation",
     "testing",

@@ -38,6 +38,7 @@ ROOMS = (
     "ros",
     "simulation",
     "faults",
+    "requirements",
     "benchmarks",
     "recording",
     "logs",

@@ -69,6 +69,7 @@ SUBMODULES = [
     "physics",
     "plotting",
     "recording",
+    "requirements",
     "ros",
     "simulation",
     "testing",

@@ -226,13 +226,33 @@ class Motion:
         Returns:
             (N, 3) float64, rows (x, y, yaw) [m, m, rad].
         """
+        return np.concatenate([segment.trace(times) for segment, times in self._parts(times_ns)])
+
+    def velocities_at(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Velocities of the robot at past times. Where the velocity jumps, it is the one after the jump.
+
+        Args:
+            times_ns: (N,) int64, increasing times [ns]; at least one.
+
+        Returns:
+            (N, 3) float64, rows (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+        """
+        return np.array(
+            [
+                scaled(segment.profile.velocity_at(time_ns), segment.grip)
+                for segment, times in self._parts(times_ns)
+                for time_ns in times.tolist()
+            ]
+        )
+
+    def _parts(self, times_ns: NDArray[np.int64]) -> list[tuple[Segment, NDArray[np.int64]]]:
+        """Returns the segments that contain the times, each with its times [ns]."""
         segments = self.trajectory(int(times_ns[-1]))
         first = max(0, bisect_right(segments, times_ns[0], key=lambda segment: segment.start_ns) - 1)
         last = bisect_right(segments, times_ns[-1], key=lambda segment: segment.start_ns)
         segments = segments[first : max(last, first + 1)]
         ends = np.searchsorted(times_ns, [segment.start_ns for segment in segments[1:]])
-        parts = np.split(times_ns, ends)
-        return np.concatenate([segment.trace(times) for segment, times in zip(segments, parts, strict=True)])
+        return list(zip(segments, np.split(times_ns, ends), strict=True))
 
     def trajectory(self, time_ns: int) -> list[Segment]:
         """Trajectory from the start up to a time, at most the present."""

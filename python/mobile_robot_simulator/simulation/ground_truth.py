@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._core import Pose, Shape, clearance, clearance_batch
+from .._core import Pose, Shape, advance, clearance, clearance_batch
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..quoting import quoted
@@ -58,6 +58,11 @@ class GroundTruth(Handle):
         return self._world.now_ns() / NANOSECONDS
 
     @property
+    def start(self) -> float:
+        """Simulated time from which on the path is known [s]: when the robot was added."""
+        return self._robot.motion.segments[0].start_ns / NANOSECONDS
+
+    @property
     def pose(self) -> Pose:
         """Current pose in the map frame."""
         return self._robot.pose
@@ -82,6 +87,11 @@ class GroundTruth(Handle):
         if self._robot.footprint is None:
             raise ValueError("contacts need a footprint: give the parameter robot_radius or footprint")
         return list(self._robot.motion.contacts_until(self._world.now_ns()))
+
+    @property
+    def contact_times(self) -> list[float]:
+        """Times at which the contacts began [s], as in `contacts`; none without a footprint."""
+        return [contact.time for contact in self.contacts] if self._robot.footprint is not None else []
 
     @property
     def clearance(self) -> float:
@@ -119,6 +129,37 @@ class GroundTruth(Handle):
             start = end
         return np.concatenate(parts) if parts else np.zeros(0)
 
+    def times_to_contact(self, times: ArrayLike, horizon: float = 10.0) -> NDArray[np.float64]:
+        """Returns how long the robot could keep its velocity at past times until it touches something.
+
+        At each time, the robot is moved on along its exact arc (`advance`), while obstacles and other robots stand where
+        they were at that time. Without a footprint, the robot is a point.
+
+        Args:
+            times: (N,) simulated times [s], as for `poses_at`.
+            horizon: Upper limit of the result [s].
+
+        Returns:
+            (N,) float64, time until the contact [s], at most `horizon`.
+
+        Raises:
+            ValueError: The times are not valid for `poses_at`, or the horizon is not positive and finite.
+        """
+        if not 0.0 < horizon < math.inf:
+            raise ValueError(f"the horizon must be positive and finite, got {quoted(horizon)} s")
+        poses, velocities = self.poses_at(times), self.velocities_at(times)
+        found = np.full(len(poses), horizon)
+        grid = self._world.grid
+        if grid is None:
+            return found
+        for index in np.flatnonzero(velocities.any(axis=1)):
+            around = self._world.around_at(self._robot, round(float(np.asarray(times)[index]) * NANOSECONDS))
+            twist = tuple(velocities[index].tolist())
+            _, contact = advance(grid, self._footprint, Pose(*poses[index].tolist()), twist, horizon, obstacles=around)
+            if contact is not None:
+                found[index] = contact.fraction * horizon
+        return found
+
     def pose_at(self, time: float) -> Pose:
         """Returns the pose in the map frame at a past time.
 
@@ -142,10 +183,21 @@ class GroundTruth(Handle):
         Raises:
             ValueError: There are no times, they decrease, or one is outside that range.
         """
-        times_ns = np.array([self._past_ns(float(time)) for time in np.asarray(times, np.float64)], np.int64)
-        if not len(times_ns) or np.any(np.diff(times_ns) < 0):
-            raise ValueError(f"the times must be one or more and must not decrease, got {quoted(times)}")
-        return self._robot.motion.map_poses_at(times_ns)
+        return self._robot.motion.map_poses_at(self._past_times_ns(times))
+
+    def velocities_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Returns the velocities at past times, as in `velocity`. Where the velocity jumps, it is the one after the jump.
+
+        Args:
+            times: (N,) simulated times [s], as for `poses_at`.
+
+        Returns:
+            (N, 3) float64, rows (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: There are no times, they decrease, or one is outside the range of `poses_at`.
+        """
+        return self._robot.motion.velocities_at(self._past_times_ns(times))
 
     @property
     def path(self) -> NDArray[np.float64]:
@@ -171,6 +223,12 @@ class GroundTruth(Handle):
     @property
     def _footprint(self) -> Shape:
         return self._robot.footprint or POINT
+
+    def _past_times_ns(self, times: ArrayLike) -> NDArray[np.int64]:
+        times_ns = np.array([self._past_ns(float(time)) for time in np.asarray(times, np.float64)], np.int64)
+        if not len(times_ns) or np.any(np.diff(times_ns) < 0):
+            raise ValueError(f"the times must be one or more and must not decrease, got {quoted(times)}")
+        return times_ns
 
     def _past_ns(self, time: float) -> int:
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()

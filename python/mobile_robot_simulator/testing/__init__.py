@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches, assert_scan_close
     from .rclpy_shim import stand_in
+    from .requirement_assertions import assert_always, assert_holds
 
 __all__ = [
+    "assert_always",
     "assert_clearance",
+    "assert_holds",
     "assert_no_contact",
     "assert_rate",
     "assert_reaches",
@@ -19,9 +22,16 @@ __all__ = [
     "stand_in",
 ]
 
+_MODULES = {
+    "assert_always": "requirement_assertions",
+    "assert_holds": "requirement_assertions",
+    "stand_in": "rclpy_shim",
+}
+"""Modules of the names that are not in `assertions`."""
+
 
 def __getattr__(name: str) -> Any:
     """Imports a public name when it is first used."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{'rclpy_shim' if name == 'stand_in' else 'assertions'}"), name)
+    return getattr(import_module(f"{__name__}.{_MODULES.get(name, 'assertions')}"), name)

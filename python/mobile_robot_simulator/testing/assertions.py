@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ..simulation.robots import SimulatedRobot
     from ..simulation.simulation import Simulation
 
-__all__ = ["assert_clearance", "assert_no_contact", "assert_rate", "assert_reaches", "assert_scan_close"]
+__all__ = ["assert_clearance", "assert_no_contact", "assert_rate", "assert_reaches", "assert_scan_close", "fail", "point_of"]
 
 
 def assert_reaches(
@@ -84,8 +84,8 @@ def assert_reaches(
     try:
         return sim.run_until(reached, within)
     except TimeoutError:
-        pass  # _fail below raises an error with a better message
-    _fail(sim, _missed(sim, driver, goal, start, tolerance, yaw_tolerance))
+        pass  # fail below raises an error with a better message
+    fail(sim, _missed(sim, driver, goal, start, tolerance, yaw_tolerance))
 
 
 def assert_no_contact(sim: Simulation, *, robot: str | None = None) -> None:
@@ -104,7 +104,7 @@ def assert_no_contact(sim: Simulation, *, robot: str | None = None) -> None:
         contacts = driver.truth.contacts
         if contacts:
             count = f" (the first of {len(contacts)} contacts)" if len(contacts) > 1 else ""
-            _fail(sim, f"{driver.title} touched {_contact(contacts[0])}{count}")
+            fail(sim, f"{driver.title} touched {_contact(contacts[0])}{count}")
 
 
 def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = None) -> None:
@@ -132,11 +132,11 @@ def assert_clearance(sim: Simulation, at_least: float, *, robot: str | None = No
         nearest = int(np.argmin(clearances))
         if clearances[nearest] < at_least:
             too_near = int(np.sum(clearances < at_least))
-            _fail(
+            fail(
                 sim,
                 f"{driver.title} came within {clearances[nearest]:.3f} m of a wall, obstacle or robot, "
                 f"{at_least - clearances[nearest]:.3f} m less than the required {at_least:g} m\n"
-                f"  nearest: {_point(path[nearest])}\n"
+                f"  nearest: {point_of(path[nearest])}\n"
                 f"  too near at {too_near} of {len(path)} points of its path",
             )
 
@@ -171,7 +171,7 @@ def assert_rate(sim: Simulation, topic: str, hz: float, *, over: float = 2.0, to
     rate = len(times) / over
     # The interval contains one message more or less, depending on when it starts.
     if abs(rate - hz) > tolerance * hz + 1.0 / over or gaps[longest] > 2.0 / hz + 1e-9:
-        _fail(
+        fail(
             sim,
             f"{topic} was published at {rate:.3g} Hz instead of {hz:g} Hz: "
             f"{len(times)} messages in {over:g} s, from {start:g} s to {sim.time:g} s\n"
@@ -243,8 +243,8 @@ def _missed(
         text += f"it was near enough, but its yaw was then always off by {yaw_error:.3f} rad or more"
     else:
         text += "it was there only between two events, but the goal is checked only at events"
-    text += f"\n  nearest: {distances[nearest]:.3f} m away, {_point(path[nearest])}"
-    text += f"\n  end: {distances[-1]:.3f} m away, {_point(path[-1])}"
+    text += f"\n  nearest: {distances[nearest]:.3f} m away, {point_of(path[nearest])}"
+    text += f"\n  end: {distances[-1]:.3f} m away, {point_of(path[-1])}"
     contacts = [
         contact for contact in driver.robot.motion.contacts_until(round(sim.time * NANOSECONDS)) if contact.time >= start
     ]
@@ -275,7 +275,7 @@ def _chosen(sim: Simulation, robot: str | None) -> list[SimulatedRobot]:
     return list(sim.robots.values()) if robot is None else [sim.named(robot)]
 
 
-def _point(row: NDArray[np.float64]) -> str:
+def point_of(row: NDArray[np.float64]) -> str:
     """Returns the position and the time of a row of `GroundTruth.path` as a text."""
     return f"at ({row[1]:.3f}, {row[2]:.3f}) at {row[0]:.3f} s"
 
@@ -297,7 +297,7 @@ def _beam(a: LaserScan | NDArray[np.float32], b: LaserScan | NDArray[np.float32]
     return f"beam {beam} (angle {angle:.3f} rad, scan of {scan.header.stamp.nanoseconds / NANOSECONDS:.3f} s)"
 
 
-def _fail(sim: Simulation, text: str) -> NoReturn:
+def fail(sim: Simulation, text: str) -> NoReturn:
     """Saves a picture if `Simulation.picture` is set. Then raises AssertionError."""
     __tracebackhide__ = True
     if sim.picture is not None:
