@@ -1,8 +1,6 @@
 //! Scorer: the log-likelihood of a scan under a beam model, from the true ranges as they are cast.
 
 use crate::beam_model::{BeamModel, BeamModelOptions};
-use crate::error::Error;
-use crate::memory;
 use crate::numeric::exponential::exp;
 use crate::numeric::{GROUP, Group, normal};
 
@@ -25,8 +23,6 @@ pub(crate) struct Scorer {
     far: f64,
     lambda_short: f64,
     has_short: bool,
-    /// Probability of a normal number above `i · TAIL_STEP`, and its derivative.
-    tail: Vec<[f64; 2]>,
     temper: f64,
 }
 
@@ -48,11 +44,8 @@ pub(crate) struct ReadingColumns {
 
 const _: () = assert!(GROUP == 32, "a bit for each beam of a group");
 
-/// Distance from both ends of the interval, in σ, from which on all of the hit part is in the interval, up to rounding.
-const FAR: f64 = 8.5;
-
-/// Step of the table of the normal distribution. The error of cubic interpolation is below 2e-12.
-const TAIL_STEP: f64 = 1.0 / 256.0;
+/// Number of beams of which the hit parts are truncated together, if one of them has to be.
+const LANES: usize = 8;
 
 /// `λ · range` from which on `1 - exp(-λ · range)` is computed without noticeable cancellation.
 const SHORT: f64 = 1e-4;
@@ -60,31 +53,21 @@ const SHORT: f64 = 1e-4;
 impl Scorer {
     /// Returns the scorer for readings of a scanner with the limits `(min_range, max_range)` \[m\]. Log-likelihoods are
     /// multiplied by `temper`.
-    ///
-    /// # Errors
-    /// [`Error::Memory`]: there is not enough memory.
-    pub fn new(model: BeamModel, (min_range, max_range): (f64, f64), temper: f64) -> Result<Self, Error> {
+    pub fn new(model: BeamModel, (min_range, max_range): (f64, f64), temper: f64) -> Self {
         // Readings are float32, so the limits must be rounded the same way to compare equal.
         let limits = (f64::from(min_range as f32), f64::from(max_range as f32));
         let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_rand, .. } = model.options();
-        let steps = (FAR / TAIL_STEP) as usize + 2;
-        let mut tail = memory::with_room("the table of the normal distribution", steps)?;
-        for step in 0..steps {
-            let x = step as f64 * TAIL_STEP;
-            tail.push([normal::mass_above(x), -normal::density(x)]);
-        }
-        Ok(Self {
+        Self {
             model,
             limits,
             per_sigma: 1.0 / sigma_hit,
             hit_peak: z_hit * normal::density(0.0) / sigma_hit,
             random: z_rand / limits.1,
-            far: FAR * sigma_hit,
+            far: normal::FAR * sigma_hit,
             lambda_short,
             has_short: z_short > 0.0,
-            tail,
             temper,
-        })
+        }
     }
 
     /// Returns a group of readings; places past the last one are left out of every product.
@@ -128,20 +111,13 @@ impl Scorer {
     /// Multiplies the likelihoods of a group of readings, whose beams have these true ranges, into a product.
     #[inline(always)]
     pub fn multiply(&self, columns: &ReadingColumns, ranges: &Group, product: &mut Product) {
-        let (mut hit, mut is_truncated) = ([0.0; GROUP], false);
+        let mut hit = [0.0; GROUP];
         for slot in 0..GROUP {
             let deviation = (columns.reading[slot] - ranges[slot]) * self.per_sigma;
             // For a beam without a return, this is exp(-∞) = 0.
             hit[slot] = self.hit_peak * exp(-0.5 * deviation * deviation);
-            is_truncated |= self.is_truncated(ranges[slot]);
         }
-        if is_truncated {
-            for (hit, &range) in hit.iter_mut().zip(ranges) {
-                if self.is_truncated(range) {
-                    *hit /= self.mass_within(range);
-                }
-            }
-        }
+        self.truncate(ranges, &mut hit);
         let mut likelihoods = [0.0; GROUP];
         for slot in 0..GROUP {
             let has_return = ranges[slot] < f64::INFINITY;
@@ -166,10 +142,29 @@ impl Scorer {
         product.multiply(&likelihoods);
     }
 
-    /// Returns true if a part of the normal distribution around a true range is below 0 or above the maximum range.
+    /// Divides the hit parts of a group of beams by their masses between 0 and the maximum range, before they were truncated.
     #[inline(always)]
-    fn is_truncated(&self, range: f64) -> bool {
-        ((range < self.far) | (range > self.limits.1 - self.far)) & (range < f64::INFINITY)
+    fn truncate(&self, ranges: &Group, hit: &mut Group) {
+        let max_range = self.limits.1;
+        let is_truncated = |range: f64| ((range < self.far) | (range > max_range - self.far)) & (range < f64::INFINITY);
+        for (hit, ranges) in hit.as_chunks_mut::<LANES>().0.iter_mut().zip(ranges.as_chunks::<LANES>().0) {
+            // No early end, so that the compiler vectorises it.
+            if !ranges.iter().fold(false, |any, &range| any | is_truncated(range)) {
+                continue;
+            }
+            if max_range < 2.0 * self.far {
+                for (hit, &range) in hit.iter_mut().zip(ranges).filter(|(_, range)| is_truncated(**range)) {
+                    *hit /= normal::mass_around_mean(range * self.per_sigma, (max_range - range) * self.per_sigma);
+                }
+                continue;
+            }
+            // The other end is far. Parts that are not truncated stay as they are, whatever their neighbours.
+            for lane in 0..LANES {
+                let nearest = ranges[lane].min((max_range - ranges[lane]).abs());
+                let mass = normal::mass_below((nearest * self.per_sigma).min(normal::FAR));
+                hit[lane] = if is_truncated(ranges[lane]) { hit[lane] / mass } else { hit[lane] };
+            }
+        }
     }
 
     /// Replaces the likelihoods of readings below the minimum range, and of short beams.
@@ -185,29 +180,6 @@ impl Scorer {
                 likelihoods[slot] = self.model.likelihood(reading, hit, self.limits);
             }
         }
-    }
-
-    /// Returns the mass of the hit part, before it is truncated, from 0 to the maximum range.
-    #[inline(always)]
-    fn mass_within(&self, range: f64) -> f64 {
-        let (below, above) = (range * self.per_sigma, (self.limits.1 - range) * self.per_sigma);
-        let mass = 1.0 - self.mass_above(below) - self.mass_above(above);
-        // Where little is left, interpolation is not exact enough.
-        if mass < 0.1 { normal::mass_around_mean(below, above) } else { mass }
-    }
-
-    /// Returns the probability that a standard normal number is above `x`, which is not negative.
-    #[inline(always)]
-    fn mass_above(&self, x: f64) -> f64 {
-        if x >= FAR {
-            return 0.0;
-        }
-        let step = (x / TAIL_STEP) as usize;
-        let [[left, left_slope], [right, right_slope]] = [self.tail[step], self.tail[step + 1]];
-        // The cubic polynomial with these values and slopes at both ends.
-        let t = x / TAIL_STEP - step as f64;
-        let (a, b) = (left_slope * TAIL_STEP - (right - left), (right - left) - right_slope * TAIL_STEP);
-        left + t * ((right - left) + (1.0 - t) * (a * (1.0 - t) + b * t))
     }
 
     /// Returns the log-likelihood of the factors of a product.
@@ -232,12 +204,20 @@ impl Product {
     #[inline(always)]
     fn multiply(&mut self, factors: &Group) {
         const FRACTION: u64 = (1 << 52) - 1;
-        for (slot, &factor) in factors.iter().enumerate() {
-            let is_normal = factor >= f64::MIN_POSITIVE;
-            self.is_zero |= !is_normal;
-            let bits = (self.significands[slot] * if is_normal { factor } else { 1.0 }).to_bits();
-            self.powers[slot] += (bits >> 52) as i64 - 1023;
-            self.significands[slot] = f64::from_bits(bits & FRACTION | 1023 << 52);
+        // Loops without branches and with one result each, so that the compiler vectorises them.
+        let mut zeros = 0;
+        let mut products = [0.0; GROUP];
+        for slot in 0..GROUP {
+            let is_normal = factors[slot] >= f64::MIN_POSITIVE;
+            zeros += u64::from(!is_normal);
+            products[slot] = self.significands[slot] * if is_normal { factors[slot] } else { 1.0 };
+        }
+        self.is_zero |= zeros > 0;
+        for slot in 0..GROUP {
+            self.powers[slot] += (products[slot].to_bits() >> 52) as i64 - 1023;
+        }
+        for slot in 0..GROUP {
+            self.significands[slot] = f64::from_bits(products[slot].to_bits() & FRACTION | 1023 << 52);
         }
     }
 
@@ -246,8 +226,15 @@ impl Product {
         if self.is_zero {
             return f64::NEG_INFINITY;
         }
-        // Each significand is in [1, 2), so the product of all is below 2³².
-        let significand: f64 = self.significands.iter().product();
+        // Each significand is in [1, 2), so the product of all is below 2³². Halves are multiplied, which takes five steps.
+        let mut significands = self.significands;
+        let mut count = GROUP;
+        while count > 1 {
+            count /= 2;
+            let (low, high) = significands[..2 * count].split_at_mut(count);
+            low.iter_mut().zip(high).for_each(|(low, high)| *low *= *high);
+        }
+        let significand = significands[0];
         let power: i64 = self.powers.iter().sum();
         power as f64 * std::f64::consts::LN_2 + libm::log(significand)
     }
@@ -266,7 +253,7 @@ mod tests {
 
     /// Compares the score of each group with the sum of the logarithms of its likelihoods.
     fn assert_scores(model: BeamModel, limits: (f64, f64), readings: &[f32], ranges: &[f64]) {
-        let scorer = Scorer::new(model, limits, 1.0).unwrap();
+        let scorer = Scorer::new(model, limits, 1.0);
         let limits = (f64::from(limits.0 as f32), f64::from(limits.1 as f32));
         for (readings, ranges) in readings.chunks(GROUP).zip(ranges.as_chunks().0) {
             let mut product = Product::ONE;
@@ -328,7 +315,7 @@ mod tests {
     fn a_long_product_neither_overflows_nor_underflows() {
         for (sigma, error) in [(1e-4, 0.0), (0.1, 3.0)] {
             let model = model(sigma, 2.0, [0.9, 0.0, 0.0, 0.1]);
-            let scorer = Scorer::new(model, (0.0, 10.0), 0.5).unwrap();
+            let scorer = Scorer::new(model, (0.0, 10.0), 0.5);
             let columns = scorer.columns(&[5.0; GROUP]);
             let mut product = Product::ONE;
             for _ in 0..30_000 {
@@ -341,7 +328,7 @@ mod tests {
 
     #[test]
     fn an_impossible_reading_makes_the_product_zero() {
-        let scorer = Scorer::new(model(0.01, 2.0, [1.0, 0.0, 0.0, 0.0]), (0.0, 10.0), 1.0).unwrap();
+        let scorer = Scorer::new(model(0.01, 2.0, [1.0, 0.0, 0.0, 0.0]), (0.0, 10.0), 1.0);
         let mut product = Product::ONE;
         scorer.multiply(&scorer.columns(&[5.0]), &[6.0; GROUP], &mut product);
         assert_eq!(scorer.log_likelihood(&product), f64::NEG_INFINITY);

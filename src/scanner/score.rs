@@ -198,7 +198,7 @@ struct Scorings<'a> {
 impl<'a> Scorings<'a> {
     fn new(scanner: &LaserScanner, score: Score<'a>, unused: Unused) -> Result<Self, Error> {
         let ScannerOptions { min_range, max_range, beam_count, .. } = scanner.options;
-        let scorer = Scorer::new(*score.model, (min_range, max_range), score.temper)?;
+        let scorer = Scorer::new(*score.model, (min_range, max_range), score.temper);
         let cast = score.beams.filter(|_| unused == Unused::NotCast).map_or(beam_count, <[usize]>::len);
         let mut scorings = Self { scorer, score, unused, beam_count, groups: cast.div_ceil(GROUP), shared: Vec::new() };
         if let Readings::One(_) = score.readings {
