@@ -213,11 +213,11 @@ impl Product {
             products[slot] = self.significands[slot] * if is_normal { factors[slot] } else { 1.0 };
         }
         self.is_zero |= zeros > 0;
-        for slot in 0..GROUP {
-            self.powers[slot] += (products[slot].to_bits() >> 52) as i64 - 1023;
+        for (power, product) in self.powers.iter_mut().zip(&products) {
+            *power += (product.to_bits() >> 52) as i64 - 1023;
         }
-        for slot in 0..GROUP {
-            self.significands[slot] = f64::from_bits(products[slot].to_bits() & FRACTION | 1023 << 52);
+        for (significand, product) in self.significands.iter_mut().zip(&products) {
+            *significand = f64::from_bits(product.to_bits() & FRACTION | 1023 << 52);
         }
     }
 

@@ -82,6 +82,11 @@ impl Slant {
         range * self.groups[beam / GROUP].cos_elevation[beam % GROUP]
     }
 
+    /// Returns the range of a beam to the floor \[m\]; infinite if it does not meet the floor.
+    pub fn floor(&self, beam: usize) -> f64 {
+        self.groups[beam / GROUP].floor[beam % GROUP]
+    }
+
     /// Returns the ranges in space of a group of beams, from their horizontal distances \[m\].
     pub fn ranges(&self, group: usize, distances: &Group) -> Group {
         let SlantGroup { cos_elevation, floor } = &self.groups[group];

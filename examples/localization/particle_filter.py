@@ -3,7 +3,7 @@
 A robot wanders through a map with drifting odometry and a noisy scanner. The filter knows the map, the odometry and the
 scans, and at first nothing of the pose. It prints how far its estimate is from the true pose, and draws both paths.
 
-    python particle_filter.py [MAP.yaml] [--seed SEED] [--out PICTURE.png]
+    python particle_filter.py [MAP.yaml] [--model {beams,field}] [--seed SEED] [--out PICTURE.png]
 """
 
 import argparse
@@ -15,6 +15,7 @@ from mobile_robot_simulator.messages import Twist, Vector3
 
 FIRST_PARTICLES, PARTICLES = 30_000, 3_000
 NOISE = mrs.BeamModel(sigma_hit=0.1, lambda_short=1.0, z_hit=0.85, z_short=0.05, z_max=0.05, z_rand=0.05)
+MODELS = {"beams": NOISE, "field": mrs.LikelihoodField(sigma_hit=0.1, z_hit=0.9, z_rand=0.1, max_distance=1.0)}
 DRIFT = [0.01, 0.001, 0.005, 0.01, 0.0, 0.0]  # odometry_alphas of the robot
 
 
@@ -45,6 +46,7 @@ def main():
     """Drives the robot for a minute, and follows it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("map", nargs="?")
+    parser.add_argument("--model", choices=MODELS, default="beams", help="how scans are scored")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", default="localization.png")
     arguments = parser.parse_args()
@@ -66,9 +68,8 @@ def main():
         # A few new particles, in case that the right ones were lost.
         particles[::50] = grid.draw_free_poses(len(particles[::50]), radius=0.25, seed=stream)
         particles = moved(particles, before, odometry, rng)
-        scores = sim.laser.scanner.log_likelihood(
-            grid, particles, sim.latest("/scan").ranges, noise=NOISE, beams=9, temper=0.2
-        )
+        scan, model = sim.latest("/scan").ranges, MODELS[arguments.model]
+        scores = sim.laser.scanner.log_likelihood(grid, particles, scan, noise=model, beams=9, temper=0.2)
         particles = resampled(particles, scores, FIRST_PARTICLES if step < 10 else PARTICLES, rng)
         yaw = np.angle(np.exp(1j * particles[:, 2]).mean())
         rows.append((sim.time, *sim.truth.pose, *particles[:, :2].mean(axis=0), yaw, particles[:, :2].std(axis=0).max()))

@@ -1,11 +1,13 @@
 //! Occupancy grids, and all conversions between the map frame, the frame of a grid and cells.
 
+mod distances;
 mod free_poses;
 
 use std::ops::Range;
 
 use glam::DVec2;
 
+use crate::distance_field::KeptField;
 use crate::error::{Error, check_finite, check_number};
 use crate::free_area::FreeAreas;
 use crate::free_boxes::{FreeBoxes, Room};
@@ -90,6 +92,7 @@ pub struct OccupancyGrid {
     grid_from_map: DVec2,
     free_boxes: Lazy<FreeBoxes>,
     free_areas: FreeAreas,
+    kept_field: KeptField,
 }
 
 /// Usual value of [`GridOptions::occupied_threshold`].
@@ -147,6 +150,7 @@ impl OccupancyGrid {
             grid_from_map: DVec2::new(cos, sin),
             free_boxes: Lazy::new(),
             free_areas: FreeAreas::default(),
+            kept_field: KeptField::default(),
         })
     }
 
@@ -202,7 +206,7 @@ impl OccupancyGrid {
             None => Lazy::new(),
         };
         let cells = memory::collected("the cells of the grid", self.cells.iter().copied())?;
-        Ok(Self { cells, free_boxes, free_areas: self.free_areas.clone(), ..*self })
+        Ok(Self { cells, free_boxes, free_areas: self.free_areas.clone(), kept_field: self.kept_field.clone(), ..*self })
     }
 
     /// Returns the free boxes of the cells; the first call builds them on all cores.
@@ -257,6 +261,7 @@ impl OccupancyGrid {
             self.cells[(corner.row + row) * self.width + corner.col..][..width].copy_from_slice(values);
         }
         self.free_areas = FreeAreas::default();
+        self.kept_field = KeptField::default();
         if let Some(free_boxes) = self.free_boxes.get_mut() {
             let region = (corner.col..corner.col + width, corner.row..corner.row + height);
             if free_boxes.update(&self.cells, region, |&value| self.options.blocks(value)).is_err() {

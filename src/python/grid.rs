@@ -279,6 +279,40 @@ impl OccupancyGrid {
         Ok(py.detach(|| core.is_free_disc(center, radius))?)
     }
 
+    /// Returns how far each cell is from the nearest blocking cell.
+    ///
+    /// The grid keeps what it found, 2 bytes for each cell, until its cells change or another distance is asked for.
+    ///
+    /// Args:
+    ///     max_distance: Largest distance [m], at most 255 cells. Longer ones become this one.
+    ///     out: (H, W) float32 in C order, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (H, W) float32, which is `out` if it was given: the Euclidean distance between the centre of the cell and that of the
+    ///         nearest blocking cell [m]; 0 for a blocking cell. Row 0 is at the bottom.
+    ///
+    /// Raises:
+    ///     ValueError: `max_distance` is not positive or too long, or `out` is read-only, in use, not in C order or of another
+    ///         shape.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[100, 0, 0, 0]], np.int8), resolution=0.5)
+    ///     >>> grid.distances(1.25)
+    ///     array([[0.  , 0.5 , 1.  , 1.25]], dtype=float32)
+    #[pyo3(signature = (max_distance, *, out = None))]
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        max_distance: Argument<f64>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (core, max_distance) = (self.core(), max_distance.named("max_distance")?);
+        fill(py, out, &[core.height(), core.width()], |distances| core.distances(max_distance, distances))
+    }
+
     /// Returns a random pose at which a disc is free.
     ///
     /// It is the first pose of `draw_free_poses`. The same seed gives the same pose on every machine.

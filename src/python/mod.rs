@@ -11,6 +11,7 @@ mod beam_model;
 mod contact;
 mod grid;
 mod interrupt;
+mod likelihood_field;
 mod limits;
 mod motion;
 mod motion_noise;
@@ -87,6 +88,8 @@ mod _core {
     use super::contact::{Contact, advance, clearance, clearance_batch, touches};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
+    #[pymodule_export]
+    use super::likelihood_field::LikelihoodField;
     #[pymodule_export]
     use super::limits::Limits;
     #[pymodule_export]

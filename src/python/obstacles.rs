@@ -74,6 +74,10 @@ impl MovingObstaclesArgument<'_> {
         Self(Vec::new())
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Returns the obstacles as they stand.
     ///
     /// # Errors

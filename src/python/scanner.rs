@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 use super::arrays::{check_out, fill, rows, shape, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
+use super::likelihood_field::ModelArgument;
 use super::mount::MountArgument;
 use super::number::Argument;
 use super::obstacles::{MovingObstaclesArgument, ObstaclesArgument};
@@ -373,9 +374,9 @@ impl LaserScanner {
 
     /// Returns the log-likelihood of a scan, given each pose from which it may have been taken.
     ///
-    /// It is `temper * sum(log(noise.likelihood(ranges, true_ranges, max_range, min_range=min_range)))`, with the true ranges of
-    /// `scan` from each pose, to within 1e-9 for each beam. No array of true ranges is made. Readings may have the marks of
-    /// `mark_invalid`.
+    /// With a `BeamModel`, it is `temper * sum(log(noise.likelihood(ranges, true_ranges, max_range, min_range=min_range)))`, with
+    /// the true ranges of `scan` from each pose, to within 1e-9 for each beam. No array of true ranges is made. Readings may have
+    /// the marks of `mark_invalid`.
     ///
     /// The beam model takes the errors of all beams as independent. They are not: what the map or the pose gets wrong, many
     /// beams get wrong in the same way. So the likelihood of all beams is far too sure. Two things help: few `beams`, and a
@@ -387,7 +388,8 @@ impl LaserScanner {
     ///         scan takes time. Anything that NumPy can convert to float64 without loss.
     ///     ranges: (beam_count,) float32, the readings of one scan [m]; or (N, beam_count), a scan for each pose. NaN does not
     ///         count.
-    ///     noise: Beam model of the readings.
+    ///     noise: Beam model of the readings; or a `LikelihoodField`, which casts no beams, and takes no obstacles and no
+    ///         `scan_duration`.
     ///     beams: Beams that count: a number k for every k-th beam from beam 0 on, or a sequence of their numbers. None means
     ///         all.
     ///     temper: Factor of the log-likelihood, above 0.
@@ -402,7 +404,8 @@ impl LaserScanner {
     ///     (N,) float64, which is `out` if it was given. -inf if a reading is impossible from a pose.
     ///
     /// Raises:
-    ///     ValueError: A shape is wrong, a number is not finite, a beam does not exist, or `temper` is not positive.
+    ///     ValueError: A shape is wrong, a number is not finite, a beam does not exist, `temper` is not positive, or a
+    ///         `LikelihoodField` was given obstacles, `scan_duration` or a `max_distance` of more than 255 cells.
     ///     TypeError: An argument has the wrong type or dtype.
     ///     OSError: The threads could not be started.
     ///
@@ -441,7 +444,7 @@ impl LaserScanner {
         grid: GridArgument<'py>,
         poses: &Bound<'py, PyAny>,
         ranges: &Bound<'py, PyAny>,
-        noise: NoiseArgument,
+        noise: ModelArgument,
         beams: Option<&Bound<'py, PyAny>>,
         temper: Argument<f64>,
         twists: Option<&Bound<'py, PyAny>>,
@@ -467,8 +470,21 @@ impl LaserScanner {
         };
         let readings = memory::collected("the readings", readings.iter().copied())?;
         let readings = if is_one { Readings::One(&readings) } else { Readings::Each(&readings) };
-        let score = Score { model: &noise.0, readings, beams: beams.as_deref(), temper };
-        let scans = sweep.scans;
+        let (beams, scans) = (beams.as_deref(), sweep.scans);
+        let model = match &noise {
+            ModelArgument::Beams(model) => model,
+            ModelArgument::Field(model) => {
+                let Some(poses) = sweep.instant().filter(|_| obstacles.is_empty()) else {
+                    let text = "a LikelihoodField needs scans without obstacles and without scan_duration";
+                    return Err(PyValueError::new_err(text));
+                };
+                let score = Score { model, readings, beams, temper };
+                return fill(py, out, &[scans], |scores| {
+                    model.log_likelihoods(&self.0, &grid, poses, score, threads, scores)
+                });
+            }
+        };
+        let score = Score { model, readings, beams, temper };
         if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;
             return fill(py, out, &[scans], |scores| {

@@ -23,10 +23,10 @@ pub enum Readings<'a> {
 }
 
 /// How readings are scored.
-#[derive(Debug, Clone, Copy)]
-pub struct Score<'a> {
-    /// Distribution of the readings.
-    pub model: &'a BeamModel,
+#[derive(Debug)]
+pub struct Score<'a, M = BeamModel> {
+    /// Model of the readings: a [`BeamModel`], or a [`LikelihoodField`](crate::LikelihoodField).
+    pub model: &'a M,
     /// The readings.
     pub readings: Readings<'a>,
     /// Numbers of the beams that count; `None` for all. Others are not cast.
@@ -35,9 +35,18 @@ pub struct Score<'a> {
     pub temper: f64,
 }
 
+// Derived ones would ask the same of the model.
+impl<M> Clone for Score<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Score<'_, M> {}
+
 impl<'a> Readings<'a> {
     /// Returns the readings of one scan.
-    fn of(self, scan: usize, beam_count: usize) -> &'a [f32] {
+    pub(crate) fn of(self, scan: usize, beam_count: usize) -> &'a [f32] {
         match self {
             Self::One(readings) => readings,
             Self::Each(readings) => &readings[scan * beam_count..][..beam_count],
@@ -138,7 +147,8 @@ impl LaserScanner {
         })
     }
 
-    fn check_score(&self, score: Score<'_>, scans: usize, scores: usize) -> Result<(), Error> {
+    /// Checks everything but the poses.
+    pub(crate) fn check_score<M>(&self, score: Score<'_, M>, scans: usize, scores: usize) -> Result<(), Error> {
         let beam_count = self.options.beam_count;
         check_number("temper", score.temper, "positive", |value| value > 0.0)?;
         let (given, needed) = match score.readings {
@@ -155,6 +165,28 @@ impl LaserScanner {
             Some(&value) => Err(Error::Count { name: "beams", value, needed: "less than beam_count" }),
             None => Ok(()),
         }
+    }
+
+    /// Returns the end points of the valid returns of a scan in the base frame \[m\], of some of its beams; `None` for all.
+    ///
+    /// Beams of a tilted scanner that end within `tolerance` \[m\] of the floor, or behind it, are left out.
+    pub(crate) fn ends(&self, readings: &[f32], beams: Option<&[usize]>, tolerance: f64) -> Result<Vec<[f64; 2]>, Error> {
+        let is_unlimited = beams.is_none() && self.slant.is_none();
+        if is_unlimited {
+            return self.end_points(Pose::default(), readings);
+        }
+        let mut chosen = memory::filled("the readings", f32::NAN, readings.len())?;
+        let mut choose = |beam: usize| {
+            let floor = self.slant.as_ref().map_or(f64::INFINITY, |slant| slant.floor(beam));
+            if f64::from(readings[beam]) < floor - tolerance {
+                chosen[beam] = readings[beam];
+            }
+        };
+        match beams {
+            Some(beams) => beams.iter().for_each(|&beam| choose(beam)),
+            None => (0..readings.len()).for_each(&mut choose),
+        }
+        self.end_points(Pose::default(), &chosen)
     }
 
     /// Returns the scanner that has only some of the beams. Angles of its beams are not those of a layout.

@@ -161,6 +161,7 @@ def good() -> dict[str, Any]:
         **dict.fromkeys(("x", "y", "yaw", "qx", "qy", "qz", "dt", "radius", "limit", "length", "width", "fraction"), 0.25),
         "scan_duration": 0.25,
         "temper": 0.25,
+        "max_distance": 2.5,
         "ranges": ranges,
         "beams": [1, 3],
         "times": np.array([0.0, 0.5]),
@@ -205,6 +206,7 @@ def good() -> dict[str, Any]:
 def instances() -> list[Any]:
     return [
         mrs.BeamModel(),
+        mrs.LikelihoodField(),
         mrs.BeamModel.fit(np.full(4, 5.0, np.float32), np.float32([4.9, 5.0, 5.1, 8.0]), 8.0),
         mrs.Contact(point=(0.0, 0.0), normal=(1.0, 0.0), fraction=0.5),
         mrs.LaserScanner(fov=1.0, beam_count=5, max_range=5.0),

@@ -87,7 +87,7 @@ def test_an_impossible_reading_gives_minus_infinity(room: mrs.OccupancyGrid) -> 
         ({"beams": 1.5}, TypeError, "beams must be an integer, got float"),
         ({"beams": ["x"]}, TypeError, "a number of beams must be an integer, got str"),
         ({"temper": 0.0}, ValueError, "temper must be positive, got 0"),
-        ({"noise": 0.1}, TypeError, "noise must be a BeamModel, got float"),
+        ({"noise": 0.1}, TypeError, "noise must be a BeamModel or a LikelihoodField, got float"),
         ({"poses": np.full((200, 3), np.nan)}, ValueError, "poses must be finite"),
         ({"out": np.empty(199)}, ValueError, r"out must have shape \(200,\), got \(199,\)"),
         ({"twists": np.zeros((200, 3))}, ValueError, "twists need scan_duration"),

@@ -35,6 +35,7 @@ BUILT_WITH = [
     "BeamModel",
     "Contact",
     "LaserScanner",
+    "LikelihoodField",
     "Limits",
     "MotionNoise",
     "OccupancyGrid",
