@@ -61,8 +61,23 @@ pub fn for_each_heavy_chunk<T: Send>(
     length: usize,
     work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
+    for_each_heavy_chunk_watched(&Watch::new(), threads, elements, weight, length, work)
+}
+
+/// The same with a watch of the caller, which `work` may look at if a chunk takes long.
+///
+/// # Errors
+/// Those of [`for_each_chunk`].
+pub fn for_each_heavy_chunk_watched<T: Send>(
+    watch: &Watch,
+    threads: Option<usize>,
+    elements: &mut [T],
+    weight: usize,
+    length: usize,
+    work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
     let pool = pool_for(threads, elements.len().saturating_mul(weight))?;
-    for_each_chunk_in(pool, &Watch::new(), elements, length, work)
+    for_each_chunk_in(pool, watch, elements, length, work)
 }
 
 /// The same with a watch of the caller, which `work` may look at if a chunk takes long.

@@ -62,6 +62,32 @@ pub enum Error {
         /// The row given.
         value: [f64; 3],
     },
+    /// A command of a robot that is not finite, or too large.
+    #[error("the command of robot {robot} must be finite and at most 1000 on each axis, got {value:?}")]
+    Command {
+        /// Index of the first such robot.
+        robot: usize,
+        /// The command given.
+        value: [f64; 3],
+    },
+    /// Words that are not the state of robots.
+    #[error("the words must be those of a saved state, got {problem}")]
+    State {
+        /// What is wrong with them.
+        problem: &'static str,
+    },
+    /// An index of something that does not exist, given for a robot.
+    #[error("{name} of robot {robot} must be below {count}, got {value}")]
+    Index {
+        /// Name of the index.
+        name: &'static str,
+        /// Index of the robot.
+        robot: usize,
+        /// The index given.
+        value: usize,
+        /// Number of things that exist.
+        count: usize,
+    },
     /// A count outside its domain.
     #[error("{name} must be {needed}, got {value}")]
     Count {

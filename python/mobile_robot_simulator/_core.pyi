@@ -9,9 +9,13 @@ from typing_extensions import Never, Self
 
 __all__ = [
     "FULL_TURN_TOLERANCE",
+    "MAX_COMMAND",
     "BeamFit",
     "BeamModel",
     "Contact",
+    "Fleet",
+    "FleetState",
+    "FleetStep",
     "LaserScanner",
     "LikelihoodField",
     "Limits",
@@ -32,6 +36,8 @@ __all__ = [
 __version__: str
 FULL_TURN_TOLERANCE: float
 """A field of beams within this of 2π [rad] counts as a full turn."""
+MAX_COMMAND: float
+"""Limit of each component of a command [m/s, rad/s]. Commands beyond it are refused."""
 
 # A pose (x, y, yaw), a twist (vx, vy, wz), and obstacles as (Shape, pose) pairs, in every form that functions take.
 # An obstacle that moves during a scan has a twist, or a pose for each beam.
@@ -733,6 +739,391 @@ class LikelihoodField:
     @property
     def max_distance(self) -> float:
         """Largest distance to a wall [m]."""
+
+@final
+class Fleet:
+    """Many robots that are stepped together, each alone in a world of its own.
+
+    Each robot moves, touches walls and measures as a robot of a `Simulation`, byte by byte, whatever the other robots do and
+    however many threads work. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
+    steps of 20 ms. Poses are in the map frame, with yaws in (-π, π].
+
+    A robot has a seed. The noise of its scan i is that of `LaserScanner.scan_batch` with this seed and `first_index=i`; the
+    first scan after `reset` with a seed has index 0. Only one thread may use a fleet at a time.
+
+    Args:
+        grids: The map of all robots, or a sequence of maps.
+        poses: (N, 3), the first pose (x, y, yaw) of each robot [m, m, rad]. None means that they are drawn from free space.
+        seeds: (N,) integers from 0 to 2**64 - 1, one for each robot. None means 0, 1, 2 and so on.
+        grid_of: (N,) integers, the index of each robot's map. None means the first map for all if there is only one, or map i
+            for robot i.
+        footprint: Outline of the robots; None if they touch nothing.
+        contact: What a contact does to the motion, as in `advance`: "stop", "slide" or "report".
+        limits: Limits on the velocity and its change: for all robots, or a sequence with one for each. None means no limits.
+        slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
+        scanner: The scanner on each robot; None for no scans.
+        noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
+        clearance: Least free distance around the footprint of a robot at a pose that is drawn [m].
+
+    Raises:
+        ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
+            free place for a robot.
+        TypeError: An argument has the wrong type or dtype.
+
+    Examples:
+        Three robots on an office floor drive ahead for 0.1 s:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> fleet = mrs.Fleet(
+        ...     mrs.floor_plan("office", seed=1),
+        ...     seeds=[1, 2, 3],
+        ...     footprint=mrs.Shape.disc(0.2),
+        ...     scanner=mrs.LaserScanner(beam_count=200),
+        ...     noise=mrs.BeamModel(),
+        ...     clearance=0.1,
+        ... )
+        >>> step = fleet.step(np.tile([0.5, 0.0, 0.0], (3, 1)), 0.1)
+        >>> step.ranges.shape, step.contacts.tolist()
+        ((3, 200), [False, False, False])
+    """
+
+    def __new__(
+        cls,
+        grids: OccupancyGrid | Sequence[OccupancyGrid],
+        poses: ArrayLike | None = None,
+        *,
+        seeds: ArrayLike | None = None,
+        grid_of: ArrayLike | None = None,
+        footprint: Shape | None = None,
+        contact: Literal["stop", "slide", "report"] = "stop",
+        limits: Limits | Sequence[Limits] | None = None,
+        slip: float | ArrayLike | None = None,
+        scanner: LaserScanner | None = None,
+        noise: BeamModel | Sequence[BeamModel] | None = None,
+        clearance: float = 0.0,
+    ) -> Self: ...
+    def step(
+        self,
+        commands: ArrayLike,
+        duration: float,
+        *,
+        scan: bool = True,
+        threads: int | None = None,
+        out: FleetStep | None = None,
+    ) -> FleetStep:
+        """Moves all robots for a duration, each at its command, and takes a scan of each at the end.
+
+        If there is an error, or the call is interrupted, no robot has moved; the arrays of `out` may have changed.
+
+        Args:
+            commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000.
+                Anything that NumPy can convert to float64 without loss.
+            duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
+            scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: Result of an earlier step, whose arrays are used again. None means new arrays.
+
+        Returns:
+            Poses, velocities, contacts and ranges of all robots; `out` if it was given.
+
+        Raises:
+            ValueError: A shape is wrong, a command is not finite or too large, the duration is not positive, `threads` is out
+                of range, or an array of `out` cannot be used.
+            TypeError: An argument has the wrong type or dtype.
+            RuntimeError: Another thread uses the fleet.
+            OSError: The threads could not be started.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m. A robot of radius 0.2 m drives against it at 1 m/s:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0)], footprint=mrs.Shape.disc(0.2))
+            >>> step = fleet.step([(1.0, 0.0, 0.0)], 2.0)
+            >>> step.poses.round(3), step.contacts, step.contact_points
+            (array([[1.8, 0.5, 0. ]]), array([ True]), array([[2. , 0.5]]))
+        """
+    def scan(
+        self, mask: ArrayLike | None = None, *, threads: int | None = None, out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]:
+        """Takes a scan of each chosen robot where it stands, with the noise of its next index.
+
+        Args:
+            mask: (N,) bool, which robots to scan. None means all.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: (M, beam_count) float32, an array for the result. None means a new array.
+
+        Returns:
+            (M, beam_count) float32, the ranges of the M chosen robots [m], in their order.
+
+        Raises:
+            ValueError: A shape is wrong, the fleet has no scanner, or `out` cannot be used.
+            TypeError: An argument has the wrong type or dtype.
+            RuntimeError: Another thread uses the fleet.
+            OSError: The threads could not be started.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0)], scanner=mrs.LaserScanner(beam_count=1))
+            >>> fleet.scan()
+            array([[1.5],
+                   [0.5]], dtype=float32)
+            >>> fleet.scan([False, True])
+            array([[0.5]], dtype=float32)
+        """
+    def reset(
+        self,
+        mask: ArrayLike | None = None,
+        *,
+        poses: ArrayLike | None = None,
+        seeds: ArrayLike | None = None,
+        grids: ArrayLike | None = None,
+    ) -> None:
+        """Puts robots at poses, where they stand still at time 0.
+
+        Poses that are not given are drawn from the free space of the robot's map, with the robot's seed: as by
+        `OccupancyGrid.draw_free_poses` with the radius `footprint.reach + clearance`. If there is an error, nothing has changed.
+
+        Args:
+            mask: (N,) bool, which robots to reset. None means all. Rows of the other robots are ignored below.
+            poses: (N, 3), poses (x, y, yaw) in the map frame [m, m, rad].
+            seeds: (N,) integers, new seeds: the noise and the poses to draw begin anew. None means that they go on, so that
+                each reset draws another pose.
+            grids: (N,) integers, indices of the maps from now on. None means that the maps stay.
+
+        Raises:
+            ValueError: A shape or an index is wrong, a pose is not finite, or a map has no free place for a robot.
+            TypeError: An argument has the wrong type or dtype.
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+            >>> fleet = mrs.Fleet(grid, seeds=[1, 2, 3])
+            >>> first = fleet.poses
+            >>> fleet.reset([True, False, False])  # another random pose for robot 0
+            >>> (fleet.poses == first).all(axis=1)
+            array([False,  True,  True])
+            >>> fleet.reset(seeds=[1, 2, 3])
+            >>> (fleet.poses == first).all()
+            np.True_
+        """
+    def save(self, mask: ArrayLike | None = None) -> FleetState:
+        """Returns the state of robots, for `restore`: motion, contact, random streams and map.
+
+        Args:
+            mask: (N,) bool, which robots to save. None means all.
+
+        Raises:
+            ValueError: The mask has the wrong shape.
+            TypeError: The mask is not bool.
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+            >>> fleet = mrs.Fleet(grid, [(1.0, 1.0, 0.0), (1.0, 2.0, 0.0)])
+            >>> state = fleet.save()
+            >>> step = fleet.step([(1.0, 0.0, 0.0)] * 2, 1.0)
+            >>> fleet.restore(state)
+            >>> fleet.poses
+            array([[1., 1., 0.],
+                   [1., 2., 0.]])
+        """
+    def restore(self, state: FleetState, mask: ArrayLike | None = None) -> None:
+        """Puts robots into saved states.
+
+        Args:
+            state: What `save` returned, of this fleet or of another one with the same maps.
+            mask: (N,) bool, which robots to put into the states, in their order; one state can go to any number of robots. None
+                means those that were saved.
+
+        Raises:
+            ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, or a robot or a map does
+                not exist. Nothing changes.
+            TypeError: An argument has the wrong type.
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            A planner puts all robots of a second fleet where the only robot of the first one is:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+            >>> robot, imagined = mrs.Fleet(grid, [(1.0, 2.0, 0.0)]), mrs.Fleet(grid, np.zeros((3, 3)))
+            >>> imagined.restore(robot.save(), [True, True, False])
+            >>> imagined.poses
+            array([[1., 2., 0.],
+                   [1., 2., 0.],
+                   [0., 0., 0.]])
+        """
+    def relative(self, goals: ArrayLike, *, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """Returns the goal of each robot as seen from it.
+
+        Args:
+            goals: (N, 2), the goal (x, y) of each robot in the map frame [m].
+            out: (N, 2) float64, an array for the result. None means a new array.
+
+        Returns:
+            (N, 2) float64, which is `out` if it was given: the distance [m], and the bearing in (-π, π] [rad], 0 straight ahead
+            and positive to the left.
+
+        Raises:
+            ValueError: A shape is wrong, or `out` cannot be used.
+            TypeError: An argument has the wrong type or dtype.
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+            >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0)]).relative([(1.0, 3.0)]).round(4)
+            array([[2.    , 1.5708]])
+        """
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """Poses of the robots now: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], a new array."""
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Velocities of the robots now: (N, 3) float64, rows (vx, vy, wz) in their own frames [m/s, m/s, rad/s], a new array."""
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Time of each robot since its last reset: (N,) float64 [s], a new array."""
+    @property
+    def seeds(self) -> NDArray[np.uint64]:
+        """Seed of each robot: (N,) uint64, a new array."""
+    @property
+    def grid_of(self) -> NDArray[np.int64]:
+        """Index of the map of each robot: (N,) int64, a new array."""
+    @property
+    def grids(self) -> list[OccupancyGrid]:
+        """The maps."""
+    @property
+    def scanner(self) -> LaserScanner | None:
+        """The scanner on each robot; None without one."""
+    @property
+    def footprint(self) -> Shape | None:
+        """Outline of the robots; None if they touch nothing."""
+    @property
+    def contact(self) -> str:
+        """What a contact does to the motion: "stop", "slide" or "report"."""
+    @property
+    def limits(self) -> list[Limits] | None:
+        """Limits on the velocity and its change: one for all robots, or one for each; None for no limits."""
+    @property
+    def slip(self) -> list[float] | None:
+        """Share of the commanded motion that slipping wheels lose, for each robot; None for none."""
+    @property
+    def noise(self) -> list[BeamModel] | None:
+        """Noise of the ranges: one for all robots, or one for each; None for true ranges."""
+    @property
+    def clearance(self) -> float:
+        """Least free distance around the footprint of a robot at a pose that is drawn [m]."""
+    def __len__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __setstate__(self, state: FleetState) -> None: ...
+
+@final
+class FleetState:
+    """The state of some robots of a `Fleet`, as `Fleet.save` returns it.
+
+    Args:
+        words: (M, K) uint64, the words of an earlier state.
+
+    Raises:
+        ValueError: The words are not those of a state.
+        TypeError: The words are no array of integers.
+
+    Examples:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+        >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)]).save([False, True]).robots
+        array([1])
+    """
+
+    def __new__(cls, words: ArrayLike) -> Self: ...
+    @property
+    def words(self) -> NDArray[np.uint64]:
+        """The state as words, to store it: (M, K) uint64. Their meaning can change with the version of this package."""
+    """The state of some robots of a `Fleet`, as `Fleet.save` returns it.
+
+    Examples:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+        >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)]).save([False, True]).robots
+        array([1])
+    """
+
+    @property
+    def robots(self) -> NDArray[np.int64]:
+        """Indices of the saved robots in their fleet: (M,) int64."""
+    def __len__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class FleetStep:
+    """What `Fleet.step` returns: one row for each robot. Pass it as `out=` to a later step to use its arrays again.
+
+    `Fleet.step` makes one. With arrays of your own, for example in shared memory, a step writes its results there.
+
+    Args:
+        poses: (N, 3) float64 in C order.
+        velocities: (N, 3) float64 in C order.
+        contacts: (N,) bool.
+        contact_points: (N, 2) float64 in C order.
+        ranges: (N, beam_count) float32 in C order; None for steps without scans.
+
+    Raises:
+        ValueError: An array has another shape, or is not in C order.
+        TypeError: An argument is no array, or has another dtype.
+
+    Examples:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+        >>> fleet, commands = mrs.Fleet(grid, [(1.0, 1.0, 0.0)]), [(0.5, 0.0, 0.0)]
+        >>> step = fleet.step(commands, 1.0)
+        >>> fleet.step(commands, 1.0, out=step) is step
+        True
+        >>> step.poses
+        array([[2., 1., 0.]])
+    """
+
+    def __new__(
+        cls,
+        *,
+        poses: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        contacts: NDArray[np.bool_],
+        contact_points: NDArray[np.float64],
+        ranges: NDArray[np.float32] | None = None,
+    ) -> Self: ...
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """Pose of each robot: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], with yaws in (-π, π]."""
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Velocity of each robot: (N, 3) float64, rows (vx, vy, wz) in its own frame [m/s, m/s, rad/s]."""
+    @property
+    def contacts(self) -> NDArray[np.bool_]:
+        """Whether each robot touched something during the step: (N,) bool."""
+    @property
+    def contact_points(self) -> NDArray[np.float64]:
+        """Points that the robots touched first in the step: (N, 2) float64, rows (x, y) in the map frame [m]; NaN for none."""
+    @property
+    def ranges(self) -> NDArray[np.float32] | None:
+        """Scan of each robot after the step: (N, beam_count) float32 [m]; None without a scanner or with `scan=False`."""
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class LaserScanner:

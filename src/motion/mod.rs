@@ -3,6 +3,7 @@
 mod course;
 mod limits;
 mod noise;
+mod profile;
 mod ramp;
 
 use glam::DVec2;
@@ -11,6 +12,7 @@ pub use course::Course;
 pub(crate) use course::PoseColumns;
 pub use limits::Limits;
 pub use noise::MotionNoise;
+pub(crate) use profile::{FOREVER, Profile, nanoseconds, seconds};
 
 use crate::batch::check_rows;
 use crate::error::{Error, check_finite};
@@ -49,6 +51,11 @@ impl Twist {
         check_finite("vy", self.linear.y)?;
         check_finite("wz", self.angular)?;
         Ok(self)
+    }
+
+    /// Returns the twist times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self { linear: self.linear * factor, angular: self.angular * factor }
     }
 
     /// Returns the constant twist that moves a robot from `start` to `end` in `duration` seconds, with a turn in (-π, π].

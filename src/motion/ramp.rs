@@ -92,7 +92,7 @@ impl Ramp {
     pub(super) fn integrate(&self, start: Pose, time: f64, grip: f64) -> Pose {
         let mut pose = start;
         self.for_each_piece(time, |duration, twist, slope| {
-            let (twist, slope) = (scaled(twist, grip), scaled(slope, grip));
+            let (twist, slope) = (twist.scaled(grip), slope.scaled(grip));
             pose = if slope.angular != 0.0 {
                 integrate_linear(pose, twist, slope, duration)
             } else if slope.linear != DVec2::ZERO {
@@ -128,10 +128,6 @@ impl Ramp {
             }
         }
     }
-}
-
-fn scaled(twist: Twist, factor: f64) -> Twist {
-    Twist { linear: twist.linear * factor, angular: twist.angular * factor }
 }
 
 /// Returns the pose after a time in which the linear velocity changes at a constant rate, in closed form.

@@ -3,8 +3,8 @@
 use std::ops::Deref;
 
 use numpy::{
-    Element, IntoPyArray, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
-    PyUntypedArrayMethods, dtype,
+    Element, IntoPyArray, PyArray1, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn,
+    PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -86,13 +86,32 @@ fn rows_of<'py>(array: PyReadonlyArrayDyn<'py, f64>, out: Option<&Bound<'py, PyA
     Ok(Rows::Copied(rows))
 }
 
-/// Returns the numbers of an array of shape `(N,)`.
-pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let array = typed::<f64>(name, value)?;
-    if array.ndim() != 1 {
-        return Err(PyValueError::new_err(format!("{name} must have shape (N,), got {}", shape(array.shape()))));
+/// Returns the elements of an array of shape `(count,)`.
+pub fn elements<T: Element + Copy>(name: &str, value: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<T>> {
+    let array = typed::<T>(name, value)?;
+    if array.ndim() != 1 || count.is_some_and(|count| array.len() != count) {
+        let needed = count.map_or_else(|| "(N,)".to_owned(), |count| shape(&[count]));
+        return Err(PyValueError::new_err(format!("{name} must have shape {needed}, got {}", shape(array.shape()))));
     }
     Ok(memory::collected(WHAT, array.as_array().iter().copied())?)
+}
+
+/// Returns the numbers of an array of integers of shape `(count,)`, none of them negative.
+pub fn whole_numbers(name: &str, value: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<u64>> {
+    let array = base_array(name, value)?;
+    if array.dtype().kind() == b'u' {
+        return elements(name, array.as_any(), count);
+    }
+    let numbers = elements::<i64>(name, array.as_any(), count)?;
+    if let Some((row, number)) = numbers.iter().enumerate().find(|(_, number)| **number < 0) {
+        return Err(PyValueError::new_err(format!("{name} must be at least 0, got {number} in row {row}")));
+    }
+    Ok(numbers.into_iter().map(i64::unsigned_abs).collect())
+}
+
+/// Returns the numbers of an array of shape `(N,)`.
+pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    elements(name, value, None)
 }
 
 fn may_overlap<'py>(array: &Bound<'py, PyAny>, out: Option<&Bound<'py, PyAny>>) -> PyResult<bool> {
@@ -210,26 +229,49 @@ pub fn broadcast<'py, T: Element>(
 
 /// Checks that `out`, if it is given, can take a result of this shape.
 pub fn check_out<T: Element>(out: Option<&Bound<'_, PyAny>>, dimensions: &[usize]) -> PyResult<()> {
-    let Some(out) = out else { return Ok(()) };
-    let needed = dtype::<T>(out.py());
-    if out.cast::<PyUntypedArray>().is_err() {
-        return Err(PyTypeError::new_err(format!("out must be a NumPy array of {needed}, got {}", type_name(out))));
+    out.map_or(Ok(()), |out| check_array::<T>("out", out, dimensions))
+}
+
+/// Checks that a value is an array that can take a result of this shape.
+pub fn check_array<T: Element>(name: &str, value: &Bound<'_, PyAny>, dimensions: &[usize]) -> PyResult<()> {
+    let needed = dtype::<T>(value.py());
+    if value.cast::<PyUntypedArray>().is_err() {
+        return Err(PyTypeError::new_err(format!("{name} must be a NumPy array of {needed}, got {}", type_name(value))));
     }
-    let array = base_array("out", out)?;
+    let array = base_array(name, value)?;
     if !array.dtype().is_equiv_to(&needed) {
-        return Err(PyTypeError::new_err(format!("out must have dtype {needed}, got {}", array.dtype())));
+        return Err(PyTypeError::new_err(format!("{name} must have dtype {needed}, got {}", array.dtype())));
     }
     if array.shape() != dimensions {
         let (needed, got) = (shape(dimensions), shape(array.shape()));
-        return Err(PyValueError::new_err(format!("out must have shape {needed}, got {got}")));
+        return Err(PyValueError::new_err(format!("{name} must have shape {needed}, got {got}")));
     }
     if !array.is_c_contiguous() {
-        return Err(PyValueError::new_err("out must be in C order, got an array that is not C-contiguous"));
+        return Err(PyValueError::new_err(format!("{name} must be in C order, got an array that is not C-contiguous")));
     }
     if !is_aligned(&array)? {
-        return Err(PyValueError::new_err("out must be aligned, got an array that is not"));
+        return Err(PyValueError::new_err(format!("{name} must be aligned, got an array that is not")));
     }
     Ok(())
+}
+
+/// Returns the length of one dimension of an array; 0 if the value has no such dimension.
+pub fn length(value: &Bound<'_, PyAny>, dimension: usize) -> usize {
+    value.cast::<PyUntypedArray>().ok().and_then(|array| array.shape().get(dimension).copied()).unwrap_or(0)
+}
+
+/// Returns a new array of zeros.
+pub fn zeros<'py, T: Element>(py: Python<'py>, dimensions: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    // NumPy raises MemoryError if memory runs out, and uses huge pages for large arrays.
+    static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<T>(py)))
+}
+
+/// Returns the elements of `out`, to be written, after a check that it can take a result of this shape.
+pub fn writable<'py, T: Element>(out: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<PyReadwriteArrayDyn<'py, T>> {
+    check_out::<T>(Some(out), dimensions)?;
+    let array = out.cast::<numpy::PyArrayDyn<T>>()?.try_readwrite();
+    array.map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one that is already in use"))
 }
 
 /// Runs `work` on an array of the given shape and returns the array: `out`, or a new one if `out` is `None`.
@@ -239,15 +281,8 @@ pub fn fill<'py, T: Element>(
     dimensions: &[usize],
     work: impl FnOnce(&mut [T]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    // NumPy raises MemoryError if memory runs out, and uses huge pages for large arrays.
-    static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let new = || ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, dimensions)?, dtype::<T>(py)));
-    let out = out.map_or_else(new, Ok)?;
-    check_out::<T>(Some(&out), dimensions)?;
-    let mut array = out
-        .cast::<numpy::PyArrayDyn<T>>()?
-        .try_readwrite()
-        .map_err(|_| PyValueError::new_err("out must be writeable, got a read-only array or one that is already in use"))?;
+    let out = out.map_or_else(|| zeros::<T>(py, dimensions), Ok)?;
+    let mut array = writable(&out, dimensions)?;
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)

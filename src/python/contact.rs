@@ -279,14 +279,19 @@ pub fn advance(
     mode: &str,
     obstacles: ObstaclesArgument,
 ) -> PyResult<(Pose, Option<Contact>)> {
-    let mode = match mode {
-        "stop" => ContactMode::Stop,
-        "slide" => ContactMode::Slide,
-        "report" => ContactMode::Report,
-        other => return Err(PyValueError::new_err(format!("mode must be 'stop', 'slide' or 'report', got '{other}'"))),
-    };
+    let mode = contact_mode("mode", mode)?;
     let (grid, footprint) = (grid.get().core(), footprint.get());
     let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
     let step = py.detach(|| crate::advance((&*grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
     Ok((Pose(step.0), step.1.map(Contact)))
+}
+
+/// Returns what a contact does, by its name.
+pub fn contact_mode(name: &str, mode: &str) -> PyResult<ContactMode> {
+    match mode {
+        "stop" => Ok(ContactMode::Stop),
+        "slide" => Ok(ContactMode::Slide),
+        "report" => Ok(ContactMode::Report),
+        other => Err(PyValueError::new_err(format!("{name} must be 'stop', 'slide' or 'report', got '{other}'"))),
+    }
 }

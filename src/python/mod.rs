@@ -9,6 +9,7 @@ mod arrays;
 mod beam_fit;
 mod beam_model;
 mod contact;
+mod fleet;
 mod grid;
 mod interrupt;
 mod likelihood_field;
@@ -87,6 +88,8 @@ mod _core {
     #[pymodule_export]
     use super::contact::{Contact, advance, clearance, clearance_batch, touches};
     #[pymodule_export]
+    use super::fleet::{Fleet, FleetState, FleetStep};
+    #[pymodule_export]
     use super::grid::OccupancyGrid;
     #[pymodule_export]
     use super::likelihood_field::LikelihoodField;
@@ -110,6 +113,7 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::interrupt::set_hook(super::interrupt::handle_signals);
+        module.add("MAX_COMMAND", crate::MAX_COMMAND)?;
         module.add("FULL_TURN_TOLERANCE", crate::FULL_TURN_TOLERANCE)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }

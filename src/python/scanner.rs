@@ -60,7 +60,7 @@ use crate::{BeamLayout, Courses, Mount, NoReturn, Noise, Readings, ScannerOption
 ///     >>> down.scan(free, (0.5, 0.5, 0.0))
 ///     array([1.], dtype=float32)
 #[pyclass(frozen, module = "mobile_robot_simulator")]
-pub struct LaserScanner(crate::LaserScanner);
+pub struct LaserScanner(pub crate::LaserScanner);
 
 fn default() -> ScannerOptions {
     ScannerOptions::default()

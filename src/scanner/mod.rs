@@ -1,5 +1,6 @@
 //! Laser scanners: single scans and batches of scans.
 
+mod each;
 mod score;
 mod sinks;
 mod sweep;
@@ -12,15 +13,17 @@ use crate::batch::{check_rows, for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
 use crate::beams::{BeamLayout, Beams};
 use crate::error::{Error, check_finite, check_number};
+use crate::grid::OccupancyGrid;
 use crate::memory;
 use crate::mount::{Attitude, Mount};
 use crate::numeric::{GROUP, Group};
-use crate::obstacles::View;
+use crate::obstacles::{Obstacles, View};
 use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::world::World;
+pub(crate) use each::Shot;
 pub use score::{Readings, Score};
 use sinks::{Beyond, Noisy, SinkPerScan};
 pub use sweep::{Courses, Sweeps};
@@ -226,7 +229,12 @@ impl LaserScanner {
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         let caster = self.caster(world)?;
         caster.prepare(None)?;
-        self.cast(caster, world, iter::once(map_from_base), iter::once(StoreRanges { max_range, ranges }))
+        self.cast(
+            caster,
+            world.grid,
+            iter::once((map_from_base, world.obstacles)),
+            iter::once(StoreRanges { max_range, ranges }),
+        )
     }
 
     /// Writes the readings \[m\] of one scan per pose to `readings`, with noise if `noise` is given.
@@ -263,16 +271,17 @@ impl LaserScanner {
         let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
-            let poses = poses[first..].iter().map(|&pose| Pose::from(pose)).take(readings.len() / beam_count);
+            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world.obstacles));
+            let poses = poses.take(readings.len() / beam_count);
             let readings = readings.chunks_exact_mut(beam_count);
             if let Some(Noise { model, seed, first_index }) = &noise {
                 let sinks = (first..).zip(readings).map(|(scan, readings)| {
                     let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
                     Noisy { sampler: Sampler::new(model, max_range, bits), readings }
                 });
-                self.cast(caster, world, poses, sinks)
+                self.cast(caster, world.grid, poses, sinks)
             } else {
-                self.cast(caster, world, poses, readings.map(|ranges| StoreRanges { max_range, ranges }))
+                self.cast(caster, world.grid, poses, readings.map(|ranges| StoreRanges { max_range, ranges }))
             }
         })
     }
@@ -349,26 +358,27 @@ impl LaserScanner {
         Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?)
     }
 
-    /// Casts all beams from each pose and sends the ranges of each scan to its own sink.
-    fn cast(
+    /// Casts all beams from each pose, among the obstacles there, and sends the ranges of each scan to its own sink.
+    fn cast<'a>(
         &self,
         caster: Caster<'_>,
-        World { grid, obstacles }: World<'_>,
-        poses: impl Iterator<Item = Pose> + Clone,
+        grid: &OccupancyGrid,
+        scans: impl Iterator<Item = (Pose, &'a Obstacles)> + Clone,
         sinks: impl Iterator<Item = impl Sink>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, options: ScannerOptions { beam_count, max_range, .. }, .. } = self;
         let map_from_fan = |map_from_base: Pose| map_from_base * self.base_from_fan;
         let mut starts = [Start::default(); Fans::MAX];
         let mut count = 0;
-        for (start, map_from_base) in starts.iter_mut().zip(poses.clone()) {
+        for (start, (map_from_base, _)) in starts.iter_mut().zip(scans.clone()) {
             *start = Start::new(grid, grid.pose_in_grid(map_from_fan(map_from_base)));
             count += 1;
         }
-        debug_assert!(poses.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
+        debug_assert!(scans.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
         // Views are large. Without obstacles and slant, the array is neither filled nor moved.
-        let mut views = (!obstacles.is_empty() || slant.is_some()).then_some([const { None }; Fans::MAX]);
-        for (view, map_from_base) in views.iter_mut().flatten().zip(poses) {
+        let has_views = slant.is_some() || scans.clone().any(|(_, obstacles)| !obstacles.is_empty());
+        let mut views = has_views.then_some([const { None }; Fans::MAX]);
+        for (view, (map_from_base, obstacles)) in views.iter_mut().flatten().zip(scans) {
             let seen = View::new(obstacles, map_from_fan(map_from_base), self.horizontal, *beam_count, *max_range)?;
             *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }

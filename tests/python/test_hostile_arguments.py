@@ -200,7 +200,24 @@ def good() -> dict[str, Any]:
         "normal": (1.0, 0.0),
         "grid": grid(),
         "footprint": mrs.Shape.disc(0.1),
+        "grids": None,
+        **dict.fromkeys(("seeds", "grid_of", "mask", "limits", "slip", "scanner"), None),
+        "contact": "stop",
+        "clearance": 0.1,
+        "commands": np.full((2, 3), 0.5),
+        "duration": 0.25,
+        "scan": True,
+        "state": fleet().save(),
+        "words": fleet().save().words,
+        "goals": np.zeros((2, 2)),
+        **dict.fromkeys(("velocities",), np.zeros((2, 3))),
+        "contacts": np.zeros(2, bool),
+        "contact_points": np.zeros((2, 2)),
     }
+
+
+def fleet() -> mrs.Fleet:
+    return mrs.Fleet(grid(), np.full((2, 3), 0.5), scanner=mrs.LaserScanner(beam_count=5))
 
 
 def instances() -> list[Any]:
@@ -209,6 +226,9 @@ def instances() -> list[Any]:
         mrs.LikelihoodField(),
         mrs.BeamModel.fit(np.full(4, 5.0, np.float32), np.float32([4.9, 5.0, 5.1, 8.0]), 8.0),
         mrs.Contact(point=(0.0, 0.0), normal=(1.0, 0.0), fraction=0.5),
+        fleet(),
+        fleet().save(),
+        fleet().step(np.zeros((2, 3)), 0.1),
         mrs.LaserScanner(fov=1.0, beam_count=5, max_range=5.0),
         mrs.Limits(),
         mrs.MotionNoise(),
@@ -219,6 +239,11 @@ def instances() -> list[Any]:
     ]
 
 
+OF_ITS_OWN = {
+    "Fleet": {"grids": grid(), "noise": None},
+    "FleetStep": {"ranges": np.zeros((2, 5), np.float32)},
+}
+"""Good values of parameters that mean something else elsewhere."""
 SPECIAL = {"__getitem__": ("index",), "__mul__": ("other",), "__rmul__": ("other",), "__eq__": ("other",)}
 # It hands its argument to Matplotlib.
 NOT_OURS = {"OccupancyGrid.plot"}
@@ -247,7 +272,7 @@ FUNCTIONS = {name: (call, parameters) for name, call, parameters in functions()}
 def test_good_arguments_are_good(name: str) -> None:
     """Otherwise the hostile ones would not be reached."""
     call, parameters = FUNCTIONS[name]
-    given = good()
+    given = good() | OF_ITS_OWN.get(name, {})
     call(**{parameter: given[parameter] for parameter in parameters})
 
 
@@ -264,7 +289,7 @@ NUMBERS = [
 @pytest.mark.parametrize(("name", "parameter", "kind"), NUMBERS)
 def test_an_argument_that_is_no_number_is_named(name: str, parameter: str, kind: type) -> None:
     call, parameters = FUNCTIONS[name]
-    given = {other: good()[other] for other in parameters}
+    given = {other: (good() | OF_ITS_OWN.get(name, {}))[other] for other in parameters}
     count = {"point": "two", "normal": "two"}.get(parameter, "three")
     needed = f"^{parameter} must be " + ("a number" if kind is float else f"{count} numbers")
     with pytest.raises(TypeError, match=f"{needed}, got 'far'$"):
@@ -277,7 +302,7 @@ def test_an_argument_that_is_no_number_is_named(name: str, parameter: str, kind:
 def test_a_footprint_that_is_no_shape_is_named(name: str) -> None:
     call, parameters = FUNCTIONS[name]
     with pytest.raises(TypeError, match=r"^footprint must be a Shape, got float; make one with Shape\.disc"):
-        call(**{other: good()[other] for other in parameters} | {"footprint": 0.3})
+        call(**{other: (good() | OF_ITS_OWN.get(name, {}))[other] for other in parameters} | {"footprint": 0.3})
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -285,7 +310,7 @@ def test_hostile_arguments_raise_no_other_error(name: str) -> None:
     call, parameters = FUNCTIONS[name]
     for parameter in parameters:
         for what, value in HOSTILE.items():
-            given = good()
+            given = good() | OF_ITS_OWN.get(name, {})
             try:
                 if "__" in name:
                     call(value)

@@ -17,11 +17,28 @@ from mobile_robot_simulator import _core
 
 READINGS = np.array([4.9, 5.0, 5.1, 8.0], np.float32)
 
+FLEET = mrs.Fleet(
+    mrs.OccupancyGrid(np.array([[0, 0, 100], [0, 0, 0]], np.int8), resolution=1.0),
+    [(0.5, 0.5, 0.0), (0.5, 1.5, 0.3)],
+    seeds=np.array([3, 2**63], np.uint64),
+    footprint=mrs.Shape.disc(0.1),
+    contact="slide",
+    limits=[mrs.Limits(acceleration=(1.0, 1.0, 1.0)), mrs.Limits(velocity=(2.0, 2.0, 2.0))],
+    slip=[0.1, 0.0],
+    scanner=mrs.LaserScanner(beam_count=5),
+    noise=mrs.BeamModel(),
+    clearance=0.05,
+)
+STEP = FLEET.step([(3.0, 0.2, 0.0), (1.0, 0.0, 1.0)], 3.017)
+
 OBJECTS = [
     mrs.BeamModel.fit(np.full(4, 5.0, np.float32), READINGS, 8.0),
     mrs.BeamModel(sigma_hit=0.02, lambda_short=1.5, z_hit=4.0, z_short=2.0, z_max=1.0, z_rand=1.0),
     mrs.Contact(point=(1.0, -0.0), normal=(0.6, 0.8), fraction=0.25, obstacle=3),
     mrs.Contact(point=(0.0, 1e-300), normal=(0.0, 0.0), fraction=1.0),
+    FLEET,
+    FLEET.save([False, True]),
+    STEP,
     mrs.LaserScanner(fov=3.0, beam_count=7, min_range=0.1, max_range=9.0, mount=(0.1, 0.2, 0.3)),
     mrs.LikelihoodField(sigma_hit=0.1, z_hit=3.0, z_rand=1.0, max_distance=0.7),
     mrs.Limits(velocity=(1.0, 0.0, 2.0), acceleration=(0.5, math.inf, 0.1)),

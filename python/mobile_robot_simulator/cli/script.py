@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from .._core import MAX_COMMAND
 from ..nodes.interface import Node
-from ..nodes.robot import MAX_COMMAND
 from ..quoting import quoted
 from ..user_files import read_text
 from .commander import Commander

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import messages
-from .._core import MotionNoise, OccupancyGrid, Pose, Shape, touches
+from .._core import MAX_COMMAND, MotionNoise, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
 from ..instant import NANOSECONDS
 from ..messages import (
@@ -66,9 +66,6 @@ CONSTRAINT_PARAMETERS = (
     "deceleration_limits",
 )
 """Parameters that constrain the motion. After a change, the robot goes on from its pose with its velocity and command."""
-
-MAX_COMMAND = 1e3
-"""Limit of each component of a command [m/s, rad/s]. Commands beyond it are refused."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import messages
-from .._core import Pose, Shape
+from .._core import MAX_COMMAND, Pose, Shape
 from ..handle import Handles
 from ..marker_messages import ColorRGBA, Marker, MarkerArray
 from ..messages import Header, Point, Time, Trigger, Twist, Vector3
@@ -21,7 +21,6 @@ from ..physics.world import World
 from ..quoting import quoted
 from .entity_services import EntityServices
 from .interface import Node, Publisher, QoS
-from .robot import MAX_COMMAND
 from .transforms import check_frame
 
 HEIGHT = 0.5

@@ -1,0 +1,265 @@
+//! One robot of a fleet: how it moves under commands, limits and contact.
+//!
+//! The trajectory is that of a robot of the Python class `Simulation`, to the last bit: exact under a constant command, and
+//! with contact looked for in time steps of [`STEP_NS`], which end at multiples of it and at each command.
+
+use super::words::{Reader, Writer};
+use crate::contact::{Contact, ContactMode, advance};
+use crate::error::Error;
+use crate::motion::{FOREVER, Limits, Profile, Twist, seconds};
+use crate::pose::Pose;
+use crate::shape::Shape;
+use crate::world::World;
+
+/// Time step in which contact is looked for \[ns\].
+pub const STEP_NS: i64 = 20_000_000;
+
+/// Turn in a time step \[rad\] up to which the twist between two poses is unique. It must be below π.
+const LARGEST_TURN: f64 = 3.0;
+
+/// What a robot is, as far as it matters for its motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a> {
+    /// Outline of the robot; `None` if it touches nothing.
+    pub footprint: Option<&'a Shape>,
+    /// What a contact does to the motion.
+    pub mode: ContactMode,
+    /// Limits on the velocity of the wheels and its change; `None` for no limits.
+    pub limits: Option<Limits>,
+    /// Share of the motion of the wheels that the robot makes: 1 without slip.
+    pub grip: f64,
+}
+
+/// The motion of a robot up to the present.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// Time since the robot was put at its first pose \[ns\].
+    time_ns: i64,
+    /// Pose of the odometry frame in the map: the first pose of the robot.
+    map_from_odom: Pose,
+    /// Pose in the odometry frame at the start of the profile.
+    start: Pose,
+    /// Velocity of the wheels from the last change of velocity on.
+    profile: Profile,
+    /// The last command. A robot that is blocked does not follow it.
+    requested: Twist,
+    /// True if contact keeps the robot from following its command.
+    is_blocked: bool,
+    /// Pose in the map frame to which contact moved the robot at the present; `None` if the profile tells it.
+    reached: Option<Pose>,
+    /// Pose in the odometry frame, at the start of the profile, of wheels that never slipped; `None` without slip.
+    wheels: Option<Pose>,
+}
+
+/// A time step with contact. Poses are in the map frame.
+struct Step {
+    start_ns: i64,
+    end_ns: i64,
+    duration: f64,
+    start: Pose,
+    reached: Pose,
+    /// Velocity that the robot would have in the step without contact.
+    twist: Twist,
+}
+
+impl Robot {
+    /// Returns a robot that stands at a pose in the map frame, at time 0.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the pose is not finite.
+    pub fn new(map_from_base: Pose, body: Body<'_>) -> Result<Self, Error> {
+        let profile = Profile::standing(0, body.limits);
+        Ok(Self {
+            time_ns: 0,
+            map_from_odom: map_from_base.checked()?,
+            start: Pose::default(),
+            profile,
+            requested: Twist::default(),
+            is_blocked: false,
+            reached: None,
+            wheels: (body.grip != 1.0).then_some(Pose::default()),
+        })
+    }
+
+    /// Writes the robot as words.
+    pub fn write(&self, words: &mut Writer) {
+        words.word(self.time_ns.unsigned_abs());
+        words.numbers(self.map_from_odom.to_array());
+        words.numbers(self.start.to_array());
+        words.profile(&self.profile);
+        words.numbers(self.requested.to_array());
+        words.word(u64::from(self.is_blocked));
+        words.option(self.reached.map(Pose::to_array));
+        words.option(self.wheels.map(Pose::to_array));
+    }
+
+    /// Returns the robot that was written.
+    ///
+    /// # Errors
+    /// [`Error::State`]: the words are not those of a robot.
+    pub fn read(words: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok(Self {
+            time_ns: words.time_ns()?,
+            map_from_odom: words.pose()?,
+            start: words.pose()?,
+            profile: words.profile()?,
+            requested: words.twist()?,
+            is_blocked: words.flag()?,
+            reached: words.option()?.map(Pose::from),
+            wheels: words.option()?.map(Pose::from),
+        })
+    }
+
+    /// Returns the time since the robot was put at its first pose \[ns\].
+    pub fn time_ns(&self) -> i64 {
+        self.time_ns
+    }
+
+    /// Returns the pose in the map frame now, with its yaw in (-π, π].
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the pose is not finite.
+    pub fn map_pose(&self, body: Body<'_>) -> Result<Pose, Error> {
+        Ok((self.map_from_odom * self.pose(self.time_ns, body)?).wrapped())
+    }
+
+    /// Returns the velocity in the robot's own frame now.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the velocity is not finite.
+    pub fn velocity(&self, body: Body<'_>) -> Result<Twist, Error> {
+        Ok(self.profile.velocity_at(self.time_ns)?.scaled(body.grip))
+    }
+
+    /// Requests a velocity from now on; limits and contact decide what the robot does.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a number is not finite.
+    pub fn command(&mut self, velocity: Twist, body: Body<'_>) -> Result<(), Error> {
+        self.requested = velocity;
+        if self.is_blocked || (velocity == self.profile.command && self.time_ns < self.profile.until_ns) {
+            return Ok(());
+        }
+        let profile = self.following(self.time_ns, body)?;
+        self.begin(profile, None, body)
+    }
+
+    /// Moves the robot to a time \[ns\] at most [`STEP_NS`] after the present. Returns its first contact on the way.
+    ///
+    /// # Errors
+    /// - [`Error::Number`]: a pose is not finite, or the robot is far too fast.
+    /// - [`Error::Memory`]: there is not enough memory.
+    pub fn advance(&mut self, end_ns: i64, body: Body<'_>, world: World<'_>) -> Result<Option<Contact>, Error> {
+        let start_ns = self.time_ns;
+        let Some(footprint) = body.footprint else {
+            self.time_ns = end_ns;
+            return Ok(None);
+        };
+        let profile = if self.is_blocked { self.following(start_ns, body)? } else { self.profile };
+        let start = match self.reached {
+            Some(reached) => reached,
+            None => self.map_from_odom * self.pose(start_ns, body)?,
+        };
+        let duration = seconds(end_ns - start_ns);
+        let twist = self.twist(&profile, start, (start_ns, end_ns), body)?;
+        let (reached, contact) = advance(world, footprint, start, twist, duration, body.mode)?;
+        self.time_ns = end_ns;
+        if let Some(contact) = contact {
+            self.reached = Some(reached);
+            if body.mode != ContactMode::Report {
+                self.is_blocked = true;
+                self.begin_after_contact(&Step { start_ns, end_ns, duration, start, reached, twist }, contact, body)?;
+            }
+        } else {
+            self.reached = Some(reached);
+            if self.is_blocked {
+                self.is_blocked = false;
+                self.begin(profile, None, body)?;
+            }
+        }
+        Ok(contact)
+    }
+
+    /// Returns the pose in the odometry frame at a time \[ns\] from the start of the profile on.
+    fn pose(&self, time_ns: i64, body: Body<'_>) -> Result<Pose, Error> {
+        self.profile.move_from(self.start, time_ns, body.grip)
+    }
+
+    /// Returns the pose in the odometry frame of wheels that never slipped, at a time \[ns\].
+    fn wheel_pose(&self, time_ns: i64, body: Body<'_>) -> Result<Pose, Error> {
+        self.wheels.map_or_else(|| self.pose(time_ns, body), |wheels| self.profile.move_from(wheels, time_ns, 1.0))
+    }
+
+    /// Returns the profile of a robot that follows its command from a time \[ns\] on.
+    fn following(&self, time_ns: i64, body: Body<'_>) -> Result<Profile, Error> {
+        Ok(Profile {
+            start_ns: time_ns,
+            velocity: self.profile.velocity_at(time_ns)?,
+            command: self.requested,
+            until_ns: FOREVER,
+            limits: body.limits,
+        })
+    }
+
+    /// Begins a profile at `pose` in the odometry frame. Default: the pose of the robot.
+    fn begin(&mut self, profile: Profile, pose: Option<Pose>, body: Body<'_>) -> Result<(), Error> {
+        let time_ns = profile.start_ns;
+        let wheels = if self.wheels.is_some() { Some(self.wheel_pose(time_ns, body)?) } else { None };
+        let start = match pose {
+            Some(pose) => pose,
+            None => self.pose(time_ns, body)?,
+        };
+        (self.profile, self.wheels, self.start) = (profile, wheels, start.wrapped());
+        Ok(())
+    }
+
+    /// Returns the constant velocity of the robot that moves it in a time step, from a pose in the map frame, as the profile
+    /// does.
+    fn twist(&self, profile: &Profile, start: Pose, (from, to): (i64, i64), body: Body<'_>) -> Result<Twist, Error> {
+        let first = profile.velocity_at(from)?;
+        if profile.limits.is_none() {
+            return Ok(first.scaled(body.grip));
+        }
+        let last = profile.velocity_at(to)?;
+        if first == last {
+            return Ok(first.scaled(body.grip));
+        }
+        let duration = seconds(to - from);
+        if first.angular.abs().max(last.angular.abs()) * duration > LARGEST_TURN {
+            let mean = Twist { linear: 0.5 * (first.linear + last.linear), angular: 0.5 * (first.angular + last.angular) };
+            return Ok(mean.scaled(body.grip));
+        }
+        let begun = if self.is_blocked { self.pose(from, body)? } else { self.start };
+        Ok(Twist::between(start, self.map_from_odom * profile.move_from(begun, to, body.grip)?, duration))
+    }
+
+    /// Begins the profiles of a step in which contact stopped or deflected the robot.
+    fn begin_after_contact(&mut self, step: &Step, contact: Contact, body: Body<'_>) -> Result<(), Error> {
+        let end = self.map_from_odom.inverse() * step.reached;
+        let wheels_turn = |start_ns, velocity, until_ns| {
+            let still = Twist::default();
+            Profile { start_ns, velocity: still, command: velocity, until_ns, limits: None }
+        };
+        if body.mode == ContactMode::Stop && contact.fraction > 0.0 {
+            let stopped_ns = step.start_ns + (contact.fraction * (step.end_ns - step.start_ns) as f64) as i64;
+            self.begin(wheels_turn(step.start_ns, of_wheels(step.twist, body), stopped_ns), None, body)?;
+            self.begin(Profile::standing(step.end_ns, None), Some(end), body)
+        } else if step.reached == step.start {
+            let is_moving = self.profile.velocity_at(step.start_ns)? != Twist::default();
+            if is_moving || self.profile.limits.is_some() {
+                self.begin(Profile::standing(step.start_ns, None), None, body)?;
+            }
+            Ok(())
+        } else {
+            // The robot slides along the contact, or drives out of an obstacle that moved onto it.
+            let velocity = of_wheels(Twist::between(step.start, step.reached, step.duration), body);
+            self.begin(wheels_turn(step.start_ns, velocity, step.end_ns), None, body)?;
+            self.begin(wheels_turn(step.end_ns, velocity, FOREVER), Some(end), body)
+        }
+    }
+}
+
+/// Returns the velocity of the wheels when the robot moves at a velocity. Without grip, that of the robot.
+fn of_wheels(velocity: Twist, body: Body<'_>) -> Twist {
+    if body.grip == 0.0 { velocity } else { velocity.scaled(1.0 / body.grip) }
+}

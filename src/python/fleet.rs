@@ -1,0 +1,833 @@
+//! The Python classes `Fleet`, `FleetStep` and `FleetState`.
+
+use std::sync::Arc;
+
+use numpy::PyUntypedArrayMethods;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use super::arrays::{
+    check_array, elements, fill, length, rows, shape, short_repr, type_name, typed, whole_numbers, writable, zeros,
+};
+use super::beam_model::BeamModel;
+use super::contact::contact_mode;
+use super::grid::OccupancyGrid;
+use super::limits::Limits;
+use super::number::Argument;
+use super::scanner::LaserScanner;
+use super::shape::{FootprintArgument, Shape};
+use super::{Recipe, recipe, thread_count};
+use crate::memory;
+use crate::{ContactMode, FleetOptions, Reset};
+
+/// Many robots that are stepped together, each alone in a world of its own.
+///
+/// Each robot moves, touches walls and measures as a robot of a `Simulation`, byte by byte, whatever the other robots do and
+/// however many threads work. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
+/// steps of 20 ms. Poses are in the map frame, with yaws in (-π, π].
+///
+/// A robot has a seed. The noise of its scan i is that of `LaserScanner.scan_batch` with this seed and `first_index=i`; the
+/// first scan after `reset` with a seed has index 0. Only one thread may use a fleet at a time.
+///
+/// Args:
+///     grids: The map of all robots, or a sequence of maps.
+///     poses: (N, 3), the first pose (x, y, yaw) of each robot [m, m, rad]. None means that they are drawn from free space.
+///     seeds: (N,) integers from 0 to 2**64 - 1, one for each robot. None means 0, 1, 2 and so on.
+///     grid_of: (N,) integers, the index of each robot's map. None means the first map for all if there is only one, or map i
+///         for robot i.
+///     footprint: Outline of the robots; None if they touch nothing.
+///     contact: What a contact does to the motion, as in `advance`: "stop", "slide" or "report".
+///     limits: Limits on the velocity and its change: for all robots, or a sequence with one for each. None means no limits.
+///     slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
+///     scanner: The scanner on each robot; None for no scans.
+///     noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
+///     clearance: Least free distance around the footprint of a robot at a pose that is drawn [m].
+///
+/// Raises:
+///     ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
+///         free place for a robot.
+///     TypeError: An argument has the wrong type or dtype.
+///
+/// Examples:
+///     Three robots on an office floor drive ahead for 0.1 s:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> fleet = mrs.Fleet(
+///     ...     mrs.floor_plan("office", seed=1),
+///     ...     seeds=[1, 2, 3],
+///     ...     footprint=mrs.Shape.disc(0.2),
+///     ...     scanner=mrs.LaserScanner(beam_count=200),
+///     ...     noise=mrs.BeamModel(),
+///     ...     clearance=0.1,
+///     ... )
+///     >>> step = fleet.step(np.tile([0.5, 0.0, 0.0], (3, 1)), 0.1)
+///     >>> step.ranges.shape, step.contacts.tolist()
+///     ((3, 200), [False, False, False])
+#[pyclass(module = "mobile_robot_simulator")]
+pub struct Fleet {
+    core: crate::Fleet,
+    grids: Vec<Py<OccupancyGrid>>,
+}
+
+/// What `Fleet.step` returns: one row for each robot. Pass it as `out=` to a later step to use its arrays again.
+///
+/// `Fleet.step` makes one. With arrays of your own, for example in shared memory, a step writes its results there.
+///
+/// Args:
+///     poses: (N, 3) float64 in C order.
+///     velocities: (N, 3) float64 in C order.
+///     contacts: (N,) bool.
+///     contact_points: (N, 2) float64 in C order.
+///     ranges: (N, beam_count) float32 in C order; None for steps without scans.
+///
+/// Raises:
+///     ValueError: An array has another shape, or is not in C order.
+///     TypeError: An argument is no array, or has another dtype.
+///
+/// Examples:
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+///     >>> fleet, commands = mrs.Fleet(grid, [(1.0, 1.0, 0.0)]), [(0.5, 0.0, 0.0)]
+///     >>> step = fleet.step(commands, 1.0)
+///     >>> fleet.step(commands, 1.0, out=step) is step
+///     True
+///     >>> step.poses
+///     array([[2., 1., 0.]])
+#[pyclass(frozen, module = "mobile_robot_simulator")]
+pub struct FleetStep {
+    poses: Py<PyAny>,
+    velocities: Py<PyAny>,
+    contacts: Py<PyAny>,
+    contact_points: Py<PyAny>,
+    ranges: Option<Py<PyAny>>,
+}
+
+#[pymethods]
+impl FleetStep {
+    #[new]
+    #[pyo3(signature = (*, poses, velocities, contacts, contact_points, ranges = None))]
+    fn of_arrays(
+        poses: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+        contacts: &Bound<'_, PyAny>,
+        contact_points: &Bound<'_, PyAny>,
+        ranges: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let count = length(poses, 0);
+        check_array::<f64>("poses", poses, &[count, 3])?;
+        check_array::<f64>("velocities", velocities, &[count, 3])?;
+        check_array::<bool>("contacts", contacts, &[count])?;
+        check_array::<f64>("contact_points", contact_points, &[count, 2])?;
+        if let Some(ranges) = ranges {
+            check_array::<f32>("ranges", ranges, &[count, length(ranges, 1)])?;
+        }
+        let own = |array: &Bound<'_, PyAny>| array.clone().unbind();
+        Ok(Self {
+            poses: own(poses),
+            velocities: own(velocities),
+            contacts: own(contacts),
+            contact_points: own(contact_points),
+            ranges: ranges.map(own),
+        })
+    }
+
+    /// Pose of each robot: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], with yaws in (-π, π].
+    #[getter]
+    fn poses(&self, py: Python<'_>) -> Py<PyAny> {
+        self.poses.clone_ref(py)
+    }
+
+    /// Velocity of each robot: (N, 3) float64, rows (vx, vy, wz) in its own frame [m/s, m/s, rad/s].
+    #[getter]
+    fn velocities(&self, py: Python<'_>) -> Py<PyAny> {
+        self.velocities.clone_ref(py)
+    }
+
+    /// Whether each robot touched something during the step: (N,) bool.
+    #[getter]
+    fn contacts(&self, py: Python<'_>) -> Py<PyAny> {
+        self.contacts.clone_ref(py)
+    }
+
+    /// Points that the robots touched first in the step: (N, 2) float64, rows (x, y) in the map frame [m]; NaN for none.
+    #[getter]
+    fn contact_points(&self, py: Python<'_>) -> Py<PyAny> {
+        self.contact_points.clone_ref(py)
+    }
+
+    /// Scan of each robot after the step: (N, beam_count) float32 [m]; None without a scanner or with `scan=False`.
+    #[getter]
+    fn ranges(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.ranges.as_ref().map(|ranges| ranges.clone_ref(py))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("poses", &self.poses)?;
+        keywords.set_item("velocities", &self.velocities)?;
+        keywords.set_item("contacts", &self.contacts)?;
+        keywords.set_item("contact_points", &self.contact_points)?;
+        keywords.set_item("ranges", &self.ranges)?;
+        recipe::<Self>(py, PyTuple::empty(py), keywords)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let ranges = match &self.ranges {
+            Some(ranges) => format!(", ranges of shape {}", ranges.getattr(py, "shape")?),
+            None => String::new(),
+        };
+        Ok(format!("FleetStep({} robots{ranges})", self.poses.bind(py).len()?))
+    }
+}
+
+impl FleetStep {
+    fn new(py: Python<'_>, count: usize, beam_count: Option<usize>) -> PyResult<Self> {
+        Ok(Self {
+            poses: zeros::<f64>(py, &[count, 3])?.unbind(),
+            velocities: zeros::<f64>(py, &[count, 3])?.unbind(),
+            contacts: zeros::<bool>(py, &[count])?.unbind(),
+            contact_points: zeros::<f64>(py, &[count, 2])?.unbind(),
+            ranges: beam_count.map(|beams| zeros::<f32>(py, &[count, beams])).transpose()?.map(Bound::unbind),
+        })
+    }
+}
+
+/// The state of some robots of a `Fleet`, as `Fleet.save` returns it.
+///
+/// Args:
+///     words: (M, K) uint64, the words of an earlier state.
+///
+/// Raises:
+///     ValueError: The words are not those of a state.
+///     TypeError: The words are no array of integers.
+///
+/// Examples:
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+///     >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)]).save([False, True]).robots
+///     array([1])
+#[pyclass(frozen, module = "mobile_robot_simulator")]
+pub struct FleetState(crate::FleetState);
+
+#[pymethods]
+impl FleetState {
+    #[new]
+    fn new(words: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let words = typed::<u64>("words", words)?;
+        let words = memory::collected("the words", words.as_array().iter().copied())?;
+        Ok(Self(crate::FleetState::from_words(&words)?))
+    }
+
+    /// The state as words, to store it: (M, K) uint64. Their meaning can change with the version of this package.
+    #[getter]
+    fn words<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (words, count) = (self.0.to_words(), self.0.robots().len());
+        fill(py, None, &[count, words.len().checked_div(count).unwrap_or(0)], |numbers: &mut [u64]| {
+            numbers.copy_from_slice(&words);
+            Ok(())
+        })
+    }
+
+    /// Indices of the saved robots in their fleet: (M,) int64.
+    #[getter]
+    fn robots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let robots = self.0.robots();
+        fill(py, None, &[robots.len()], |numbers: &mut [i64]| {
+            numbers.iter_mut().zip(robots).for_each(|(number, &robot)| *number = robot as i64);
+            Ok(())
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.robots().len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("FleetState({} robots)", self.__len__())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
+        recipe::<Self>(py, PyTuple::new(py, [self.words(py)?])?, PyDict::new(py))
+    }
+}
+
+#[pymethods]
+impl Fleet {
+    #[new]
+    #[pyo3(
+        signature = (
+            grids,
+            poses = None,
+            *,
+            seeds = None,
+            grid_of = None,
+            footprint = None,
+            contact = "stop",
+            limits = None,
+            slip = None,
+            scanner = None,
+            noise = None,
+            clearance = 0.0.into(),
+        ),
+        text_signature = "(grids, poses=None, *, seeds=None, grid_of=None, footprint=None, contact='stop', limits=None, \
+                          slip=None, scanner=None, noise=None, clearance=0.0)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn new(
+        py: Python<'_>,
+        grids: &Bound<'_, PyAny>,
+        poses: Option<&Bound<'_, PyAny>>,
+        seeds: Option<&Bound<'_, PyAny>>,
+        grid_of: Option<&Bound<'_, PyAny>>,
+        footprint: Option<FootprintArgument<'_>>,
+        contact: &str,
+        limits: Option<&Bound<'_, PyAny>>,
+        slip: Option<&Bound<'_, PyAny>>,
+        scanner: Option<&Bound<'_, PyAny>>,
+        noise: Option<&Bound<'_, PyAny>>,
+        clearance: Argument<f64>,
+    ) -> PyResult<Self> {
+        let grids = grids_of(grids)?;
+        let poses = poses.map(|poses| rows("poses", poses, None)).transpose()?;
+        let count = poses.as_ref().map(|poses| poses.len());
+        let seeds = seeds.map(|seeds| whole_numbers("seeds", seeds, count)).transpose()?;
+        let seeds = match (seeds, count) {
+            (Some(seeds), _) => seeds,
+            (None, Some(count)) => (0..count as u64).collect(),
+            (None, None) => return Err(PyValueError::new_err("a fleet needs poses or seeds, got neither")),
+        };
+        let count = seeds.len();
+        let grid_of = match grid_of {
+            Some(grid_of) => indices("grid_of", grid_of, count)?,
+            None if grids.len() == 1 => vec![0; count],
+            None if grids.len() == count || count == 0 => (0..count).collect(),
+            None => {
+                let text = format!("grid_of must be given for {count} robots on {} maps, got None", grids.len());
+                return Err(PyValueError::new_err(text));
+            }
+        };
+        let scanner = scanner
+            .map(|scanner| {
+                scanner
+                    .cast::<LaserScanner>()
+                    .map(|scanner| scanner.get().0.clone())
+                    .map_err(|_| PyTypeError::new_err(format!("scanner must be a LaserScanner, got {}", type_name(scanner))))
+            })
+            .transpose()?;
+        if noise.is_some() && scanner.is_none() {
+            return Err(PyValueError::new_err("noise needs a scanner, got scanner=None"));
+        }
+        let slip = match slip {
+            None => Vec::new(),
+            Some(slip) => match slip.extract::<f64>() {
+                Ok(slip) => vec![slip],
+                Err(_) => elements("slip", slip, Some(count))?,
+            },
+        };
+        let limits = one_or_each("limits", "Limits", limits, |value| Some(value.cast::<Limits>().ok()?.get().0))?;
+        let noise = one_or_each("noise", "BeamModel", noise, |value| Some(value.cast::<BeamModel>().ok()?.get().0))?;
+        let options = FleetOptions {
+            footprint: footprint.map(|footprint| footprint.get().clone()),
+            contact: contact_mode("contact", contact)?,
+            limits,
+            slip,
+            scanner,
+            noise,
+            clearance: clearance.named("clearance")?,
+        };
+        let cores = grids.iter().map(|grid| grid.get().core()).collect();
+        let poses: &[[f64; 3]] = poses.as_deref().unwrap_or(&[]);
+        let core = py.detach(|| crate::Fleet::new(cores, options, poses, &seeds, &grid_of))?;
+        Ok(Self { core, grids })
+    }
+
+    /// Moves all robots for a duration, each at its command, and takes a scan of each at the end.
+    ///
+    /// If there is an error, or the call is interrupted, no robot has moved; the arrays of `out` may have changed.
+    ///
+    /// Args:
+    ///     commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000.
+    ///         Anything that NumPy can convert to float64 without loss.
+    ///     duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
+    ///     scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: Result of an earlier step, whose arrays are used again. None means new arrays.
+    ///
+    /// Returns:
+    ///     Poses, velocities, contacts and ranges of all robots; `out` if it was given.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, a command is not finite or too large, the duration is not positive, `threads` is out
+    ///         of range, or an array of `out` cannot be used.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m. A robot of radius 0.2 m drives against it at 1 m/s:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0)], footprint=mrs.Shape.disc(0.2))
+    ///     >>> step = fleet.step([(1.0, 0.0, 0.0)], 2.0)
+    ///     >>> step.poses.round(3), step.contacts, step.contact_points
+    ///     (array([[1.8, 0.5, 0. ]]), array([ True]), array([[2. , 0.5]]))
+    #[pyo3(signature = (commands, duration, *, scan = true, threads = None, out = None))]
+    fn step<'py>(
+        slf: &Bound<'py, Self>,
+        commands: &Bound<'py, PyAny>,
+        duration: Argument<f64>,
+        scan: bool,
+        threads: Option<&Bound<'py, PyAny>>,
+        out: Option<Bound<'py, FleetStep>>,
+    ) -> PyResult<Bound<'py, FleetStep>> {
+        let py = slf.py();
+        let (threads, duration) = (thread_count(threads)?, duration.named("duration")?);
+        let mut fleet = borrowed(slf)?;
+        fleet.refresh(py)?;
+        let count = fleet.core.len();
+        let commands = rows("commands", commands, None)?;
+        if commands.len() != count {
+            let text = format!("commands must have shape ({count}, 3), got ({}, 3)", commands.len());
+            return Err(PyValueError::new_err(text));
+        }
+        let beam_count = fleet.beam_count().filter(|_| scan);
+        let out = match out {
+            Some(out) => out,
+            None => Bound::new(py, FleetStep::new(py, count, beam_count)?)?,
+        };
+        let step = out.get();
+        let mut poses = writable::<f64>(step.poses.bind(py), &[count, 3])?;
+        let mut velocities = writable::<f64>(step.velocities.bind(py), &[count, 3])?;
+        let mut contacts = writable::<bool>(step.contacts.bind(py), &[count])?;
+        let mut points = writable::<f64>(step.contact_points.bind(py), &[count, 2])?;
+        let mut ranges = match (beam_count, &step.ranges) {
+            (Some(beams), Some(ranges)) => Some(writable::<f32>(ranges.bind(py), &[count, beams])?),
+            (Some(_), None) => return Err(PyValueError::new_err("out must have ranges, got the result of a step without")),
+            (None, _) => None,
+        };
+        let (poses, velocities) = (poses.as_slice_mut()?, velocities.as_slice_mut()?);
+        let (contacts, points) = (contacts.as_slice_mut()?, points.as_slice_mut()?);
+        let ranges = ranges.as_mut().map(|ranges| ranges.as_slice_mut()).transpose()?;
+        let core = &mut fleet.core;
+        let commands: &[[f64; 3]] = &commands;
+        py.detach(|| {
+            core.step(commands, duration, threads, ranges)?;
+            let (poses, velocities, points) =
+                (poses.as_chunks_mut().0, velocities.as_chunks_mut().0, points.as_chunks_mut().0);
+            poses.iter_mut().zip(core.poses()).for_each(|(row, pose)| *row = pose.to_array());
+            velocities.iter_mut().zip(core.velocities()).for_each(|(row, velocity)| *row = velocity.to_array());
+            for ((contact, point), touch) in contacts.iter_mut().zip(points).zip(core.touches()) {
+                (*contact, *point) = (touch.is_some(), touch.map_or([f64::NAN; 2], |touch| touch.point.to_array()));
+            }
+            Ok::<(), crate::Error>(())
+        })?;
+        Ok(out)
+    }
+
+    /// Takes a scan of each chosen robot where it stands, with the noise of its next index.
+    ///
+    /// Args:
+    ///     mask: (N,) bool, which robots to scan. None means all.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: (M, beam_count) float32, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (M, beam_count) float32, the ranges of the M chosen robots [m], in their order.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, the fleet has no scanner, or `out` cannot be used.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0)], scanner=mrs.LaserScanner(beam_count=1))
+    ///     >>> fleet.scan()
+    ///     array([[1.5],
+    ///            [0.5]], dtype=float32)
+    ///     >>> fleet.scan([False, True])
+    ///     array([[0.5]], dtype=float32)
+    #[pyo3(signature = (mask = None, *, threads = None, out = None))]
+    fn scan<'py>(
+        slf: &Bound<'py, Self>,
+        mask: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let threads = thread_count(threads)?;
+        let mut fleet = borrowed(slf)?;
+        fleet.refresh(slf.py())?;
+        let mask = fleet.mask(mask)?;
+        let Some(beams) = fleet.beam_count() else {
+            return Err(PyValueError::new_err("the fleet must have a scanner to scan, got scanner=None"));
+        };
+        let chosen = mask.iter().filter(|&&is_chosen| is_chosen).count();
+        let core = &mut fleet.core;
+        fill(slf.py(), out, &[chosen, beams], |readings| core.scan(&mask, threads, readings))
+    }
+
+    /// Puts robots at poses, where they stand still at time 0.
+    ///
+    /// Poses that are not given are drawn from the free space of the robot's map, with the robot's seed: as by
+    /// `OccupancyGrid.draw_free_poses` with the radius `footprint.reach + clearance`. If there is an error, nothing has changed.
+    ///
+    /// Args:
+    ///     mask: (N,) bool, which robots to reset. None means all. Rows of the other robots are ignored below.
+    ///     poses: (N, 3), poses (x, y, yaw) in the map frame [m, m, rad].
+    ///     seeds: (N,) integers, new seeds: the noise and the poses to draw begin anew. None means that they go on, so that
+    ///         each reset draws another pose.
+    ///     grids: (N,) integers, indices of the maps from now on. None means that the maps stay.
+    ///
+    /// Raises:
+    ///     ValueError: A shape or an index is wrong, a pose is not finite, or a map has no free place for a robot.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+    ///     >>> fleet = mrs.Fleet(grid, seeds=[1, 2, 3])
+    ///     >>> first = fleet.poses
+    ///     >>> fleet.reset([True, False, False])  # another random pose for robot 0
+    ///     >>> (fleet.poses == first).all(axis=1)
+    ///     array([False,  True,  True])
+    ///     >>> fleet.reset(seeds=[1, 2, 3])
+    ///     >>> (fleet.poses == first).all()
+    ///     np.True_
+    #[pyo3(signature = (mask = None, *, poses = None, seeds = None, grids = None))]
+    fn reset(
+        slf: &Bound<'_, Self>,
+        mask: Option<&Bound<'_, PyAny>>,
+        poses: Option<&Bound<'_, PyAny>>,
+        seeds: Option<&Bound<'_, PyAny>>,
+        grids: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let mut fleet = borrowed(slf)?;
+        fleet.refresh(slf.py())?;
+        let (mask, count) = (fleet.mask(mask)?, fleet.core.len());
+        let poses = poses.map(|poses| rows("poses", poses, None)).transpose()?;
+        let seeds = seeds.map(|seeds| whole_numbers("seeds", seeds, Some(count))).transpose()?;
+        let grids = grids.map(|grids| indices("grids", grids, count)).transpose()?;
+        let reset = Reset { poses: poses.as_deref(), seeds: seeds.as_deref(), grids: grids.as_deref() };
+        let core = &mut fleet.core;
+        Ok(slf.py().detach(|| core.reset(&mask, reset))?)
+    }
+
+    /// Returns the state of robots, for `restore`: motion, contact, random streams and map.
+    ///
+    /// Args:
+    ///     mask: (N,) bool, which robots to save. None means all.
+    ///
+    /// Raises:
+    ///     ValueError: The mask has the wrong shape.
+    ///     TypeError: The mask is not bool.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+    ///     >>> fleet = mrs.Fleet(grid, [(1.0, 1.0, 0.0), (1.0, 2.0, 0.0)])
+    ///     >>> state = fleet.save()
+    ///     >>> step = fleet.step([(1.0, 0.0, 0.0)] * 2, 1.0)
+    ///     >>> fleet.restore(state)
+    ///     >>> fleet.poses
+    ///     array([[1., 1., 0.],
+    ///            [1., 2., 0.]])
+    #[pyo3(signature = (mask = None))]
+    fn save(slf: &Bound<'_, Self>, mask: Option<&Bound<'_, PyAny>>) -> PyResult<FleetState> {
+        let fleet = borrowed(slf)?;
+        Ok(FleetState(fleet.core.save(&fleet.mask(mask)?)?))
+    }
+
+    /// Puts robots into saved states.
+    ///
+    /// Args:
+    ///     state: What `save` returned, of this fleet or of another one with the same maps.
+    ///     mask: (N,) bool, which robots to put into the states, in their order; one state can go to any number of robots. None
+    ///         means those that were saved.
+    ///
+    /// Raises:
+    ///     ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, or a robot or a map does
+    ///         not exist. Nothing changes.
+    ///     TypeError: An argument has the wrong type.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     A planner puts all robots of a second fleet where the only robot of the first one is:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+    ///     >>> robot, imagined = mrs.Fleet(grid, [(1.0, 2.0, 0.0)]), mrs.Fleet(grid, np.zeros((3, 3)))
+    ///     >>> imagined.restore(robot.save(), [True, True, False])
+    ///     >>> imagined.poses
+    ///     array([[1., 2., 0.],
+    ///            [1., 2., 0.],
+    ///            [0., 0., 0.]])
+    #[pyo3(signature = (state, mask = None))]
+    fn restore(slf: &Bound<'_, Self>, state: &Bound<'_, PyAny>, mask: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut fleet = borrowed(slf)?;
+        let mask = mask.map(|mask| fleet.mask(Some(mask))).transpose()?;
+        let state = state
+            .cast::<FleetState>()
+            .map_err(|_| PyTypeError::new_err(format!("state must be a FleetState, got {}", type_name(state))))?;
+        Ok(fleet.core.restore(&state.get().0, mask.as_deref())?)
+    }
+
+    /// Returns the goal of each robot as seen from it.
+    ///
+    /// Args:
+    ///     goals: (N, 2), the goal (x, y) of each robot in the map frame [m].
+    ///     out: (N, 2) float64, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (N, 2) float64, which is `out` if it was given: the distance [m], and the bearing in (-π, π] [rad], 0 straight ahead
+    ///     and positive to the left.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, or `out` cannot be used.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+    ///     >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0)]).relative([(1.0, 3.0)]).round(4)
+    ///     array([[2.    , 1.5708]])
+    #[pyo3(signature = (goals, *, out = None))]
+    fn relative<'py>(
+        slf: &Bound<'py, Self>,
+        goals: &Bound<'py, PyAny>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let count = fleet.core.len();
+        let goals = typed::<f64>("goals", goals)?;
+        if *goals.shape() != [count, 2] {
+            let text = format!("goals must have shape ({count}, 2), got {}", shape(goals.shape()));
+            return Err(PyValueError::new_err(text));
+        }
+        let goals = memory::collected("the goals", goals.as_array().rows().into_iter().map(|row| [row[0], row[1]]))?;
+        let core = &fleet.core;
+        fill(slf.py(), out, &[count, 2], |seen: &mut [f64]| core.relative(&goals, seen.as_chunks_mut().0))
+    }
+
+    /// Poses of the robots now: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], a new array.
+    #[getter]
+    fn poses<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len(), 3], |numbers: &mut [f64]| {
+            numbers.as_chunks_mut().0.iter_mut().zip(core.poses()).for_each(|(row, pose)| *row = pose.to_array());
+            Ok(())
+        })
+    }
+
+    /// Velocities of the robots now: (N, 3) float64, rows (vx, vy, wz) in their own frames [m/s, m/s, rad/s], a new array.
+    #[getter]
+    fn velocities<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len(), 3], |numbers: &mut [f64]| {
+            numbers.as_chunks_mut().0.iter_mut().zip(core.velocities()).for_each(|(row, twist)| *row = twist.to_array());
+            Ok(())
+        })
+    }
+
+    /// Time of each robot since its last reset: (N,) float64 [s], a new array.
+    #[getter]
+    fn times<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len()], |numbers: &mut [f64]| {
+            numbers.iter_mut().zip(core.times()).for_each(|(number, time)| *number = time);
+            Ok(())
+        })
+    }
+
+    /// Seed of each robot: (N,) uint64, a new array.
+    #[getter]
+    fn seeds<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len()], |numbers: &mut [u64]| {
+            numbers.iter_mut().zip(core.seeds()).for_each(|(number, seed)| *number = seed);
+            Ok(())
+        })
+    }
+
+    /// Index of the map of each robot: (N,) int64, a new array.
+    #[getter]
+    fn grid_of<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len()], |numbers: &mut [i64]| {
+            numbers.iter_mut().zip(core.grid_of()).for_each(|(number, grid)| *number = grid as i64);
+            Ok(())
+        })
+    }
+
+    /// The maps.
+    #[getter]
+    fn grids(slf: &Bound<'_, Self>) -> PyResult<Vec<Py<OccupancyGrid>>> {
+        let fleet = borrowed(slf)?;
+        Ok(fleet.grids.iter().map(|grid| grid.clone_ref(slf.py())).collect())
+    }
+
+    /// The scanner on each robot; None without one.
+    #[getter]
+    fn scanner(slf: &Bound<'_, Self>) -> PyResult<Option<LaserScanner>> {
+        Ok(borrowed(slf)?.core.options().scanner.clone().map(LaserScanner))
+    }
+
+    /// Outline of the robots; None if they touch nothing.
+    #[getter]
+    fn footprint(slf: &Bound<'_, Self>) -> PyResult<Option<Shape>> {
+        Ok(borrowed(slf)?.core.options().footprint.clone().map(Shape))
+    }
+
+    /// What a contact does to the motion: "stop", "slide" or "report".
+    #[getter]
+    fn contact(slf: &Bound<'_, Self>) -> PyResult<&'static str> {
+        Ok(match borrowed(slf)?.core.options().contact {
+            ContactMode::Stop => "stop",
+            ContactMode::Slide => "slide",
+            ContactMode::Report => "report",
+        })
+    }
+
+    /// Limits on the velocity and its change: one for all robots, or one for each; None for no limits.
+    #[getter]
+    fn limits(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<Limits>>> {
+        let limits = borrowed(slf)?.core.options().limits.iter().copied().map(Limits).collect::<Vec<_>>();
+        Ok(Some(limits).filter(|limits| !limits.is_empty()))
+    }
+
+    /// Share of the commanded motion that slipping wheels lose, for each robot; None for none.
+    #[getter]
+    fn slip(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<f64>>> {
+        let fleet = borrowed(slf)?;
+        let slip = &fleet.core.options().slip;
+        let is_one = slip.len() == 1;
+        let slip = if is_one { vec![slip[0]; fleet.core.len()] } else { slip.clone() };
+        Ok(Some(slip).filter(|slip| !slip.is_empty()))
+    }
+
+    /// Noise of the ranges: one for all robots, or one for each; None for true ranges.
+    #[getter]
+    fn noise(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<BeamModel>>> {
+        let noise = borrowed(slf)?.core.options().noise.iter().copied().map(BeamModel).collect::<Vec<_>>();
+        Ok(Some(noise).filter(|noise| !noise.is_empty()))
+    }
+
+    /// Least free distance around the footprint of a robot at a pose that is drawn [m].
+    #[getter]
+    fn clearance(slf: &Bound<'_, Self>) -> PyResult<f64> {
+        Ok(borrowed(slf)?.core.options().clearance)
+    }
+
+    fn __len__(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        Ok(borrowed(slf)?.core.len())
+    }
+
+    fn __setstate__(slf: &Bound<'_, Self>, state: &Bound<'_, PyAny>) -> PyResult<()> {
+        Self::restore(slf, state, None)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, FleetState)> {
+        let (py, state) = (slf.py(), Self::save(slf, None)?);
+        let keywords = PyDict::new(py);
+        keywords.set_item("grid_of", Self::grid_of(slf)?)?;
+        keywords.set_item("footprint", Self::footprint(slf)?)?;
+        keywords.set_item("contact", Self::contact(slf)?)?;
+        keywords.set_item("limits", Self::limits(slf)?)?;
+        keywords.set_item("slip", Self::slip(slf)?)?;
+        keywords.set_item("scanner", Self::scanner(slf)?)?;
+        keywords.set_item("noise", Self::noise(slf)?)?;
+        keywords.set_item("clearance", Self::clearance(slf)?)?;
+        let positional = (Self::grids(slf)?, Self::poses(slf)?).into_pyobject(py)?;
+        let (make, arguments) = recipe::<Self>(py, positional, keywords)?;
+        Ok((make, arguments.into_pyobject(py)?.into_any(), state))
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let fleet = borrowed(slf)?;
+        Ok(format!("Fleet({} robots, {} maps)", fleet.core.len(), fleet.grids.len()))
+    }
+}
+
+impl Fleet {
+    /// Takes over changes of the cells of the maps.
+    fn refresh(&mut self, py: Python<'_>) -> PyResult<()> {
+        let cores: Vec<Arc<crate::OccupancyGrid>> = self.grids.iter().map(|grid| grid.bind(py).get().core()).collect();
+        Ok(self.core.use_grids(cores)?)
+    }
+
+    fn beam_count(&self) -> Option<usize> {
+        self.core.options().scanner.as_ref().map(|scanner| scanner.options().beam_count)
+    }
+
+    fn mask(&self, mask: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<bool>> {
+        let count = self.core.len();
+        mask.map_or_else(|| Ok(vec![true; count]), |mask| elements("mask", mask, Some(count)))
+    }
+}
+
+/// Returns the fleet for one call.
+fn borrowed<'py>(fleet: &Bound<'py, Fleet>) -> PyResult<PyRefMut<'py, Fleet>> {
+    fleet
+        .try_borrow_mut()
+        .map_err(|_| PyRuntimeError::new_err("a fleet must be used by one thread at a time, got a call during another one"))
+}
+
+/// Returns the grids of an argument that is one or a sequence of them.
+fn grids_of(grids: &Bound<'_, PyAny>) -> PyResult<Vec<Py<OccupancyGrid>>> {
+    one_or_each("grids", "OccupancyGrid", Some(grids), |value| Some(value.cast::<OccupancyGrid>().ok()?.clone().unbind()))
+}
+
+/// Returns the values of an argument that is one value or a sequence of them; none for `None`.
+fn one_or_each<T>(
+    name: &str,
+    class: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    read: impl Fn(&Bound<'_, PyAny>) -> Option<T>,
+) -> PyResult<Vec<T>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    if let Some(one) = read(value) {
+        return Ok(vec![one]);
+    }
+    let refused = |got: &Bound<'_, PyAny>| {
+        let got = short_repr(got);
+        PyTypeError::new_err(format!("{name} must be one {class} or a sequence of them, got {got}"))
+    };
+    let items = value.len().and_then(|_| value.try_iter()).map_err(|_| refused(value))?;
+    let mut found = Vec::new();
+    for item in items {
+        let item = item?;
+        memory::push("the arguments of a fleet", &mut found, read(&item).ok_or_else(|| refused(&item))?)?;
+    }
+    if found.is_empty() {
+        return Err(PyValueError::new_err(format!("{name} must have at least one {class}, got none")));
+    }
+    Ok(found)
+}
+
+/// Returns the indices of an array of integers of shape `(count,)`.
+fn indices(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<usize>> {
+    let numbers = whole_numbers(name, value, Some(count))?;
+    Ok(numbers.into_iter().map(|number| usize::try_from(number).unwrap_or(usize::MAX)).collect())
+}

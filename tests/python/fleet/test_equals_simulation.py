@@ -1,0 +1,118 @@
+"""One robot of a fleet equals a robot of a `Simulation` that gets the same commands, byte by byte."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import mobile_robot_simulator as mrs
+
+BEAMS = 61
+NOISE = {"sigma_hit": 0.03, "lambda_short": 0.2, "z_hit": 0.85, "z_short": 0.05, "z_max": 0.05, "z_rand": 0.05}
+LIMITS = {
+    "velocity_limits": [0.8, 0.3, 1.5],
+    "acceleration_limits": [0.6, 0.5, 2.0],
+    "deceleration_limits": [1.2, 0.9, 3.0],
+}
+POLYGON = [[-0.3, -0.2], [0.35, -0.2], [0.45, 0.0], [0.35, 0.2], [-0.3, 0.2]]
+
+
+def office() -> mrs.OccupancyGrid:
+    """Returns a furnished office, so that a random drive meets walls often."""
+    return mrs.floor_plan("office", seed=3)
+
+
+def commands_of(seed: int, duration: float) -> NDArray[np.float64]:
+    """Returns random commands (vx, vy, wz) for steps of a duration [s]: some are held, some are faster than limits allow."""
+    dice, steps, hold = random.Random(seed), round(15.0 / duration), round(0.1 / duration)
+    rows: list[tuple[float, float, float]] = []
+    while len(rows) < steps:
+        command = (dice.uniform(-0.5, 1.2), dice.choice([0.0, dice.uniform(-0.4, 0.4)]), dice.uniform(-2.0, 2.0))
+        rows += [dice.choice([command, command, (0.0, 0.0, 0.0)])] * (hold * dice.randrange(1, 6))
+    return np.array(rows[:steps])
+
+
+def simulated(
+    grid: mrs.OccupancyGrid,
+    start: tuple[float, float, float],
+    commands: NDArray[np.float64],
+    duration: float,
+    seed: int,
+    parameters: dict[str, Any],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32], list[Any]]:
+    """Returns the pose, the velocity and the scan after each command, and the contacts, of a `Simulation`."""
+    quiet = {"velocity_timeout": 0, "laser_frequency": 1.0 / duration, "laser_beam_count": BEAMS, **parameters}
+    sim = mrs.Simulation(grid, parameters=quiet, seed=seed, start=start)
+    scans: list[Any] = []
+    sim.subscribe("/scan", mrs.messages.LaserScan, scans.append)
+    poses, velocities, Vector = [], [], mrs.messages.Vector3
+    for vx, vy, wz in commands.tolist():
+        sim.publish("/cmd_vel", mrs.messages.Twist(linear=Vector(x=vx, y=vy), angular=Vector(z=wz)))
+        sim.run_for(duration)
+        poses.append(tuple(sim.robot.pose))
+        velocities.append(sim.robot.velocity)
+    assert len(scans) == len(commands)
+    ranges = np.array([scan.ranges for scan in scans], np.float32)
+    return np.array(poses), np.array(velocities), ranges, list(sim.robot.motion.contacts)
+
+
+CASES: dict[str, dict[str, Any]] = {
+    "free": {},
+    "limits": LIMITS,
+    "disc": {"robot_radius": 0.3},
+    "polygon": {"footprint": POLYGON},
+    "disc, limits": {"robot_radius": 0.3, **LIMITS},
+    "polygon, limits, slide": {"footprint": POLYGON, "contact": "slide", **LIMITS},
+    "disc, slide": {"robot_radius": 0.3, "contact": "slide"},
+    "polygon, report": {"footprint": POLYGON, "contact": "report"},
+    "disc, limits, slip": {"robot_radius": 0.3, "wheel_slip": 0.25, **LIMITS},
+    "slip": {"wheel_slip": 0.5},
+    "no grip": {"robot_radius": 0.3, "wheel_slip": 1.0},
+}
+
+
+def fleet_like(
+    grid: mrs.OccupancyGrid, start: tuple[float, float, float], seed: int, parameters: dict[str, Any]
+) -> mrs.Fleet:
+    """Returns a fleet of one robot that is what the parameters of a `Simulation` say."""
+    parsed = mrs.parameters.RobotParameters(**parameters)
+    return mrs.Fleet(
+        grid,
+        [start],
+        seeds=[seed],
+        footprint=parsed.shape,
+        contact=parsed.contact,
+        limits=parsed.limits,
+        slip=parsed.wheel_slip,
+        scanner=mrs.LaserScanner(beam_count=BEAMS),
+        noise=mrs.BeamModel(**NOISE),
+    )
+
+
+@pytest.mark.parametrize("duration", [0.1, 0.033])
+@pytest.mark.parametrize("case", CASES)
+def test_one_robot_equals_a_simulation(case: str, duration: float) -> None:
+    grid, parameters, touched = office(), CASES[case], 0
+    for seed, start in enumerate(grid.draw_free_poses(4, radius=0.5, seed=5).tolist()):
+        commands = commands_of(seed, duration)
+        expected = simulated(grid, tuple(start), commands, duration, seed, {**parameters, **NOISE})
+        poses, velocities, scans, contacts = expected
+        fleet, was_touching, begun = fleet_like(grid, tuple(start), seed, parameters), False, []
+        for index, command in enumerate(commands):
+            step = fleet.step(command[np.newaxis], duration)
+            where = f"{case}, drive {seed}, step {index}"
+            assert step.poses.tobytes() == poses[index].tobytes(), where
+            assert step.velocities.tobytes() == velocities[index].tobytes(), where
+            assert fleet.scanner is not None and step.ranges is not None
+            assert fleet.scanner.mark_invalid(step.ranges[0]).tobytes() == scans[index].tobytes(), where
+            if step.contacts[0] and not was_touching:
+                begun.append(tuple(step.contact_points[0].tolist()))
+            was_touching = bool(step.contacts[0])
+        assert set(begun) <= {event.point for event in contacts}
+        touched += len(begun)
+    can_touch = ("robot_radius" in parameters or "footprint" in parameters) and parameters.get("wheel_slip") != 1.0
+    assert touched > 2 if can_touch else touched == 0

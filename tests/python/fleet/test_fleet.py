@@ -1,0 +1,284 @@
+"""Fleets: any threads and any split give the same bytes; reset, save, restore; goals; wrong calls."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import mobile_robot_simulator as mrs
+from simulations import hall
+
+COUNT = 60
+MAPS = [mrs.floor_plan("office", seed=1), mrs.floor_plan("maze", seed=2), hall(8.0)]
+GRID_OF = np.arange(COUNT) % 3
+
+
+def options() -> dict[str, Any]:
+    return {
+        "footprint": mrs.Shape.rectangle(0.5, 0.3),
+        "contact": "slide",
+        "limits": mrs.Limits(acceleration=(1.0, 1.0, 3.0), deceleration=(2.0, 2.0, 6.0)),
+        "scanner": mrs.LaserScanner(beam_count=90),
+        "noise": mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1),
+        "clearance": 0.05,
+    }
+
+
+def fleet_of(robots: slice, **changes: Any) -> mrs.Fleet:
+    """Returns the fleet of some of the robots."""
+    return mrs.Fleet(MAPS, seeds=np.arange(COUNT)[robots] + 100, grid_of=GRID_OF[robots], **{**options(), **changes})
+
+
+def commands_of(step: int) -> NDArray[np.float64]:
+    return np.random.default_rng(step).uniform((-0.2, -0.2, -1.5), (1.5, 0.2, 1.5), (COUNT, 3))
+
+
+def content(step: mrs.FleetStep) -> list[NDArray[Any]]:
+    assert step.ranges is not None
+    return [step.poses, step.velocities, step.contacts, step.contact_points, step.ranges]
+
+
+def bytes_of(step: mrs.FleetStep, robots: slice = slice(None)) -> list[bytes]:
+    return [array[robots].tobytes() for array in content(step)]
+
+
+def test_threads_and_splits_change_no_byte() -> None:
+    whole, parts = fleet_of(slice(None)), [slice(0, 1), slice(1, 37), slice(37, None)]
+    others = [(slice(None), fleet_of(slice(None)), 1), (slice(None), fleet_of(slice(None)), 3)]
+    others += [(part, fleet_of(part), 2) for part in parts]
+    touched = 0
+    for index in range(40):
+        commands = commands_of(index)
+        step = whole.step(commands, 0.1)
+        touched += int(step.contacts.sum())
+        for robots, fleet, threads in others:
+            assert bytes_of(fleet.step(commands[robots], 0.1, threads=threads)) == bytes_of(step, robots)
+    assert touched > 100 and not step.contacts.all()
+
+
+def test_a_step_moves_as_the_parts_of_it_that_end_at_multiples_of_20_ms() -> None:
+    """A command that does not change may be split without any change of the motion."""
+    whole, split = fleet_of(slice(None)), fleet_of(slice(None))
+    for index in range(10):
+        once = whole.step(commands_of(index), 0.24, scan=False)
+        for _ in range(3):
+            part = split.step(commands_of(index), 0.08, scan=False)
+        assert np.abs(once.poses[:, :2] - part.poses[:, :2]).max() < 1e-5
+        assert once.ranges is None
+
+
+def test_scans_are_those_of_scan_batch() -> None:
+    fleet = fleet_of(slice(None))
+    for index in range(3):
+        step = fleet.step(commands_of(index), 0.1)
+        for robot in range(COUNT):
+            scan = options()["scanner"].scan_batch(
+                MAPS[GRID_OF[robot]],
+                step.poses[robot : robot + 1],
+                noise=options()["noise"],
+                seed=100 + robot,
+                first_index=index,
+            )
+            assert step.ranges is not None and scan.tobytes() == step.ranges[robot].tobytes()
+    mask = np.arange(COUNT) % 7 == 0
+    assert fleet.scan(mask).tobytes() == fleet_after(3).scan()[mask].tobytes()
+
+
+def fleet_after(steps: int) -> mrs.Fleet:
+    fleet = fleet_of(slice(None))
+    for index in range(steps):
+        fleet.step(commands_of(index), 0.1)
+    return fleet
+
+
+def test_true_ranges_without_noise_and_true_motion_without_a_footprint() -> None:
+    fleet = fleet_of(slice(None), noise=None, footprint=None, limits=None)
+    start = fleet.poses
+    step = fleet.step(commands_of(0), 0.5)
+    assert not step.contacts.any() and np.isnan(step.contact_points).all()
+    assert np.allclose(step.poses[:, :2], mrs.integrate_twist(start, commands_of(0), 0.5)[:, :2], atol=1e-12)
+    assert np.array_equal(step.velocities, commands_of(0))
+    for robot in range(5):
+        true = options()["scanner"].scan(MAPS[GRID_OF[robot]], step.poses[robot])
+        assert step.ranges is not None and true.tobytes() == step.ranges[robot].tobytes()
+
+
+def test_contact_is_reported_where_it_is() -> None:
+    # The wall of the hall starts at x = 7.9 m.
+    fleet = mrs.Fleet(hall(8.0), [(6.0, 4.0, 0.0), (6.0, 4.0, math.pi)], footprint=mrs.Shape.disc(0.5))
+    step = fleet.step([(1.0, 0.0, 0.0)] * 2, 2.0)
+    assert step.contacts.tolist() == [True, False]
+    assert np.allclose(step.contact_points[0], (7.9, 4.0), atol=1e-9) and np.isnan(step.contact_points[1]).all()
+    assert np.allclose(step.poses[:, 0], [7.4, 4.0], atol=1e-6) and step.velocities[:, 0].tolist() == [0.0, 1.0]
+
+
+def test_out_takes_the_results() -> None:
+    fleet, again = fleet_of(slice(None)), fleet_of(slice(None))
+    arrays = [np.full_like(array, 1) for array in content(fleet_of(slice(None)).step(commands_of(0), 0.1))]
+    names = ("poses", "velocities", "contacts", "contact_points", "ranges")
+    own = mrs.FleetStep(**dict(zip(names, arrays, strict=True)))
+    for index in range(2):
+        assert fleet.step(commands_of(index), 0.1, out=own) is own
+        assert [array.tobytes() for array in arrays] == bytes_of(again.step(commands_of(index), 0.1))
+
+
+def test_a_reset_begins_anew() -> None:
+    fleet, fresh = fleet_after(5), fleet_of(slice(None))
+    fleet.reset(seeds=np.arange(COUNT) + 100)
+    assert fleet.times.max() == 0.0 and not fleet.velocities.any()
+    for index in range(5):
+        assert bytes_of(fleet.step(commands_of(index), 0.1)) == bytes_of(fresh.step(commands_of(index), 0.1))
+
+
+def test_a_reset_of_some_leaves_the_others_alone() -> None:
+    fleet, same, mask = fleet_after(5), fleet_after(5), np.arange(COUNT) < 7
+    fleet.reset(mask, poses=np.where(mask[:, np.newaxis], (1.0, 1.0, 0.5), np.nan), grids=np.full(COUNT, 2))
+    assert (fleet.poses[mask] == (1.0, 1.0, 0.5)).all()
+    assert fleet.grid_of.tolist() == np.where(mask, 2, GRID_OF).tolist()
+    step, expected = fleet.step(commands_of(5), 0.1), same.step(commands_of(5), 0.1)
+    assert bytes_of(step, slice(7, None)) == bytes_of(expected, slice(7, None))
+    assert np.isclose(fleet.times, np.where(mask, 0.1, 0.6)).all()
+
+
+def test_drawn_poses_are_those_of_draw_free_poses() -> None:
+    fleet = fleet_of(slice(None))
+    radius = options()["footprint"].reach + options()["clearance"]
+    for draw in range(3):
+        for robot in range(0, COUNT, 9):
+            drawn = MAPS[GRID_OF[robot]].draw_free_poses(1, radius=radius, seed=100 + robot, first_index=draw)
+            assert drawn[0].tolist() == pytest.approx(fleet.poses[robot].tolist(), abs=1e-12)
+        fleet.reset()
+
+
+def test_saved_robots_go_on_as_if_nothing_had_happened() -> None:
+    fleet, mask = fleet_after(4), np.arange(COUNT) % 2 == 0
+    state, even = fleet.save(mask), slice(0, None, 2)
+    expected = [bytes_of(fleet.step(commands_of(index), 0.07), even) for index in range(3)]
+    assert len(state) == COUNT // 2 and state.robots.tolist() == list(range(0, COUNT, 2))
+    fleet.restore(mrs.FleetState(state.words))
+    assert [bytes_of(fleet.step(commands_of(index), 0.07), even) for index in range(3)] == expected
+
+
+def test_one_state_goes_to_many_robots() -> None:
+    fleet, imagined = fleet_after(4), fleet_of(slice(None))
+    only = np.arange(COUNT) == 8
+    imagined.restore(fleet.save(only), np.ones(COUNT, bool))
+    command = np.tile(commands_of(9)[8], (COUNT, 1))
+    expected = fleet.step(command, 0.1)
+    step = imagined.step(command, 0.1)
+    for robot in range(COUNT):
+        assert bytes_of(step, slice(robot, robot + 1)) == bytes_of(expected, slice(8, 9))
+
+
+def test_goals_are_seen_from_the_robot() -> None:
+    fleet = mrs.Fleet(hall(8.0), [(1.0, 1.0, math.pi / 2), (2.0, 1.0, math.pi), (4.0, 4.0, 0.0)])
+    seen = fleet.relative([(1.0, 4.0), (2.0, 3.0), (4.0, 4.0)])
+    assert np.allclose(seen, [(3.0, 0.0), (2.0, -math.pi / 2), (0.0, 0.0)], atol=1e-12)
+    goals = np.random.default_rng(1).uniform(0, 8, (COUNT, 2))
+    fleet = fleet_of(slice(None))
+    (dx, dy), yaw = (goals - fleet.poses[:, :2]).T, fleet.poses[:, 2]
+    turned = np.exp(1j * (np.arctan2(dy, dx) - yaw))
+    assert np.allclose(fleet.relative(goals), np.stack([np.hypot(dx, dy), np.angle(turned)], axis=1), atol=1e-9)
+
+
+def test_changed_cells_are_met() -> None:
+    grid = hall(8.0)
+    fleet = mrs.Fleet(grid, [(2.0, 4.0, 0.0)], footprint=mrs.Shape.disc(0.2), scanner=mrs.LaserScanner(beam_count=1))
+    grid.set_cells(0, 40, np.full((80, 1), 100, np.int8))
+    step = fleet.step([(1.0, 0.0, 0.0)], 3.0)
+    assert step.poses[0, 0] == pytest.approx(3.8, abs=1e-6)
+    assert step.ranges is not None and step.ranges[0, 0] == pytest.approx(0.2, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda fleet: fleet.step(np.zeros((2, 3)), 0.1), ValueError, "commands must have shape (60, 3), got (2, 3)"),
+        (
+            lambda fleet: fleet.step(np.where(np.arange(COUNT)[:, np.newaxis] == 7, np.nan, np.zeros((COUNT, 3))), 0.1),
+            ValueError,
+            "the command of robot 7 must be finite and at most 1000 on each axis, got [NaN, NaN, NaN]",
+        ),
+        (
+            lambda fleet: fleet.step(np.full((COUNT, 3), 2000.0), 0.1),
+            ValueError,
+            "the command of robot 0 must be finite and at most 1000 on each axis, got [2000.0, 2000.0, 2000.0]",
+        ),
+        (
+            lambda fleet: fleet.step(np.zeros((COUNT, 3)), 0.0),
+            ValueError,
+            "duration must be at least 1e-9 and at most 1e6, got 0",
+        ),
+        (lambda fleet: fleet.reset(np.ones(3, bool)), ValueError, "mask must have shape (60,), got (3,)"),
+        (lambda fleet: fleet.reset(np.ones(COUNT)), TypeError, "mask must have dtype bool, got float64"),
+        (lambda fleet: fleet.reset(seeds=np.full(COUNT, -1)), ValueError, "seeds must be at least 0, got -1 in row 0"),
+        (lambda fleet: fleet.reset(grids=np.full(COUNT, 3)), ValueError, "grid of robot 0 must be below 3, got 3"),
+        (
+            lambda fleet: fleet.reset(poses=np.full((COUNT, 3), np.inf)),
+            ValueError,
+            "poses must be finite, got [inf, inf, inf] in row 0",
+        ),
+        (lambda fleet: fleet.restore(3), TypeError, "state must be a FleetState, got int"),
+        (
+            lambda fleet: fleet.restore(fleet.save(np.arange(COUNT) < 2), np.ones(COUNT, bool)),
+            ValueError,
+            "the state must have 60 elements, got 2",
+        ),
+        (lambda fleet: fleet.relative(np.zeros((3, 2))), ValueError, "goals must have shape (60, 2), got (3, 2)"),
+        (
+            lambda fleet: mrs.FleetState(np.ones((1, 2), np.uint64)),
+            ValueError,
+            "the words must be those of a saved state, got too few words",
+        ),
+    ],
+)
+def test_wrong_calls_say_what_is_wrong_and_change_nothing(
+    call: Callable[[mrs.Fleet], object], error: type[Exception], message: str
+) -> None:
+    fleet = fleet_after(1)
+    before = fleet.save().words.tobytes()
+    with pytest.raises(error) as caught:
+        call(fleet)
+    assert message in str(caught.value)
+    assert fleet.save().words.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"seeds": np.zeros(0, np.int64)}, ValueError, "the number of robots must be at least 1, got 0"),
+        ({}, ValueError, "a fleet needs poses or seeds, got neither"),
+        ({"seeds": [1, 2]}, ValueError, "grid_of must be given for 2 robots on 3 maps, got None"),
+        ({"seeds": [1], "grid_of": [3]}, ValueError, "grid of robot 0 must be below 3, got 3"),
+        ({"seeds": [1, 2, 3], "limits": [mrs.Limits()] * 2}, ValueError, "limits must have 3 elements, got 2"),
+        ({"seeds": [1, 2, 3], "limits": 3.0}, TypeError, "limits must be one Limits or a sequence of them, got 3.0"),
+        ({"seeds": [1, 2, 3], "slip": 2.0}, ValueError, "slip must be in 0..1, got 2"),
+        ({"seeds": [1, 2, 3], "noise": mrs.BeamModel()}, ValueError, "noise needs a scanner, got scanner=None"),
+        ({"seeds": [1, 2, 3], "clearance": 50.0}, ValueError, "no known free place for a disc of radius 50 m"),
+        ({"seeds": [1, 2, 3], "contact": "bounce"}, ValueError, "contact must be 'stop', 'slide' or 'report', got 'bounce'"),
+    ],
+)
+def test_wrong_fleets_say_what_is_wrong(arguments: dict[str, Any], error: type[Exception], message: str) -> None:
+    with pytest.raises(error) as caught:
+        mrs.Fleet(MAPS, **arguments)
+    assert message in str(caught.value)
+
+
+def test_a_fleet_is_used_by_one_thread_at_a_time() -> None:
+    fleet = mrs.Fleet(hall(8.0), np.full((200, 3), 4.0), footprint=mrs.Shape.disc(0.3))
+    state, errors = fleet.save(), []
+    runner = threading.Thread(target=lambda: fleet.step(np.full((200, 3), 1.0), 200.0, threads=1))
+    runner.start()
+    while runner.is_alive() and not errors:
+        try:
+            fleet.restore(state)
+        except RuntimeError as error:
+            errors.append(str(error))
+    runner.join()
+    assert errors == ["a fleet must be used by one thread at a time, got a call during another one"]
