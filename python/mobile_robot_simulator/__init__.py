@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from . import bus as bus
     from . import compare as compare
     from . import faults as faults
+    from . import foxglove as foxglove
     from . import localization as localization
     from . import logs as logs
     from . import maps as maps
@@ -87,6 +88,7 @@ _SUBMODULES = (
     "bus",
     "compare",
     "faults",
+    "foxglove",
     "localization",
     "logs",
     "maps",

@@ -41,6 +41,7 @@ ROOMS = (
     "requirements",
     "benchmarks",
     "recording",
+    "foxglove",
     "logs",
     "audit",
     "compare",
@@ -52,7 +53,7 @@ ROOMS = (
 SIDE_BY_SIDE = ({"bus", "ros"},)
 """Sets of rooms that must not import each other in either direction."""
 
-LEAVES = {"plotting", "recording"}
+LEAVES = {"foxglove", "plotting", "recording"}
 """Rooms that need an optional dependency. They are imported only inside functions or under TYPE_CHECKING."""
 
 NEEDS_NO_EXTRA = {"recording.format"}
@@ -164,6 +165,7 @@ TESTED_ELSEWHERE = {
     "maps/drawing.py": "maps/test_svg.py and test_dxf.py draw with it",
     "maps/map_image.py": "maps/test_map_files.py reads every encoding through load_map",
     "maps/xml_document.py": "maps/test_sdf_world.py and test_svg.py read good and bad documents",
+    "foxglove/listener.py": "foxglove/test_server.py calls it through a real client",
     "entity_messages.py": "nodes/test_entity_services.py sends and receives them",
     "marker_messages.py": "nodes/test_world_server.py sends and receives them",
     "nodes/interface.py": "protocols only",

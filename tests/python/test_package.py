@@ -64,6 +64,7 @@ SUBMODULES = [
     "bus",
     "compare",
     "faults",
+    "foxglove",
     "localization",
     "logs",
     "maps",

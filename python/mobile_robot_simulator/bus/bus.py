@@ -316,6 +316,10 @@ class Bus(Handle):
 
     # --- services ---
 
+    def services(self) -> list[BusService]:
+        """Returns all services that a node offers, sorted by name."""
+        return [self._services[name] for name in sorted(self._services) if self._services[name].handler is not None]
+
     def service(self, name: str, srv_type: Any) -> BusService:
         """Returns the service with this name. Creates it, without a handler, if it does not exist.
 

@@ -108,6 +108,10 @@ class MessageConverter:
         return message_class(*values)
 
 
+ROSBAGS = MessageConverter(lambda array, _: array)
+"""Converts messages that rosbags has read."""
+
+
 @cache
 def _field_plan(message_class: type[Message]) -> list[tuple[str, Any, np.dtype[Any] | None]]:
     """Returns for each field: its name, the class of the message(s) in it or None, the dtype of its array or None."""
