@@ -1,6 +1,7 @@
 """Logs: scans and poses read from bags, CARMEN logs and tables."""
 
+from .playback import Playback, PlayedRobot, PlayedScan
 from .reader import read_log
 from .scan_log import ScanLog
 
-__all__ = ["ScanLog", "read_log"]
+__all__ = ["Playback", "PlayedRobot", "PlayedScan", "ScanLog", "read_log"]

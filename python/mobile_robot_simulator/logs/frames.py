@@ -88,7 +88,12 @@ class Frames:
             frame = self.parents[frame]
         return frame == target
 
-    def pose(self, target: str, frame: str, stamp: int) -> RigidTransform | None:
+    def stamps_of(self, frame: str) -> list[int]:
+        """Returns the times at which the pose of a frame in its parent is known, in ascending order [ns]. None if static."""
+        track = None if frame in self._static else self._tracks.get(frame)
+        return [] if track is None else track.stamps
+
+    def pose(self, target: str, frame: str, stamp: int, *, holds: bool = False) -> RigidTransform | None:
         """Returns the pose of a frame in one above it at a time, or None if a transform is missing then.
 
         The first frame on the way up that is not static is the robot's: it moves. See `Track.at`.
@@ -97,8 +102,9 @@ class Frames:
             target: A frame above the frame.
             frame: The frame.
             stamp: The time [ns].
+            holds: The robot's pose is interpolated over any gap, and its last one stays.
         """
-        pose, moving = RigidTransform(), True
+        pose, moving = RigidTransform(), not holds
         seen: set[str] = set()
         while frame != target and frame not in seen:
             seen.add(frame)

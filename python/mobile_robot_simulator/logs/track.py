@@ -20,6 +20,13 @@ class Track:
     def __len__(self) -> int:
         return len(self._poses)
 
+    @property
+    def stamps(self) -> list[int]:
+        """Times of the poses in ascending order [ns]."""
+        if len(self._stamps) != len(self._poses):
+            self._stamps = sorted(self._poses)
+        return self._stamps
+
     def add(self, stamp: int, pose: RigidTransform) -> None:
         """Adds the pose at a time [ns]."""
         self._poses[stamp] = pose
@@ -38,9 +45,7 @@ class Track:
         """
         if stamp in self._poses:
             return self._poses[stamp]
-        if len(self._stamps) != len(self._poses):
-            self._stamps = sorted(self._poses)
-        stamps = self._stamps
+        stamps = self.stamps
         after = bisect_left(stamps, stamp)
         if after == 0:
             return None

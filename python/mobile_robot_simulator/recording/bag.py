@@ -67,18 +67,22 @@ class Bag:
             with open_regular(self.path) as file:
                 self.is_ros1 = file.read(len(ROS1_MAGIC)) == ROS1_MAGIC
 
-    def messages(self, ros_types: Collection[str]) -> Iterator[BagMessage]:
+    def messages(
+        self, ros_types: Collection[str], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[BagMessage]:
         """Yields the messages of some types, in the order in which they were recorded.
 
         Args:
             ros_types: The types, as ROS 2 writes them.
+            start_ns: Messages recorded before this time are passed over, and not counted in `BagMessage.index` [ns].
+            stop_ns: Messages recorded at or after this time are passed over [ns].
 
         Raises:
             OSError: The bag cannot be read.
             ValueError: The bag or a message is damaged. The message gives the topic and the index.
         """
         counts = Counter[str]()
-        for topic, stored_type, time_ns, data in self._stored():
+        for topic, stored_type, time_ns, data in self._stored(start_ns, stop_ns):
             ros_type = _OTHER_NAMES.get(stored_type, stored_type)
             if ros_type not in ros_types:
                 continue
@@ -93,17 +97,19 @@ class Bag:
                 raise ValueError(f"{self.path}: {topic}, message {index}: cannot be read: {_text_of(error)}") from None
             yield BagMessage(topic, ros_type, index, time_ns, content)
 
-    def _stored(self) -> Iterator[Stored]:
+    def _stored(self, start_ns: int | None, stop_ns: int | None) -> Iterator[Stored]:
         count = 0
         try:
             reader: Any = (Ros1Reader if self.is_ros1 else Ros2Reader)(self.path)
             reader.open()
         except Exception as error:  # rosbags has no common class for the errors of its readers and of SQLite
             _check_is_damage(error)
-            yield from self._without_end(error)
+            for stored in self._without_end(error):
+                if (start_ns is None or start_ns <= stored[2]) and (stop_ns is None or stored[2] < stop_ns):
+                    yield stored
             return
         try:
-            for connection, time_ns, data in reader.messages():
+            for connection, time_ns, data in reader.messages(start=start_ns, stop=stop_ns):
                 count += 1
                 yield connection.topic, connection.msgtype, time_ns, bytes(data)
         except Exception as error:
