@@ -1,19 +1,26 @@
 //! Fits of the beam model to measured readings, by expectation maximization.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::beam_model::{BeamModel, BeamModelOptions};
 use crate::error::{Error, check_number};
 use crate::interrupt::Watch;
 use crate::memory;
 use crate::numeric::normal;
 
-/// Names of the parameters of a model, in the order of [`BeamFit::standard_errors`].
-pub(crate) const PARAMETERS: [&str; 6] = ["sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand"];
+/// Names of what is fitted, in the order of [`BeamFit::standard_errors`].
+pub(crate) const PARAMETERS: [&str; 7] = ["sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "offset"];
+
+/// Place of the offset among [`PARAMETERS`].
+const OFFSET: usize = 6;
 
 /// The model of greatest likelihood for some readings; see [`BeamModel::fit`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeamFit {
     /// The model.
     pub model: BeamModel,
+    /// What to add to the true ranges of beams with a return \[m\]; `None` if it was not fitted.
+    pub offset: Option<f64>,
     /// Log-likelihood that the model reaches: the sum of the logarithms of densities \[1/m\] and probabilities.
     pub log_likelihood: f64,
     /// Number of readings that were used.
@@ -22,20 +29,33 @@ pub struct BeamFit {
     pub iterations: usize,
     /// False if the likelihood was still growing after 5000 iterations.
     pub has_converged: bool,
-    /// Standard errors of σ, λ, `z_hit`, `z_short`, `z_max` and `z_rand`. NaN for one that is at its limit or not identified.
-    pub standard_errors: [f64; 6],
-    /// Names of the parameters that the readings do not determine: σ without hits, λ without short readings.
+    /// Standard errors of σ, λ, `z_hit`, `z_short`, `z_max`, `z_rand` and the offset. NaN for one that is at its limit, not
+    /// identified or not fitted.
+    pub standard_errors: [f64; 7],
+    /// Names of the parameters that the readings do not determine: σ and the offset without hits, λ without short readings.
     pub unidentified: Vec<&'static str>,
 }
 
 /// Largest number of iterations.
 const MAX_ITERATIONS: usize = 5000;
 
-/// Gain in log-likelihood of one iteration at which a fit ends. A gain of 0.5 is one standard error.
-const SMALLEST_GAIN: f64 = 1e-7;
+/// Gain in log-likelihood that is given away at the end of a fit. A loss of 0.5 is one standard error.
+const LOSS: f64 = 1e-4;
+
+/// Largest number of corrections of the offset.
+const MAX_CORRECTIONS: usize = 100;
+
+/// Part of its standard error by which an offset may be wrong.
+const OFFSET_TOLERANCE: f64 = 0.01;
+
+/// Number of equal bands of incidence in [`BeamModel::sigma_by_incidence`], from 0° to 90°.
+pub const INCIDENCE_BANDS: usize = 6;
 
 /// Number of readings that a part needs, so that its parameter counts as determined.
 const FEWEST: f64 = 10.0;
+
+/// Distance from both ends of the interval, in σ, from which on the hit part is not truncated.
+const FAR: f64 = 9.0;
 
 /// Limits of σ, relative to the maximum range, and of λ, relative to its inverse.
 const SMALLEST: f64 = 1e-6;
@@ -48,7 +68,9 @@ const LARGEST: f64 = 1e6;
 struct Reading {
     /// The reading; `None` if all that is known is that it is below the minimum range.
     value: Option<f64>,
-    /// True range; the maximum range if there is no return.
+    /// True range, as given; the maximum range if there is no return.
+    true_range: f64,
+    /// The same, moved by the offset if there is a return.
     range: f64,
     is_hit: bool,
 }
@@ -132,30 +154,110 @@ impl BeamModel {
         limits: (f64, f64),
     ) -> Result<BeamFit, Error> {
         let data = Data::new(readings, ranges, limits)?;
-        let watch = Watch::new();
-        // Two starts, because readings far from the true range make the first σ too large.
-        let spread = data.spread();
-        let wide = data.climb(data.start(spread), &watch)?;
-        let narrow = data.climb(data.start(0.1 * spread), &watch)?;
-        let is_narrow = narrow.1.log_likelihood > wide.1.log_likelihood;
-        let (options, sums, iterations) = if is_narrow { narrow } else { wide };
-        let mut unidentified = Vec::new();
-        if sums.measured < FEWEST {
-            unidentified.push(PARAMETERS[0]);
-        }
-        if sums.short < FEWEST {
-            unidentified.push(PARAMETERS[1]);
-        }
-        Ok(BeamFit {
-            model: BeamModel::new(options)?,
-            log_likelihood: sums.log_likelihood,
-            count: data.count() as usize,
-            iterations,
-            has_converged: iterations < MAX_ITERATIONS,
-            standard_errors: data.standard_errors(&options, &unidentified),
-            unidentified,
-        })
+        let best = data.best(&Watch::new())?;
+        data.result(best, None)
     }
+
+    /// Does the same, and also fits an offset: how far real returns lie behind the true ranges. The walls of a map are often a
+    /// cell thicker than real ones.
+    ///
+    /// The model and the log-likelihood are those for true ranges with the offset added to those below the maximum range; the
+    /// sums are kept between 0 and the maximum range. The offset is the mean distance of the hits from the true range, each
+    /// reading weighted by the probability that it is one. Hits that the ends of the interval may have truncated do not count.
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
+    ///
+    /// let options = BeamModelOptions { sigma_hit: 0.1, z_hit: 1.0, z_max: 0.0, ..BeamModelOptions::default() };
+    /// let mut readings = [0.0; 10_000];
+    /// BeamModel::new(options)?.sample(&[5.04; 10_000], 30.0, (1, 0), &mut readings);
+    /// let fit = BeamModel::fit_with_offset(readings.map(|reading| reading as f32), [5.0; 10_000], (0.0, 30.0))?;
+    /// assert!((fit.offset.unwrap_or_default() - 0.04).abs() < 0.005);
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`fit`](Self::fit).
+    pub fn fit_with_offset(
+        readings: impl IntoIterator<Item = f32>,
+        ranges: impl IntoIterator<Item = f32>,
+        limits: (f64, f64),
+    ) -> Result<BeamFit, Error> {
+        let watch = Watch::new();
+        let mut data = Data::new(readings, ranges, limits)?;
+        let mut best = data.best(&watch)?;
+        let (mut offset, mut error) = (0.0, f64::NAN);
+        for _ in 0..MAX_CORRECTIONS {
+            let (residual, hits) = data.mean_residual(&best.options);
+            if hits < FEWEST {
+                break;
+            }
+            error = best.options.sigma_hit / hits.sqrt();
+            if residual.abs() < OFFSET_TOLERANCE * error {
+                break;
+            }
+            offset += residual;
+            data.shift(offset);
+            best = data.climb(best.options, &watch)?;
+        }
+        let mut fit = data.result(best, Some(offset))?;
+        fit.standard_errors[OFFSET] = error;
+        if error.is_nan() {
+            fit.unidentified.push(PARAMETERS[OFFSET]);
+        }
+        Ok(fit)
+    }
+
+    /// Returns the σ of greatest likelihood \[m\] for each of [`INCIDENCE_BANDS`] equal bands of incidence, with everything else as in
+    /// this model. NaN for a band with fewer than ten hits.
+    ///
+    /// `incidences` are the angles between the beams and the normals of their walls \[rad\], from 0 to π/2. Readings with
+    /// another incidence, such as NaN for a beam without a return, are left out.
+    ///
+    /// # Errors
+    /// Those of [`fit`](Self::fit), except that there may be no readings.
+    pub fn sigma_by_incidence(
+        &self,
+        readings: &[f32],
+        ranges: &[f32],
+        incidences: &[f32],
+        limits: (f64, f64),
+    ) -> Result<[f64; INCIDENCE_BANDS], Error> {
+        let watch = Watch::new();
+        let mut sigmas = [f64::NAN; INCIDENCE_BANDS];
+        for (band, sigma) in sigmas.iter_mut().enumerate() {
+            let is_inside = |&incidence: &f32| band_of(incidence) == Some(band);
+            let inside = readings.iter().zip(ranges).zip(incidences).filter(|(_, incidence)| is_inside(incidence));
+            let (readings, ranges) =
+                (inside.clone().map(|((&reading, _), _)| reading), inside.map(|((_, &range), _)| range));
+            let data = match Data::new(readings, ranges, limits) {
+                // A band without readings.
+                Err(Error::Count { .. }) => continue,
+                data => data?,
+            };
+            let start = BeamModelOptions { sigma_hit: data.spread(), ..self.options() };
+            let only_sigma = |next: BeamModelOptions| BeamModelOptions { sigma_hit: next.sigma_hit, ..self.options() };
+            let best = data.climb_by(start, &watch, only_sigma)?;
+            if best.sums.measured >= FEWEST {
+                *sigma = best.options.sigma_hit;
+            }
+        }
+        Ok(sigmas)
+    }
+}
+
+/// Returns the band of an incidence; `None` if it is not from 0 to π/2.
+fn band_of(incidence: f32) -> Option<usize> {
+    let bands = f64::from(incidence) / FRAC_PI_2 * INCIDENCE_BANDS as f64;
+    // π/2 as a float32 is a little larger than π/2.
+    (bands >= 0.0 && bands < INCIDENCE_BANDS as f64 + 1e-6).then_some((bands as usize).min(INCIDENCE_BANDS - 1))
+}
+
+/// Where a climb ended.
+struct Peak {
+    options: BeamModelOptions,
+    sums: Sums,
+    iterations: usize,
 }
 
 impl Data {
@@ -180,7 +282,8 @@ impl Data {
             }
             if reading < max_range {
                 let value = (reading >= min_range).then_some(reading);
-                let reading = Reading { value, range: range.min(max_range), is_hit };
+                let range = range.min(max_range);
+                let reading = Reading { value, true_range: range, range, is_hit };
                 memory::push("the readings", &mut data.below_max, reading)?;
             } else if is_hit {
                 data.max_of_hits += 1.0;
@@ -217,20 +320,92 @@ impl Data {
         BeamModelOptions { sigma_hit, lambda_short, z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1 }
     }
 
-    /// Improves parameters until the likelihood hardly grows. Returns them, their sums, and the number of iterations.
-    fn climb(&self, mut options: BeamModelOptions, watch: &Watch) -> Result<(BeamModelOptions, Sums, usize), Error> {
+    /// Returns the higher one of two peaks.
+    fn best(&self, watch: &Watch) -> Result<Peak, Error> {
+        // Two starts, because readings far from the true range make the first σ too large.
+        let spread = self.spread();
+        let wide = self.climb(self.start(spread), watch)?;
+        let narrow = self.climb(self.start(0.1 * spread), watch)?;
+        Ok(if narrow.sums.log_likelihood > wide.sums.log_likelihood { narrow } else { wide })
+    }
+
+    /// Improves all parameters until the likelihood hardly grows.
+    fn climb(&self, options: BeamModelOptions, watch: &Watch) -> Result<Peak, Error> {
+        self.climb_by(options, watch, |next| next)
+    }
+
+    /// Improves parameters until the likelihood hardly grows. `kept` puts back those that must not change.
+    ///
+    /// The gains of the last iterations tell what further ones would gain, if they shrink like a geometric series. It ends when
+    /// that is little (Böhning et al., *The distribution of the likelihood ratio for mixtures*, 1994, section 5).
+    fn climb_by(
+        &self,
+        mut options: BeamModelOptions,
+        watch: &Watch,
+        kept: impl Fn(BeamModelOptions) -> BeamModelOptions,
+    ) -> Result<Peak, Error> {
         let mut sums = self.sums(&options);
-        for iteration in 1..=MAX_ITERATIONS {
+        let mut last_gain = f64::INFINITY;
+        for iterations in 1..=MAX_ITERATIONS {
             watch.check()?;
-            let next = self.improved(&options, &sums);
+            let next = kept(self.improved(&options, &sums));
             let next_sums = self.sums(&next);
             let gain = next_sums.log_likelihood - sums.log_likelihood;
             (options, sums) = (next, next_sums);
-            if gain < SMALLEST_GAIN {
-                return Ok((options, sums, iteration));
+            let rate = gain / last_gain;
+            let is_little = gain < LOSS && rate < 1.0 && gain * rate / (1.0 - rate) < LOSS;
+            if gain <= 0.0 || is_little {
+                return Ok(Peak { options, sums, iterations });
             }
+            last_gain = gain;
         }
-        Ok((options, sums, MAX_ITERATIONS))
+        Ok(Peak { options, sums, iterations: MAX_ITERATIONS })
+    }
+
+    fn result(&self, Peak { options, sums, iterations }: Peak, offset: Option<f64>) -> Result<BeamFit, Error> {
+        let mut unidentified = Vec::new();
+        if sums.measured < FEWEST {
+            unidentified.push(PARAMETERS[0]);
+        }
+        if sums.short < FEWEST {
+            unidentified.push(PARAMETERS[1]);
+        }
+        Ok(BeamFit {
+            model: BeamModel::new(options)?,
+            offset,
+            log_likelihood: sums.log_likelihood,
+            count: self.count() as usize,
+            iterations,
+            has_converged: iterations < MAX_ITERATIONS,
+            standard_errors: self.standard_errors(&options, &unidentified),
+            unidentified,
+        })
+    }
+
+    /// Moves the true ranges of beams with a return. They stay within the interval of readings.
+    fn shift(&mut self, offset: f64) {
+        let (least, most) = (SMALLEST * self.max_range, self.max_range * (1.0 - SMALLEST));
+        for each in self.below_max.iter_mut().filter(|each| each.is_hit) {
+            each.range = (each.true_range + offset).clamp(least, most);
+        }
+    }
+
+    /// Returns the mean distance of the hits behind their true ranges, and the number of hits, without those that the ends of
+    /// the interval may have truncated.
+    fn mean_residual(&self, options: &BeamModelOptions) -> (f64, f64) {
+        let (mut sum, mut hits) = (0.0, 0.0);
+        for each in self.below_max.iter().filter(|each| each.is_hit) {
+            let far = FAR * options.sigma_hit;
+            let Some(reading) = each.value.filter(|_| each.range > far && each.range < self.max_range - far) else {
+                continue;
+            };
+            let Densities { hit, short, random, .. } = self.densities(options, each);
+            let hit = options.z_hit * hit;
+            let density = (hit + options.z_short * short + options.z_rand * random).max(f64::MIN_POSITIVE);
+            sum += hit / density * (reading - each.range);
+            hits += hit / density;
+        }
+        (if hits > 0.0 { sum / hits } else { 0.0 }, hits)
     }
 
     /// Returns the parameters of greatest likelihood if each reading is of the parts that `sums` says.
@@ -281,14 +456,14 @@ impl Data {
 
     fn densities(&self, options: &BeamModelOptions, each: &Reading) -> Densities {
         let BeamModelOptions { sigma_hit: sigma, lambda_short: lambda, .. } = *options;
-        let Reading { value: reading, range, is_hit } = *each;
+        let Reading { value: reading, range, is_hit, .. } = *each;
         let random = if reading.is_some() { 1.0 } else { self.min_range } / self.max_range;
         let mut densities =
             Densities { hit: 0.0, short: 0.0, random, slopes: (0.0, 0.0), narrowed: 0.0, square: 0.0, length: 0.0 };
         if is_hit {
             let (below, above) = (range / sigma, (self.max_range - range) / sigma);
             let mut mass = 1.0;
-            if below.min(above) < 9.0 {
+            if below.min(above) < FAR {
                 mass = normal::mass_around_mean(below, above);
                 densities.narrowed = (below * normal::density(below) + above * normal::density(above)) / mass;
             }
@@ -327,7 +502,7 @@ impl Data {
     }
 
     /// Returns the standard errors in the order of [`PARAMETERS`].
-    fn standard_errors(&self, options: &BeamModelOptions, unidentified: &[&str]) -> [f64; 6] {
+    fn standard_errors(&self, options: &BeamModelOptions, unidentified: &[&str]) -> [f64; 7] {
         // z_rand follows from the other weights, so there are five free parameters.
         let weights = [options.z_hit, options.z_short, options.z_max];
         let is_free = |index: usize| match index {
@@ -357,7 +532,7 @@ impl Data {
         if self.max_of_no_returns > 0.0 {
             add([0.0, 0.0, 1.0 / no_return, 0.0, 1.0 / no_return], self.max_of_no_returns);
         }
-        let mut errors = [f64::NAN; 6];
+        let mut errors = [f64::NAN; 7];
         let Some(covariance) = inverse(information, free.len()) else { return errors };
         let mut of_random = 0.0;
         for (row, &one) in free.iter().enumerate() {

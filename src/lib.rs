@@ -81,7 +81,7 @@ mod shape;
 mod slant;
 mod world;
 
-pub use beam_fit::BeamFit;
+pub use beam_fit::{BeamFit, INCIDENCE_BANDS};
 pub use beam_model::{BeamModel, BeamModelOptions};
 pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};

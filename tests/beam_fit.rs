@@ -175,3 +175,51 @@ fn readings_that_say_nothing_are_left_out_and_others_are_checked() {
     assert_eq!(error(&[1.0], &[-5.0], 30.0), "true_ranges must be at least 0, got -5");
     assert_eq!(error(&[1.0], &[5.0], 0.0), "max_range must be positive, got 0");
 }
+
+#[test]
+fn an_offset_is_found() {
+    for (options, offset) in [(models()[0], 0.037), (models()[1], -0.12)] {
+        let (readings, ranges) = data(options, 100_000, 6);
+        // The true ranges of the map are too short by the offset.
+        let moved: Vec<f32> = ranges.iter().map(|&range| if range < 30.0 { range - offset as f32 } else { range }).collect();
+        let fit = BeamModel::fit_with_offset(readings, moved, (0.0, MAX_RANGE)).expect("a fit");
+        let error = fit.standard_errors[6];
+        let found = fit.offset.expect("an offset");
+        assert!((found - offset).abs() < 4.0 * error && error < 0.01 * options.sigma_hit, "{found} {error}");
+        for ((found, expected), error) in
+            parameters(fit.model.options()).iter().zip(parameters(options)).zip(fit.standard_errors)
+        {
+            assert!((found - expected).abs() < 4.0 * error, "{found} instead of {expected}, standard error {error}");
+        }
+    }
+    let none = BeamModel::fit_with_offset([f32::INFINITY; 50], [5.0; 50], (0.0, MAX_RANGE)).expect("a fit");
+    assert!(none.offset == Some(0.0) && none.standard_errors[6].is_nan() && none.unidentified.contains(&"offset"));
+}
+
+/// Readings of each band are drawn with another σ.
+#[test]
+fn sigma_grows_with_incidence_as_it_was_drawn() {
+    let (mut readings, mut ranges, mut incidences) = (Vec::new(), Vec::new(), Vec::new());
+    let sigma = |band: usize| 0.03 + 0.01 * band as f64;
+    let middle = |band: usize| ((band as f32 + 0.5) * 15.0).to_radians();
+    for band in 0..5 {
+        let (some, of) = data(BeamModelOptions { sigma_hit: sigma(band), ..models()[0] }, 20_000, 7);
+        readings.extend(some);
+        ranges.extend(of);
+        incidences.extend(std::iter::repeat_n(middle(band), 20_000));
+    }
+    // Not an incidence.
+    readings.extend([5.0; 1000]);
+    ranges.extend([5.0; 1000]);
+    incidences.extend([f32::NAN; 1000]);
+    let fit = BeamModel::fit(readings.iter().copied(), ranges.iter().copied(), (0.0, MAX_RANGE)).expect("a fit");
+    let sigmas = fit.model.sigma_by_incidence(&readings, &ranges, &incidences, (0.0, MAX_RANGE)).expect("sigmas");
+    for (band, found) in sigmas.into_iter().enumerate().take(5) {
+        assert!((found / sigma(band) - 1.0).abs() < 0.05, "{found} in band {band}");
+    }
+    assert!(sigmas[5].is_nan());
+    // 90° as a float32 is in the last band.
+    let last = [std::f32::consts::FRAC_PI_2; 20];
+    let sigmas = fit.model.sigma_by_incidence(&[5.1; 20], &[5.0; 20], &last, (0.0, MAX_RANGE)).expect("sigmas");
+    assert!((sigmas[5] - 0.1).abs() < 0.01 && sigmas[0].is_nan());
+}

@@ -507,6 +507,7 @@ class BeamFit:
         has_converged: False if the likelihood was still growing at the end.
         standard_errors: Standard error of each parameter by its name. None for one that is at its limit or not identified.
         unidentified: Names of the parameters that the readings do not determine.
+        offset: What to add to true ranges below the maximum [m]; None if it was not fitted.
 
     Raises:
         ValueError: A number is negative or not finite, or a name is not one of a parameter.
@@ -530,10 +531,14 @@ class BeamFit:
         has_converged: bool,
         standard_errors: Mapping[str, float | None],
         unidentified: Sequence[str],
+        offset: float | None = None,
     ) -> Self: ...
     @property
     def model(self) -> BeamModel:
         """The model."""
+    @property
+    def offset(self) -> float | None:
+        """What to add to true ranges below the maximum [m]; None if it was not fitted."""
     @property
     def log_likelihood(self) -> float:
         """Log-likelihood that the model reaches: the sum of the logarithms of densities [1/m] and probabilities."""
@@ -553,7 +558,7 @@ class BeamFit:
     def unidentified(self) -> tuple[str, ...]:
         """Names of the parameters that the readings do not determine.
 
-        These are `sigma_hit` without hits, and `lambda_short` without short readings. The model has some value for them.
+        These are `sigma_hit` and `offset` without hits, and `lambda_short` without short readings. The model has some value for them.
         """
 
 @final
@@ -616,8 +621,49 @@ class BeamModel:
     @property
     def z_rand(self) -> float:
         """Weight of the random part, after scaling."""
+    def sigma_by_incidence(
+        self,
+        true_ranges: ArrayLike,
+        readings: ArrayLike,
+        incidences: ArrayLike,
+        max_range: float,
+        *,
+        min_range: float = 0.0,
+    ) -> NDArray[np.float64]:
+        """Returns the standard deviation of the hits for six equal bands of incidence, from 0° to 90°.
+
+        Real readings scatter more on walls that the beam meets at a grazing angle. Each is the one of greatest likelihood,
+        with everything else as in this model.
+
+        Args:
+            true_ranges: float32 of any shape, true ranges [m], as for `fit`; with the offset added, if one was fitted.
+            readings: float32, measured ranges [m].
+            incidences: float32, angle between the beam and the normal of its wall [rad], 0 to π/2. Readings with another one,
+                such as NaN, are left out. The shapes of the three arrays are broadcast, as by NumPy.
+            max_range: Maximum range of the scanner [m].
+            min_range: Smallest valid range of the scanner [m].
+
+        Returns:
+            (6,) float64 [m]; NaN for a band with fewer than ten hits.
+
+        Raises:
+            ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+                [0, max_range), or a true range is negative or NaN.
+            TypeError: An array cannot be converted to float32 without loss.
+
+        Examples:
+            >>> import numpy as np
+            >>> from mobile_robot_simulator import BeamModel
+            >>> true = np.full(100, 5.0, np.float32)
+            >>> readings = true + np.float32([0.1, -0.1] * 50)
+            >>> model = BeamModel(sigma_hit=0.05, z_hit=1.0)
+            >>> model.sigma_by_incidence(true, readings, np.full(100, 0.1, np.float32), max_range=30.0).round(3)
+            array([0.1, nan, nan, nan, nan, nan])
+        """
     @staticmethod
-    def fit(true_ranges: ArrayLike, readings: ArrayLike, max_range: float, *, min_range: float = 0.0) -> BeamFit:
+    def fit(
+        true_ranges: ArrayLike, readings: ArrayLike, max_range: float, *, min_range: float = 0.0, fit_offset: bool = False
+    ) -> BeamFit:
         """Returns the model of greatest likelihood for measured readings.
 
         Expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
@@ -630,9 +676,12 @@ class BeamModel:
             max_range: Maximum range of the scanner [m].
             min_range: Smallest valid range of the scanner [m]. Readings below it, -inf too, count as any reading from 0 to
                 `min_range`. If it is 0, they are left out.
+            fit_offset: If True, also fits how far real returns lie behind the true ranges, because the walls of a map are often a
+                cell thicker than real ones. The model is then that for true ranges with `fit.offset` added to those below
+                `max_range`.
 
         Returns:
-            The model with its log-likelihood, and the standard error of each parameter.
+            The model with its log-likelihood, the offset, and the standard error of each parameter.
 
         Raises:
             ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in

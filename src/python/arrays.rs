@@ -210,21 +210,24 @@ fn base_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
 }
 
 /// Returns views of two named arrays, broadcast against each other.
-pub fn broadcast<'py, T: Element>(
-    arrays: [(&str, PyReadonlyArrayDyn<'py, T>); 2],
-) -> PyResult<[PyReadonlyArrayDyn<'py, T>; 2]> {
-    let [(first_name, first), (second_name, second)] = arrays;
-    let shapes = (shape(first.shape()), shape(second.shape()));
-    if first.shape() == second.shape() {
-        return Ok([first, second]);
+pub fn broadcast<'py, T: Element, const N: usize>(
+    arrays: [(&str, PyReadonlyArrayDyn<'py, T>); N],
+) -> PyResult<[PyReadonlyArrayDyn<'py, T>; N]> {
+    let [(_, first), rest @ ..] = &arrays[..] else { return Ok(arrays.map(|(_, array)| array)) };
+    if rest.iter().all(|(_, array)| array.shape() == first.shape()) {
+        return Ok(arrays.map(|(_, array)| array));
     }
-    let both = numpy(first.py())?.call_method1("broadcast_arrays", (first.as_any(), second.as_any())).map_err(|_| {
-        let (first, second) = shapes;
-        PyValueError::new_err(format!(
-            "{first_name} and {second_name} must have shapes that broadcast, got {first} and {second}"
-        ))
+    let given = PyTuple::new(first.py(), arrays.iter().map(|(_, array)| array.as_any()))?;
+    let all = numpy(first.py())?.call_method1("broadcast_arrays", given).map_err(|_| {
+        let names = arrays.each_ref().map(|(name, _)| *name).join(" and ");
+        let shapes = arrays.each_ref().map(|(_, array)| shape(array.shape())).join(" and ");
+        PyValueError::new_err(format!("{names} must have shapes that broadcast, got {shapes}"))
     })?;
-    Ok([both.get_item(0)?.extract()?, both.get_item(1)?.extract()?])
+    let mut broadcast = arrays.map(|(_, array)| array);
+    for (index, array) in broadcast.iter_mut().enumerate() {
+        *array = all.get_item(index)?.extract()?;
+    }
+    Ok(broadcast)
 }
 
 /// Checks that `out`, if it is given, can take a result of this shape.

@@ -19,6 +19,7 @@ use crate::beam_fit::PARAMETERS;
 ///     has_converged: False if the likelihood was still growing at the end.
 ///     standard_errors: Standard error of each parameter by its name. None for one that is at its limit or not identified.
 ///     unidentified: Names of the parameters that the readings do not determine.
+///     offset: What to add to true ranges below the maximum [m]; None if it was not fitted.
 ///
 /// Raises:
 ///     ValueError: A number is negative or not finite, or a name is not one of a parameter.
@@ -36,7 +37,7 @@ pub struct BeamFit(pub crate::BeamFit);
 #[pymethods]
 impl BeamFit {
     #[new]
-    #[pyo3(signature = (*, model, log_likelihood, count, iterations, has_converged, standard_errors, unidentified))]
+    #[pyo3(signature = (*, model, log_likelihood, count, iterations, has_converged, standard_errors, unidentified, offset = None))]
     #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn new(
         model: BeamModel,
@@ -46,8 +47,9 @@ impl BeamFit {
         has_converged: bool,
         standard_errors: &Bound<'_, PyDict>,
         unidentified: &Bound<'_, PyAny>,
+        offset: Option<Argument<f64>>,
     ) -> PyResult<Self> {
-        let mut errors = [f64::NAN; 6];
+        let mut errors = [f64::NAN; PARAMETERS.len()];
         for (name, error) in PARAMETERS.into_iter().zip(&mut errors) {
             let given = standard_errors.get_item(name)?.filter(|given| !given.is_none());
             if let Some(given) = given {
@@ -64,6 +66,7 @@ impl BeamFit {
         }
         Ok(Self(crate::BeamFit {
             model: model.0,
+            offset: offset.map(|offset| offset.named("offset")).transpose()?,
             log_likelihood: log_likelihood.named("log_likelihood")?,
             count: whole_number("count", count, "at least 0")?,
             iterations: whole_number("iterations", iterations, "at least 0")?,
@@ -77,6 +80,12 @@ impl BeamFit {
     #[getter]
     fn model(&self) -> BeamModel {
         BeamModel(self.0.model)
+    }
+
+    /// What to add to true ranges below the maximum [m]; None if it was not fitted.
+    #[getter]
+    fn offset(&self) -> Option<f64> {
+        self.0.offset
     }
 
     /// Log-likelihood that the model reaches: the sum of the logarithms of densities [1/m] and probabilities.
@@ -107,7 +116,8 @@ impl BeamFit {
     #[getter]
     fn standard_errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let errors = PyDict::new(py);
-        for (name, error) in PARAMETERS.into_iter().zip(self.0.standard_errors) {
+        let fitted = PARAMETERS.len() - usize::from(self.0.offset.is_none());
+        for (name, error) in PARAMETERS.into_iter().zip(self.0.standard_errors).take(fitted) {
             errors.set_item(name, (!error.is_nan()).then_some(error))?;
         }
         Ok(errors)
@@ -115,7 +125,7 @@ impl BeamFit {
 
     /// Names of the parameters that the readings do not determine.
     ///
-    /// These are `sigma_hit` without hits, and `lambda_short` without short readings. The model has some value for them.
+    /// These are `sigma_hit` and `offset` without hits, and `lambda_short` without short readings. The model has some value for them.
     #[getter]
     fn unidentified<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, &self.0.unidentified)
@@ -123,9 +133,10 @@ impl BeamFit {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let model = self.model().into_pyobject(py)?.repr()?;
-        let crate::BeamFit { count, log_likelihood, unidentified, .. } = &self.0;
+        let crate::BeamFit { count, log_likelihood, unidentified, offset, .. } = &self.0;
         let names = PyTuple::new(py, unidentified)?.repr()?;
-        Ok(format!("BeamFit({model}, count={count}, log_likelihood={log_likelihood:.6}, unidentified={names})"))
+        let offset = offset.map_or_else(String::new, |offset| format!(", offset={offset:.4}"));
+        Ok(format!("BeamFit({model}, count={count}, log_likelihood={log_likelihood:.6}, unidentified={names}{offset})"))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
@@ -137,6 +148,7 @@ impl BeamFit {
         keywords.set_item("has_converged", self.has_converged())?;
         keywords.set_item("standard_errors", self.standard_errors(py)?)?;
         keywords.set_item("unidentified", self.unidentified(py)?)?;
+        keywords.set_item("offset", self.offset())?;
         recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 }

@@ -178,9 +178,12 @@ impl BeamModel {
     ///     max_range: Maximum range of the scanner [m].
     ///     min_range: Smallest valid range of the scanner [m]. Readings below it, -inf too, count as any reading from 0 to
     ///         `min_range`. If it is 0, they are left out.
+    ///     fit_offset: If True, also fits how far real returns lie behind the true ranges, because the walls of a map are often a
+    ///         cell thicker than real ones. The model is then that for true ranges with `fit.offset` added to those below
+    ///         `max_range`.
     ///
     /// Returns:
-    ///     The model with its log-likelihood, and the standard error of each parameter.
+    ///     The model with its log-likelihood, the offset, and the standard error of each parameter.
     ///
     /// Raises:
     ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
@@ -198,8 +201,8 @@ impl BeamModel {
     ///     (0.05, 0.1, ('lambda_short',))
     #[staticmethod]
     #[pyo3(
-        text_signature = "(true_ranges, readings, max_range, *, min_range=0.0)",
-        signature = (true_ranges, readings, max_range, *, min_range = 0.0.into())
+        text_signature = "(true_ranges, readings, max_range, *, min_range=0.0, fit_offset=False)",
+        signature = (true_ranges, readings, max_range, *, min_range = 0.0.into(), fit_offset = false)
     )]
     fn fit(
         py: Python<'_>,
@@ -207,15 +210,72 @@ impl BeamModel {
         readings: &Bound<'_, PyAny>,
         max_range: Argument<f64>,
         min_range: Argument<f64>,
+        fit_offset: bool,
     ) -> PyResult<BeamFit> {
         let limits = (min_range.named("min_range")?, max_range.named("max_range")?);
         let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
         let [readings, ranges] = broadcast([("readings", readings), ("true_ranges", ranges)])?;
-        // Copied, because other Python threads may change the arrays during the fit.
-        let copied =
-            |array: &PyReadonlyArrayDyn<'_, f32>| memory::collected("the readings", array.as_array().iter().copied());
         let (readings, ranges) = (copied(&readings)?, copied(&ranges)?);
-        Ok(BeamFit(py.detach(|| crate::BeamModel::fit(readings, ranges, limits))?))
+        let fit = py.detach(|| {
+            if fit_offset {
+                crate::BeamModel::fit_with_offset(readings, ranges, limits)
+            } else {
+                crate::BeamModel::fit(readings, ranges, limits)
+            }
+        })?;
+        Ok(BeamFit(fit))
+    }
+
+    /// Returns the standard deviation of the hits for six equal bands of incidence, from 0° to 90°.
+    ///
+    /// Real readings scatter more on walls that the beam meets at a grazing angle. Each is the one of greatest likelihood,
+    /// with everything else as in this model.
+    ///
+    /// Args:
+    ///     true_ranges: float32 of any shape, true ranges [m], as for `fit`; with the offset added, if one was fitted.
+    ///     readings: float32, measured ranges [m].
+    ///     incidences: float32, angle between the beam and the normal of its wall [rad], 0 to π/2. Readings with another one,
+    ///         such as NaN, are left out. The shapes of the three arrays are broadcast, as by NumPy.
+    ///     max_range: Maximum range of the scanner [m].
+    ///     min_range: Smallest valid range of the scanner [m].
+    ///
+    /// Returns:
+    ///     (6,) float64 [m]; NaN for a band with fewer than ten hits.
+    ///
+    /// Raises:
+    ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
+    ///         [0, max_range), or a true range is negative or NaN.
+    ///     TypeError: An array cannot be converted to float32 without loss.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> from mobile_robot_simulator import BeamModel
+    ///     >>> true = np.full(100, 5.0, np.float32)
+    ///     >>> readings = true + np.float32([0.1, -0.1] * 50)
+    ///     >>> model = BeamModel(sigma_hit=0.05, z_hit=1.0)
+    ///     >>> model.sigma_by_incidence(true, readings, np.full(100, 0.1, np.float32), max_range=30.0).round(3)
+    ///     array([0.1, nan, nan, nan, nan, nan])
+    #[pyo3(
+        text_signature = "($self, true_ranges, readings, incidences, max_range, *, min_range=0.0)",
+        signature = (true_ranges, readings, incidences, max_range, *, min_range = 0.0.into())
+    )]
+    fn sigma_by_incidence<'py>(
+        &self,
+        py: Python<'py>,
+        true_ranges: &Bound<'py, PyAny>,
+        readings: &Bound<'py, PyAny>,
+        incidences: &Bound<'py, PyAny>,
+        max_range: Argument<f64>,
+        min_range: Argument<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let limits = (min_range.named("min_range")?, max_range.named("max_range")?);
+        let (readings, ranges) = (typed::<f32>("readings", readings)?, typed::<f32>("true_ranges", true_ranges)?);
+        let incidences = typed::<f32>("incidences", incidences)?;
+        let [readings, ranges, incidences] =
+            broadcast([("readings", readings), ("true_ranges", ranges), ("incidences", incidences)])?;
+        let (readings, ranges, incidences) = (copied(&readings)?, copied(&ranges)?, copied(&incidences)?);
+        let sigmas = py.detach(|| self.0.sigma_by_incidence(&readings, &ranges, &incidences, limits))?;
+        Ok(vector(py, sigmas.to_vec()).into_any())
     }
 
     fn __repr__(&self) -> String {
@@ -235,6 +295,11 @@ impl BeamModel {
         }
         recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
+}
+
+/// Copies readings, because other Python threads may change the array during a fit.
+fn copied(array: &PyReadonlyArrayDyn<'_, f32>) -> Result<Vec<f32>, crate::Error> {
+    memory::collected("the readings", array.as_array().iter().copied())
 }
 
 /// A noise argument: a `BeamModel`.

@@ -40,6 +40,31 @@ def test_what_is_not_determined_has_no_standard_error() -> None:
     assert "unidentified=('lambda_short',)" in repr(fit)
 
 
+def test_an_offset_is_fitted_if_asked_for() -> None:
+    true_ranges, readings = scans()
+    near = np.where(true_ranges < 8.0, true_ranges - np.float32(0.1), true_ranges).clip(0.0)
+    fit = mrs.BeamModel.fit(near, readings, max_range=8.0, min_range=0.05, fit_offset=True)
+    error = fit.standard_errors["offset"]
+    assert fit.offset is not None and error is not None and abs(fit.offset - 0.1) < 4.0 * error < 0.01
+    assert fit.model.sigma_hit == pytest.approx(0.05, rel=0.03)
+    assert f"offset={fit.offset:.4f})" in repr(fit)
+    without = mrs.BeamModel.fit(near, readings, max_range=8.0, min_range=0.05)
+    assert without.offset is None and "offset" not in without.standard_errors
+    assert without.log_likelihood < fit.log_likelihood
+
+
+def test_sigma_is_found_for_each_band_of_incidence() -> None:
+    true = np.full((2, 5000), 5.0, np.float32)
+    spread = np.float32([[0.05], [0.15]])
+    readings = true + spread * np.random.default_rng(1).standard_normal(true.shape).astype(np.float32)
+    model = mrs.BeamModel.fit(true, readings, 30.0).model
+    sigmas = model.sigma_by_incidence(true, readings, np.float32([[0.1], [1.5]]), max_range=30.0)
+    assert sigmas.shape == (6,) and np.isnan(sigmas[1:5]).all()
+    assert sigmas[[0, 5]] == pytest.approx([0.05, 0.15], rel=0.05)
+    with pytest.raises(ValueError, match="readings and true_ranges and incidences must have shapes that broadcast, got"):
+        model.sigma_by_incidence(true, readings, np.zeros(7, np.float32), 30.0)
+
+
 def test_arrays_of_any_shape_are_broadcast() -> None:
     readings = np.float32([[4.9, 5.0, 5.1], [5.2, 4.8, math.inf]])
     one = mrs.BeamModel.fit(np.float32(5.0), readings, 8.0)

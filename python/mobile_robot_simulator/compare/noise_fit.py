@@ -22,7 +22,6 @@ AMCL = {
 MOST_READINGS = 20_000
 """Largest number of readings that a model is fitted to. Of longer logs, scans at equal distances are used."""
 
-_MOST_ROUNDS, _CLOSE, _LEAST_SIGMA = 100, 1e-5, 1e-5  # of the offset; [m]
 PARAMETERS = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
 
 
@@ -47,7 +46,7 @@ class NoiseFit:
     Attributes:
         fit: The model of greatest likelihood for the even scans (0, 2, ...), and its standard errors.
         offset: How far real returns lie behind simulated ones, by greatest likelihood for the even scans [m].
-        offset_fit: The model of greatest likelihood for the even scans with that offset.
+        offset_fit: The model of greatest likelihood for the even scans, fitted together with that offset.
         test_count: Number of readings of the odd scans, on which it is tested.
         scores: How well models explain these: "fit", "fit with offset", and AMCL's defaults, see `AMCL`.
     """
@@ -97,43 +96,15 @@ def fit_noise(
     if not len(even[0]) or not len(odd[0]):
         return None
     limits = {"max_range": log.max_range, "min_range": log.min_range}
-    fit = BeamModel.fit(*even, **limits)
+    fit = BeamModel.fit(*even, log.max_range, min_range=log.min_range)
     progress(0.5)
-    offset = _offset(fit.model, *even, limits)
-    progress(0.6)
-    offset_fit = BeamModel.fit(_behind(even[0], offset, log.max_range), even[1], **limits)
+    offset_fit = BeamModel.fit(*even, log.max_range, min_range=log.min_range, fit_offset=True)
+    offset = offset_fit.offset or 0.0
     scores = {name: score_of(model, odd, limits) for name, model in {"fit": fit.model, **AMCL}.items()}
     behind = _behind(odd[0], offset, log.max_range)
     scores["fit with offset"] = score_of(offset_fit.model, (behind, odd[1]), limits)
     progress(1.0)
     return NoiseFit(fit, offset, offset_fit, len(odd[0]), scores)
-
-
-def _offset(
-    model: BeamModel, simulated: NDArray[np.float32], measured: NDArray[np.float32], limits: dict[str, float]
-) -> float:
-    """Returns the offset of greatest likelihood [m], by expectation maximization.
-
-    In each round, the offset becomes the mean residual of the hits, and `sigma_hit` the spread around it. Each reading has
-    the weight of the probability that it is a hit. The other parameters stay those of the model without an offset.
-    """
-    is_hit = np.isfinite(measured) & (simulated < limits["max_range"])
-    simulated, measured = simulated[is_hit], measured[is_hit]
-    residuals = (measured - simulated).astype(np.float64)
-    rest = {name: getattr(model, name) for name in PARAMETERS if name != "sigma_hit"}
-    offset, sigma = 0.0, model.sigma_hit
-    for _ in range(_MOST_ROUNDS):
-        behind = _behind(simulated, offset, limits["max_range"])
-        hit = BeamModel(sigma_hit=sigma, z_hit=1.0, z_max=0.0).likelihood(measured, behind, **limits)
-        both = BeamModel(sigma_hit=sigma, **rest).likelihood(measured, behind, **limits)
-        weights = model.z_hit * hit / np.where(both > 0.0, both, 1.0)
-        if not weights.any():
-            break
-        before, offset = offset, float((weights * residuals).sum() / weights.sum())
-        sigma = max(_LEAST_SIGMA, float(np.sqrt((weights * (residuals - offset) ** 2).sum() / weights.sum())))
-        if abs(offset - before) <= _CLOSE:
-            break
-    return offset
 
 
 def _behind(simulated: NDArray[np.float32], offset: float, max_range: float) -> NDArray[np.float32]:
