@@ -89,7 +89,10 @@ pub use error::Error;
 pub use fleet::{Fleet, FleetOptions, FleetState, MAX_COMMAND, Reset, Touch};
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use likelihood_field::{LikelihoodField, LikelihoodFieldOptions};
-pub use motion::{Course, Limits, MotionNoise, Twist, integrate, integrate_batch, interpolate, trace};
+pub use motion::{
+    Course, Drive, DriveCommands, DriveKind, DriveState, Limits, MAX_STEERING, MAX_WHEELS, MotionNoise, Steering, Twist,
+    WheelMotion, integrate, integrate_batch, interpolate, trace,
+};
 pub use mount::Mount;
 pub use obstacles::{MovingObstacle, Obstacles};
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};

@@ -1845,6 +1845,577 @@ class Limits:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
+class Drive:
+    """The wheels of a robot: how they move it, and their limits.
+
+    Make one with `Drive.differential`, `Drive.omni` or `Drive.ackermann`.
+
+    Wheels are listed as (left, right) for a differential drive, and as (front left, front right, rear left, rear right) for the
+    others. A wheel turns at a positive rate when it rolls forward. Steering angles are positive to the left. The steering angle
+    of the robot is that of a wheel in the middle of the front axle (the bicycle model).
+
+    With the wheel base L, the track T, the radius r and k = (L + T) / 2:
+
+    - differential: the wheels turn at (vx ∓ wz·T/2) / r, left and right.
+    - omni: (vx ∓ vy ∓ k·wz) / r in front, (vx ± vy ∓ k·wz) / r at the rear, left and right.
+    - ackermann: wz = vx · tan(steering) / L; the rear wheels are those of a differential drive, and the axes of all wheels meet
+      in one point.
+
+    Source of the formulas: `diff_drive_controller`, `mecanum_drive_controller` and `steering_controllers_library` of
+    ros2_controllers.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+        >>> drive.wheels_of_twist([(1.0, 0.0, 1.0)])
+        array([[ 7.5, 12.5]])
+        >>> drive.twist_of_wheels([(7.5, 12.5)])
+        array([[1., 0., 1.]])
+    """
+
+    @staticmethod
+    def differential(*, track: float, wheel_radius: float | Sequence[float], wheel_speed_limit: float = inf) -> Drive:
+        """Returns a drive with two driven wheels on one axle.
+
+        The origin of the robot is the middle of the axle.
+
+        Args:
+            track: Distance between the wheels [m].
+            wheel_radius: Radius of the wheels, or of the (left, right) wheel [m].
+            wheel_speed_limit: Largest speed of a wheel [rad/s]. A faster velocity is scaled down, so that the robot stays on its
+                path. No limit by default.
+
+        Raises:
+            ValueError: A number is not positive.
+            TypeError: `wheel_radius` is neither a number nor two.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.Drive.differential(track=0.5, wheel_radius=0.1).wheel_count
+            2
+        """
+    @staticmethod
+    def omni(
+        *, wheelbase: float, track: float, wheel_radius: float | Sequence[float], wheel_speed_limit: float = inf
+    ) -> Drive:
+        """Returns a drive with four mecanum wheels, whose rollers form an X seen from above.
+
+        The robot can move sideways. Its origin is the middle of the wheels.
+
+        Args:
+            wheelbase: Distance between the axles [m].
+            track: Distance between the wheels of one axle [m].
+            wheel_radius: Radius of the wheels, or of the (left, right) wheels [m].
+            wheel_speed_limit: Largest speed of a wheel [rad/s]. A faster velocity is scaled down, so that the robot stays on its
+                path. No limit by default.
+
+        Raises:
+            ValueError: A number is not positive.
+            TypeError: `wheel_radius` is neither a number nor two.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.Drive.omni(wheelbase=0.4, track=0.3, wheel_radius=0.1).wheel_count
+            4
+        """
+    @staticmethod
+    def ackermann(
+        *,
+        wheelbase: float,
+        track: float,
+        wheel_radius: float | Sequence[float],
+        steering_limit: float,
+        steering_rate: float = inf,
+        wheel_speed_limit: float = inf,
+    ) -> Drive:
+        """Returns a drive like that of a car: the front wheels steer, the rear wheels drive.
+
+        The origin of the robot is the middle of the rear axle.
+
+        Args:
+            wheelbase: Distance between the axles [m].
+            track: Distance between the wheels of one axle [m].
+            wheel_radius: Radius of the wheels, or of the (left, right) wheels [m].
+            steering_limit: Largest steering angle of the robot [rad], at most 1.5.
+            steering_rate: Largest change of the steering angle per second [rad/s]. No limit by default.
+            wheel_speed_limit: Largest mean speed of the two rear wheels [rad/s], which a differential gear joins. No limit by
+                default.
+
+        Raises:
+            ValueError: A number is not positive, or the steering limit is above 1.5.
+            TypeError: `wheel_radius` is neither a number nor two.
+
+        Examples:
+            The front wheels of a car on a circle to the left: the left one is nearer to the centre, so it steers more.
+
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6)
+            >>> car.steering_angles([0.5]).round(3)
+            array([[0.579, 0.439]])
+        """
+    @property
+    def kind(self) -> Literal["differential", "omni", "ackermann"]:
+        """Kind of the drive: `differential`, `omni` or `ackermann`."""
+    @property
+    def wheelbase(self) -> float:
+        """Distance between the axles [m]; 0 for a differential drive."""
+    @property
+    def track(self) -> float:
+        """Distance between the wheels of one axle [m]."""
+    @property
+    def wheel_radius(self) -> tuple[float, float]:
+        """Radius of the (left, right) wheels [m]."""
+    @property
+    def wheel_speed_limit(self) -> float:
+        """Largest speed of a wheel [rad/s]; of an Ackermann drive, largest mean speed of the rear wheels."""
+    @property
+    def steering_limit(self) -> float:
+        """Largest steering angle of the robot [rad]; 0 if it does not steer."""
+    @property
+    def steering_rate(self) -> float:
+        """Largest change of the steering angle per second [rad/s]."""
+    @property
+    def wheel_count(self) -> int:
+        """Number of wheels: 2 or 4."""
+    def with_multipliers(self, *, left_radius: float = 1.0, right_radius: float = 1.0, track: float = 1.0) -> Drive:
+        """Returns the drive with its radii and its track multiplied: what a robot believes whose calibration is wrong.
+
+        Args:
+            left_radius: Factor of the radius of the left wheels.
+            right_radius: Factor of the radius of the right wheels.
+            track: Factor of the track.
+
+        Raises:
+            ValueError: A factor is not positive.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> drive.with_multipliers(track=1.5).track
+            0.75
+        """
+    def wheels_of_twist(self, twists: ArrayLike, steering: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Returns the rates of the wheels of robots that move at these velocities.
+
+        A wheel does not feel motion across its rolling direction, such as vy on a differential drive.
+
+        Args:
+            twists: (N, 3), one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s]. Anything that NumPy can
+                convert to float64 without loss.
+            steering: (N,) steering angles [rad]. Only an Ackermann drive has them. By default those of `steering_of_twist`.
+
+        Returns:
+            (N, wheel_count) float64, rate of each wheel [rad/s].
+
+        Raises:
+            ValueError: An array has the wrong shape.
+            TypeError: An array cannot be converted to float64 without loss.
+
+        Examples:
+            A robot with mecanum wheels that moves to the left:
+
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.omni(wheelbase=0.4, track=0.3, wheel_radius=0.1)
+            >>> drive.wheels_of_twist([(0.0, 1.0, 0.0)])
+            array([[-10.,  10.,  10., -10.]])
+        """
+    def twist_of_wheels(self, wheels: ArrayLike, steering: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Returns the velocities of robots whose wheels turn at these rates and do not slip: the inverse of `wheels_of_twist`.
+
+        An omni drive has more wheels than it needs; the result is the mean of what they say. On an Ackermann drive, only the
+        rear wheels count.
+
+        Args:
+            wheels: (N, wheel_count) rate of each wheel [rad/s]. Anything that NumPy can convert to float64 without loss.
+            steering: (N,) steering angles of Ackermann drives [rad]. If they are given, the turn rate follows from them. The
+                speed is then the mean of what the rear wheels say, without a wheel that has less than half the speed of the
+                robot because it is too near to the centre of the turn. By default, the turn rate follows from the difference of
+                the rear wheels.
+
+        Returns:
+            (N, 3) float64, one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: An array has the wrong shape.
+            TypeError: An array cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.omni(wheelbase=0.4, track=0.3, wheel_radius=0.1)
+            >>> drive.twist_of_wheels([(-10.0, 10.0, 10.0, -10.0)])
+            array([[0., 1., 0.]])
+        """
+    def steering_of_twist(self, twists: ArrayLike) -> NDArray[np.float64]:
+        """Returns the steering angles of Ackermann drives that move at these velocities: `atan(wheelbase * wz / vx)`.
+
+        Args:
+            twists: (N, 3), one row (vx, vy, wz) per robot [m/s, m/s, rad/s]. vy is ignored.
+
+        Returns:
+            (N,) float64 [rad], within the steering limit; 0 where vx is 0, and for drives that do not steer.
+
+        Raises:
+            ValueError: The array has the wrong shape.
+            TypeError: The array cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.0, track=1.5, wheel_radius=0.3, steering_limit=0.6)
+            >>> car.steering_of_twist([(2.0, 0.0, 0.5), (-2.0, 0.0, 0.5), (1.0, 0.0, 9.0)]).round(4)
+            array([ 0.4636, -0.4636,  0.6   ])
+        """
+    def steering_angles(self, steering: ArrayLike) -> NDArray[np.float64]:
+        """Returns the angles of the front wheels, whose axes meet that of the rear axle in one point.
+
+        Args:
+            steering: (N,) steering angles of robots [rad].
+
+        Returns:
+            (N, 2) float64, one row (left, right) per robot [rad]; 0 for drives that do not steer.
+
+        Raises:
+            ValueError: The array has the wrong shape.
+            TypeError: The array cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> car.steering_angles([0.0, 0.5]).round(3)
+            array([[0.   , 0.   ],
+                   [0.579, 0.439]])
+        """
+    def steering_angle_rates(self, steering: ArrayLike, rates: ArrayLike) -> NDArray[np.float64]:
+        """Returns the rates at which the front wheels steer.
+
+        Args:
+            steering: (N,) steering angles of robots [rad].
+            rates: (N,) rates at which these angles change [rad/s].
+
+        Returns:
+            (N, 2) float64, one row (left, right) per robot [rad/s]; 0 for drives that do not steer.
+
+        Raises:
+            ValueError: An array has the wrong shape, or the lengths differ.
+            TypeError: An array cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> car.steering_angle_rates([0.0, 0.5], [0.25, 0.25]).round(3)
+            array([[0.25 , 0.25 ],
+                   [0.325, 0.196]])
+        """
+    def command(self, twist: _TwistLike, steering_angle: float = 0.0) -> tuple[tuple[float, float, float], float]:
+        """Returns what the wheels can do of a commanded velocity, before any limit on speeds.
+
+        Only an omni drive can move sideways; the others ignore vy. An Ackermann drive steers so that its path has the curvature
+        of the command, up to its limit. If vx is 0 it cannot turn: it stands still, and steers as before.
+
+        Args:
+            twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+            steering_angle: Steering angle of the robot if the command does not say how to steer [rad].
+
+        Returns:
+            The velocity, and the steering angle to aim at [rad]. The velocity of an Ackermann drive is (vx, 0, 0).
+
+        Raises:
+            ValueError: A number is not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> car.command((2.0, 0.5, 0.0))
+            ((2.0, 0.0, 0.0), 0.0)
+            >>> car.command((1.0, 0.0, 3.0))
+            ((1.0, 0.0, 0.0), 0.6)
+        """
+    def step(
+        self, poses: ArrayLike, states: ArrayLike, commands: ArrayLike, dt: float, *, limits: Limits | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Moves many robots with this drive for `dt` seconds, exactly.
+
+        The motion of each robot is that of `WheelMotion`, on all cores. One long step ends where several short ones do, except
+        while acceleration limits hold and wheels are at their limit.
+
+        Args:
+            poses: (N, 3), one row (x, y, yaw) per robot [m, m, rad]. Anything that NumPy can convert to float64 without loss.
+            states: (N, 4), one row (vx, vy, wz, steering) per robot: velocity in the robot's frame and steering angle [m/s, m/s,
+                rad/s, rad]. On an Ackermann drive, only vx and steering count.
+            commands: (N, 3), one row (vx, vy, wz) per robot; see `command`. For an Ackermann drive also (N, 2), one row (speed,
+                steering angle) per robot [m/s, rad].
+            dt: Duration [s].
+            limits: Limits on the velocity and its change; of an Ackermann drive, only those of vx count. None for no limits.
+
+        Returns:
+            Poses (N, 3) float64 and states (N, 4) float64 after the step. Yaws are not wrapped.
+
+        Raises:
+            ValueError: A shape is wrong, a number is not finite, or `dt` is negative.
+            TypeError: An array cannot be converted to float64 without loss.
+
+        Examples:
+            A quarter of a circle of 2 m radius, backwards:
+
+            >>> import math
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.0, track=1.5, wheel_radius=0.3, steering_limit=0.8)
+            >>> turn = math.pi / 4
+            >>> poses, states = car.step([(0, 0, 0)], [(0, 0, 0, turn)], [(-1.0, turn)], dt=math.pi)
+            >>> poses.round(3)
+            array([[-2.   ,  2.   , -1.571]])
+        """
+    def odometry(
+        self, before: ArrayLike, after: ArrayLike, *, steering_angle: float | None = None, ticks: float = 0.0
+    ) -> tuple[float, float, float]:
+        """Returns the motion that a robot with this drive computes from the angles of its wheels before and after it.
+
+        Each wheel has an encoder that shows whole counts, so its error is less than one count and does not grow.
+
+        Args:
+            before: Angle of each wheel before the motion [rad].
+            after: Angle of each wheel after the motion [rad].
+            steering_angle: Mean steering angle during the motion [rad]; see `twist_of_wheels`. None if it is not measured.
+            ticks: Counts of an encoder per turn of its wheel; 0 for exact encoders.
+
+        Returns:
+            Distances forward and to the left [m] and turn [rad] of an arc: `pose.integrate(arc, 1.0)` moves a pose along it.
+
+        Raises:
+            ValueError: There is not one angle for each wheel, a number is not finite, or `ticks` is negative.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> drive.odometry((0.0, 0.0), (10.0, 10.0))
+            (1.0, 0.0, 0.0)
+        """
+    __hash__: None  # type: ignore[assignment]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class WheelMotion:
+    """The motion of a robot from the time on at which its wheels begin to follow a command.
+
+    The velocity changes under limits as in `Limits.apply`, and the steering angle at its rate. No wheel turns faster than its
+    limit: the velocity is scaled down at each moment, so that the robot stays on its path.
+
+    The motion is exact up to rounding at a constant steering angle, where the path of an Ackermann drive is an arc. While the
+    steering angle changes, and while limits on acceleration and on the wheels act together, the pose is an integral by
+    Gauss-Legendre quadrature with an error below 1e-9 m, for a path of up to 1 km.
+
+    Args:
+        drive: Wheels of the robot.
+        current: Velocity (vx, vy, wz) at the start, in the robot's frame [m/s, m/s, rad/s].
+        wanted: Commanded velocity, as `Drive.command` returns it. Of an Ackermann drive, only vx counts, here and in `current`.
+        limits: Limits on the velocity and its change; of an Ackermann drive, only those of vx count. None for no limits.
+        steering_angle: Steering angle at the start [rad].
+        steering_goal: Steering angle to aim at [rad]. Default: `steering_angle`.
+        steering_rate: Largest change of the steering angle per second [rad/s], beside that of the drive.
+
+    Raises:
+        ValueError: A number is not finite, or the rate is not positive. The rate can be infinite.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+        >>> motion = mrs.WheelMotion(car, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0), steering_goal=0.5)
+        >>> motion.steering(1.0), motion.steering(3.0)
+        (0.25, 0.5)
+    """
+
+    def __new__(
+        cls,
+        drive: Drive,
+        current: _TwistLike,
+        wanted: _TwistLike,
+        *,
+        limits: Limits | None = None,
+        steering_angle: float = 0.0,
+        steering_goal: float | None = None,
+        steering_rate: float = inf,
+    ) -> Self: ...
+    @property
+    def drive(self) -> Drive:
+        """Wheels of the robot."""
+    def velocity(self, time: float) -> tuple[float, float, float]:
+        """Returns the velocity of the robot if its wheels do not slip.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> limits = mrs.Limits(acceleration=(0.5, 0.5, 0.5))
+            >>> motion = mrs.WheelMotion(car, (0.0, 0.0, 0.0), (1.5, 0.0, 0.0), limits=limits)
+            >>> motion.velocity(2.0)
+            (1.0, 0.0, 0.0)
+        """
+    def ramp_velocity(self, time: float) -> tuple[float, float, float]:
+        """Returns the velocity from which another motion goes on, as the argument `current`.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            (vx, vy, wz) before the limit of the wheels; only the speed of an Ackermann drive [m/s, m/s, rad/s].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1, wheel_speed_limit=10.0)
+            >>> motion = mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (2.0, 0.0, 0.0))
+            >>> motion.velocity(0.0), motion.ramp_velocity(0.0)
+            ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0))
+        """
+    def steering(self, time: float) -> float:
+        """Returns the steering angle of the robot.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            Steering angle [rad].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> motion = mrs.WheelMotion(car, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), steering_goal=-0.5)
+            >>> motion.steering(1.0)
+            -0.25
+        """
+    def steering_rate(self, time: float) -> float:
+        """Returns the rate of change of the steering angle.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            Rate of change [rad/s].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6, steering_rate=0.25)
+            >>> motion = mrs.WheelMotion(car, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), steering_goal=-0.5)
+            >>> motion.steering_rate(1.0), motion.steering_rate(3.0)
+            (-0.25, 0.0)
+        """
+    def wheels(self, time: float) -> NDArray[np.float64]:
+        """Returns the rate of each wheel.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            (wheel_count,) float64 [rad/s].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (1.0, 0.0, 1.0)).wheels(0.0)
+            array([ 7.5, 12.5])
+        """
+    def rolled(self, time: float) -> NDArray[np.float64]:
+        """Returns the angle by which each wheel has turned.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            (wheel_count,) float64 [rad].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (1.0, 0.0, 1.0)).rolled(2.0)
+            array([15., 25.])
+        """
+    def integrate(self, pose: _PoseLike, time: float, *, grip: float = 1.0) -> Pose:
+        """Returns the pose that the robot reaches.
+
+        Args:
+            pose: Pose at the start.
+            time: Duration [s].
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        Returns:
+            The pose after the time. Its yaw is not wrapped.
+
+        Raises:
+            ValueError: A number or the resulting pose is not finite, or the time is negative.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> car = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6)
+            >>> motion = mrs.WheelMotion(car, (0.0, 0.0, 0.0), (1.5, 0.0, 0.0))
+            >>> motion.integrate(mrs.Pose(), 2.0)
+            Pose(3.0, 0.0, 0.0)
+        """
+    def trace(self, pose: _PoseLike, times: ArrayLike, *, grip: float = 1.0) -> NDArray[np.float64]:
+        """Returns the poses that the robot reaches at several times: those of `integrate`.
+
+        Args:
+            pose: Pose at the start.
+            times: (N,) times from the start on [s]. Anything that NumPy can convert to float64 without loss.
+            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+
+        Returns:
+            (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
+
+        Raises:
+            ValueError: `times` is not one-dimensional, a time is negative, or a number or a pose reached is not finite.
+            TypeError: `times` cannot be converted to float64 without loss.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)).trace(mrs.Pose(), [0.0, 0.5])
+            array([[0. , 0. , 0. ],
+                   [0.5, 0. , 0. ]])
+        """
+    def distance(self, time: float) -> float:
+        """Returns the length of the path that the robot has driven without slip. Turning in place adds nothing.
+
+        Args:
+            time: Time from the start on [s].
+
+        Returns:
+            The length [m].
+
+        Raises:
+            ValueError: The time is negative or not finite.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (-1.0, 0.0, 0.5)).distance(2.0)
+            2.0
+        """
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
 class MotionNoise:
     """Odometry noise: the velocity motion model of Probabilistic Robotics (Thrun, Burgard & Fox 2006), table 5.3.
 

@@ -1,15 +1,19 @@
 //! Motion in the plane, integrated exactly: under a constant twist, and under limits on acceleration.
 
 mod course;
+mod drive;
 mod limits;
 mod noise;
 mod profile;
 mod ramp;
 
+use std::ops::Add;
+
 use glam::DVec2;
 
 pub use course::Course;
 pub(crate) use course::PoseColumns;
+pub use drive::{Drive, DriveCommands, DriveKind, DriveState, MAX_STEERING, MAX_WHEELS, Steering, WheelMotion};
 pub use limits::Limits;
 pub use noise::MotionNoise;
 pub(crate) use profile::{FOREVER, Profile, nanoseconds, seconds};
@@ -68,6 +72,14 @@ impl Twist {
         let half = 0.5 * turn;
         let linear = rotate(end.position - start.position, -(start.yaw + half)) / (sinc(half) * duration);
         Self { linear, angular: turn / duration }
+    }
+}
+
+impl Add for Twist {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { linear: self.linear + other.linear, angular: self.angular + other.angular }
     }
 }
 

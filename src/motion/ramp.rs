@@ -7,7 +7,7 @@ use crate::pose::{Pose, rotate};
 
 /// Nodes and weights of the Gauss-Legendre quadrature with 8 points on \[-1, 1\], for the positive nodes.
 /// Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 1964, table 25.4.
-const NODES: [(f64, f64); 4] = [
+pub(super) const NODES: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_29),
     (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
@@ -15,7 +15,7 @@ const NODES: [(f64, f64); 4] = [
 ];
 
 /// Largest turn within one quadrature \[rad\]. The error of 8 points is then smaller than that of rounding.
-const LARGEST_TURN: f64 = 1.0;
+pub(super) const LARGEST_TURN: f64 = 1.0;
 
 /// Largest number of quadratures for one piece, so that the time is bounded. A robot whose turn rate changes so slowly that it
 /// turns by more than 10⁶ rad before it reaches its goal is placed less exactly.
@@ -92,14 +92,7 @@ impl Ramp {
     pub(super) fn integrate(&self, start: Pose, time: f64, grip: f64) -> Pose {
         let mut pose = start;
         self.for_each_piece(time, |duration, twist, slope| {
-            let (twist, slope) = (twist.scaled(grip), slope.scaled(grip));
-            pose = if slope.angular != 0.0 {
-                integrate_linear(pose, twist, slope, duration)
-            } else if slope.linear != DVec2::ZERO {
-                integrate_at_constant_turn_rate(pose, twist, slope.linear, duration)
-            } else {
-                integrate(pose, twist, duration)
-            };
+            pose = integrate_piece(pose, twist.scaled(grip), slope.scaled(grip), duration);
         });
         pose
     }
@@ -113,7 +106,7 @@ impl Ramp {
 
     /// Calls `visit` for each piece of time in which no axis changes its rate, with the duration, the velocity at the start of
     /// the piece, and the rate of change of the velocity.
-    fn for_each_piece(&self, time: f64, mut visit: impl FnMut(f64, Twist, Twist)) {
+    pub(super) fn for_each_piece(&self, time: f64, mut visit: impl FnMut(f64, Twist, Twist)) {
         let mut ends = [time; 7];
         for (nth, axis) in self.axes.iter().enumerate() {
             ends[2 * nth..2 * nth + 2].copy_from_slice(&axis.ends.map(|end| end.min(time)));
@@ -127,6 +120,17 @@ impl Ramp {
                 from = end;
             }
         }
+    }
+}
+
+/// Returns the pose after a time in which the velocity changes at a constant rate.
+pub(super) fn integrate_piece(start: Pose, twist: Twist, slope: Twist, duration: f64) -> Pose {
+    if slope.angular != 0.0 {
+        integrate_linear(start, twist, slope, duration)
+    } else if slope.linear != DVec2::ZERO {
+        integrate_at_constant_turn_rate(start, twist, slope.linear, duration)
+    } else {
+        integrate(start, twist, duration)
     }
 }
 
@@ -160,7 +164,7 @@ fn integrate_linear(start: Pose, twist: Twist, slope: Twist, duration: f64) -> P
 }
 
 /// Returns the length of the path at a velocity that changes at a constant rate.
-fn length(velocity: DVec2, slope: DVec2, duration: f64) -> f64 {
+pub(super) fn length(velocity: DVec2, slope: DVec2, duration: f64) -> f64 {
     let rate = slope.length();
     if rate * duration <= 0.25 * velocity.length() {
         // The speed is far from 0, so it is smooth.

@@ -211,7 +211,7 @@ impl Limits {
         Ok(self.0.distance(wanted.into(), current.into(), dt.named("dt")?)?)
     }
 
-    fn __repr__(&self) -> String {
+    pub fn __repr__(&self) -> String {
         let (velocity, acceleration, deceleration) = (self.velocity(), self.acceleration(), self.deceleration());
         format!("Limits(velocity={velocity:?}, acceleration={acceleration:?}, deceleration={deceleration:?})")
     }

@@ -9,6 +9,7 @@ mod arrays;
 mod beam_fit;
 mod beam_model;
 mod contact;
+mod drive;
 mod fleet;
 mod grid;
 mod interrupt;
@@ -25,6 +26,7 @@ mod raycast;
 mod scanner;
 mod shape;
 mod sweep;
+mod wheel_motion;
 
 use pyo3::PyTypeInfo;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};
@@ -88,6 +90,8 @@ mod _core {
     #[pymodule_export]
     use super::contact::{Contact, advance, clearance, clearance_batch, touches};
     #[pymodule_export]
+    use super::drive::Drive;
+    #[pymodule_export]
     use super::fleet::{Fleet, FleetState, FleetStep};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
@@ -109,6 +113,8 @@ mod _core {
     use super::scanner::LaserScanner;
     #[pymodule_export]
     use super::shape::Shape;
+    #[pymodule_export]
+    use super::wheel_motion::WheelMotion;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

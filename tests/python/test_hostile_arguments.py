@@ -171,6 +171,16 @@ def good() -> dict[str, Any]:
         **dict.fromkeys(("velocity", "acceleration", "deceleration"), (1.0, 1.0, 1.0)),
         **dict.fromkeys(("seed", "row", "col", "n", "count", "index", "first_index", "next_index", "threads"), 1),
         **dict.fromkeys(("poses", "rays", "twists"), np.full((2, 3), 0.5)),
+        **dict.fromkeys(("wheelbase", "track", "wheel_speed_limit", "left_radius", "right_radius"), 0.5),
+        **dict.fromkeys(("steering_limit", "steering_rate", "steering_goal", "steering_angle", "time"), 0.5),
+        "steering": [0.1, 0.2],
+        "rates": [0.1, 0.2],
+        "drive": CAR,
+        "wheel_radius": [0.5, 0.5],
+        "wheels": np.ones((2, 4)),
+        "states": np.full((2, 4), 0.1),
+        **dict.fromkeys(("before", "after"), np.ones(4)),
+        "ticks": 360.0,
         "fov": 1.0,
         **dict.fromkeys(("angle_min", "angle_max", "angle_increment"), None),
         "beam_count": 5,
@@ -219,6 +229,9 @@ def good() -> dict[str, Any]:
     }
 
 
+CAR = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_limit=0.6)
+
+
 def fleet() -> mrs.Fleet:
     return mrs.Fleet(grid(), np.full((2, 3), 0.5), scanner=mrs.LaserScanner(beam_count=5))
 
@@ -229,6 +242,7 @@ def instances() -> list[Any]:
         mrs.LikelihoodField(),
         mrs.BeamModel.fit(np.full(4, 5.0, np.float32), np.float32([4.9, 5.0, 5.1, 8.0]), 8.0),
         mrs.Contact(point=(0.0, 0.0), normal=(1.0, 0.0), fraction=0.5),
+        CAR,
         fleet(),
         fleet().save(),
         fleet().step(np.zeros((2, 3)), 0.1),
@@ -239,6 +253,7 @@ def instances() -> list[Any]:
         mrs.Pose(),
         mrs.RandomStream(1),
         mrs.Shape.disc(0.1),
+        mrs.WheelMotion(CAR, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
     ]
 
 

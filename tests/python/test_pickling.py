@@ -17,6 +17,9 @@ from mobile_robot_simulator import _core
 
 READINGS = np.array([4.9, 5.0, 5.1, 8.0], np.float32)
 
+CAR = mrs.Drive.ackermann(
+    wheelbase=2.5, track=1.5, wheel_radius=(0.3, 0.31), steering_limit=0.6, steering_rate=0.5, wheel_speed_limit=40.0
+)
 FLEET = mrs.Fleet(
     mrs.OccupancyGrid(np.array([[0, 0, 100], [0, 0, 0]], np.int8), resolution=1.0),
     [(0.5, 0.5, 0.0), (0.5, 1.5, 0.3)],
@@ -36,6 +39,9 @@ OBJECTS = [
     mrs.BeamModel(sigma_hit=0.02, lambda_short=1.5, z_hit=4.0, z_short=2.0, z_max=1.0, z_rand=1.0),
     mrs.Contact(point=(1.0, -0.0), normal=(0.6, 0.8), fraction=0.25, obstacle=3),
     mrs.Contact(point=(0.0, 1e-300), normal=(0.0, 0.0), fraction=1.0),
+    CAR,
+    mrs.Drive.differential(track=0.4, wheel_radius=(0.1, 0.11)),
+    mrs.Drive.omni(wheelbase=0.3, track=0.4, wheel_radius=0.1, wheel_speed_limit=math.inf),
     FLEET,
     FLEET.save([False, True]),
     STEP,
@@ -54,6 +60,7 @@ OBJECTS = [
     mrs.RandomStream(2**64 - 1, next_index=12),
     mrs.Shape.disc(0.3),
     mrs.Shape.rectangle(0.6, 0.4),
+    mrs.WheelMotion(CAR, (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), limits=mrs.Limits(), steering_angle=0.1, steering_goal=-0.2),
     mrs.Shape.polygon([(0.1, 0.0), (2.0, 0.3), (2.0, 1.0)]),
 ]
 
