@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from bisect import bisect_right
 from collections.abc import Mapping
@@ -40,7 +41,7 @@ class PlayedRobot:
     Attributes:
         pose: Its pose in the frame of the playback.
         believed: Where its odometry alone believes it to be, in the same frame. Both agree at the beginning.
-        velocity: vx, vy [m/s], wz [rad/s], from its odometry; None if it has none.
+        velocity: vx, vy [m/s], wz [rad/s], from its odometry; None if it has none, or one that is not finite.
     """
 
     pose: Pose
@@ -115,7 +116,7 @@ class Playback:
         self._frames = Frames()
         scans: dict[str, list[tuple[int, int]]] = {}
         scan_frames: dict[str, str] = {}
-        odometry: dict[str, list[tuple[int, tuple[float, float, float]]]] = {}
+        odometry: dict[str, list[tuple[int, tuple[float, float, float] | None]]] = {}
         poses: list[tuple[BagMessage, str, str]] = []
         maps: list[tuple[int, int]] = []
         now_ns = 0
@@ -135,7 +136,8 @@ class Playback:
                 base = name_of(content.child_frame_id)
                 twist = content.twist.twist
                 velocity = (float(twist.linear.x), float(twist.linear.y), float(twist.angular.z))
-                odometry.setdefault(base, []).append((stamp, velocity))
+                known = velocity if all(map(math.isfinite, velocity)) else None
+                odometry.setdefault(base, []).append((stamp, known))
                 poses.append((message, name_of(content.header.frame_id), base))
         self.path, self.notes = self._bag.path, list(self._bag.notes)
         self._add_odometry(poses)

@@ -184,6 +184,13 @@ def test_transforms_count_more_than_odometry(tmp_path: Path) -> None:
     assert tuple(robot.pose) == pytest.approx(tuple(drive()[1].truth.pose_at(1.0)), abs=1e-9)
 
 
+def test_a_velocity_that_is_no_number_is_not_known(tmp_path: Path) -> None:
+    recorded = changed("/odom", lambda odometry: setattr(odometry.twist.twist.angular, "z", math.nan), 9)
+    playback = Playback(record(tmp_path / "bag", recorded))
+    velocities = [getattr(playback.robot_at("", time_ns), "velocity", "nothing") for time_ns in (SECOND - 1, SECOND)]
+    assert velocities == [(0.6, 0.0, 0.4), None]
+
+
 def test_a_bag_without_an_end_is_played_and_noted(tmp_path: Path) -> None:
     path = record(tmp_path / "bag", messages()) / "recording.mcap"
     cut = tmp_path / "cut.mcap"
