@@ -96,6 +96,9 @@ class ClientTopics:
         if (client, channel) not in self._publishers:
             raise ValueError(f"a client must announce a topic before it publishes, got a message on its channel {channel}")
         publisher, encoding = self._publishers[client, channel]
+        if self._bus.find_topic(publisher.topic_name) is not publisher.topic:  # a restore has removed it
+            publisher = self._node.create_publisher(publisher.topic.msg_type, publisher.topic_name)
+            self._publishers[client, channel] = publisher, encoding
         try:
             publisher.publish(decoded(data, publisher.topic.msg_type, encoding))
         except (ValueError, TypeError) as error:

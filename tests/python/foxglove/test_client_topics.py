@@ -41,6 +41,18 @@ def test_a_channel_that_is_announced_again_goes_to_the_new_topic() -> None:
     assert len(simulation._bus.topic("/b", PointStamped).publishers) == 1
 
 
+def test_a_topic_that_a_restore_has_removed_comes_back_with_the_next_message() -> None:
+    simulation, seen = open_field(), list[PointStamped]()
+    topics = ClientTopics(simulation._bus, simulation.create_node("foxglove"))
+    state = simulation.save()
+    topics.announce(1, 1, Announced("/goal", PointStamped.ros_type, "json"))
+    simulation.restore(state)
+    simulation.subscribe("/goal", PointStamped, seen.append)
+    topics.publish(1, 1, b'{"point": {"x": 2}}')
+    simulation.run_for(0.0)
+    assert [each.point.x for each in seen] == [2]
+
+
 def test_a_map_of_a_client_is_kept_for_later_subscribers() -> None:
     simulation, seen = open_field(), list[OccupancyGrid]()
     topics = ClientTopics(simulation._bus, simulation.create_node("foxglove"))
