@@ -11,7 +11,6 @@ import numpy as np
 
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
-from ..nodes.robot import MobileRobotSimulator
 from ..parameters import motion_noise
 from ..quoting import quoted
 from ..simulation.arguments import check_numbers
@@ -40,11 +39,13 @@ class Slip(Fault):
         self.share, self.robot = share, robot
 
     def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
-        robot = simulation.named(self.robot).robot
+        self._simulation, self._node = simulation, simulation.named(self.robot).robot
         for time in (self.start, self.end):
-            self._plan(bus, time, partial(self._slip, simulation, robot))
+            self._plan(bus, time, self._finish)
 
-    def _slip(self, simulation: FaultTarget, robot: MobileRobotSimulator) -> None:
+    def _finish(self) -> None:
+        """Lets the robot slip as the slips that act now say."""
+        simulation, robot = self._simulation, self._node
         shares = [fault.share for fault in _acting(simulation, Slip) if simulation.named(fault.robot).robot is robot]
         share = shares[0] if len(shares) == 1 else 1.0 - math.prod(1.0 - share for share in shares)
         robot.slip(share or None)
@@ -83,17 +84,22 @@ class OdometryDrift(Fault):
         robot = simulation.named(self.robot).robot
         for other in simulation.faults:
             same = isinstance(other, OdometryDrift) and simulation.named(other.robot).robot is robot
-            if same and other.start < self.end and self.start < other.end:
+            if same and not other.is_stopped and other.start < self.end and self.start < other.end:
                 raise ValueError(
                     f"two faults must not make the odometry of one robot drift at the same time: "
                     f"another acts from {other.start:g} s to {other.end:g} s"
                 )
-        self._plan(bus, self.start, partial(self._drift, robot, drifts=True))
-        self._plan(bus, self.end, partial(self._drift, robot, drifts=False))
+        self._node = robot
+        self._plan(bus, self.start, self._begin)
+        self._plan(bus, self.end, self._finish)
 
-    def _drift(self, robot: MobileRobotSimulator, *, drifts: bool) -> None:
-        robot.drift(self.noise if drifts else None, self.seed)
-        self._note(f"odometry of {robot.body_name or 'the robot'} {'drifts' if drifts else 'no longer drifts'}")
+    def _begin(self) -> None:
+        self._node.drift(self.noise, self.seed)
+        self._note(f"odometry of {self._node.body_name or 'the robot'} drifts")
+
+    def _finish(self) -> None:
+        self._node.drift(None, self.seed)
+        self._note(f"odometry of {self._node.body_name or 'the robot'} no longer drifts")
 
     def _arguments(self) -> list[str]:
         return [f"({', '.join(f'{alpha:g}' for alpha in self.alphas)})", *_robot_argument(self.robot)]
@@ -160,16 +166,17 @@ class Outage(Fault):
             self._nodes = tuple(simulation.named(self.robot).scanners.values())
         else:
             self._nodes = (simulation.named(self.robot).robot,)
-        self._plan(bus, self.start, self._stop)
-        self._plan(bus, self.end, partial(self._start_again, simulation))
+        self._simulation = simulation
+        self._plan(bus, self.start, self._begin)
+        self._plan(bus, self.end, self._finish)
 
-    def _stop(self) -> None:
+    def _begin(self) -> None:
         for node in self._nodes:
             node.stop()
         self._note(f"{self.node} stops")
 
-    def _start_again(self, simulation: FaultTarget) -> None:
-        if any(fault._nodes == self._nodes for fault in _acting(simulation, Outage)):
+    def _finish(self) -> None:
+        if any(fault._nodes == self._nodes for fault in _acting(self._simulation, Outage)):
             return
         for node in self._nodes:
             node.start()

@@ -120,6 +120,7 @@ class Fault(Handle, ABC):
         start: Time at which the fault begins [s].
         end: Time at which the fault ends [s].
         seed: Seed of the fault's random numbers.
+        is_stopped: True after `stop`.
 
     Raises:
         ValueError: `start` is negative or not finite, or `end` is not after `start`.
@@ -136,6 +137,7 @@ class Fault(Handle, ABC):
         # According to its documentation, random.Random gives the same numbers on every platform.
         self._random = random.Random(self.seed)
         self._bus: FaultBus | None = None
+        self.is_stopped = False
 
     def __repr__(self) -> str:
         shown = self._arguments()
@@ -164,6 +166,19 @@ class Fault(Handle, ABC):
         self._bus = bus
         self._publisher = bus.publisher(TOPIC, String)
 
+    def stop(self) -> None:
+        """Ends the fault now, before its `end`. Has no effect if it has ended.
+
+        Raises:
+            ValueError: The fault is not part of a simulation.
+        """
+        if self._bus is None:
+            raise ValueError(f"{self!r} acts on no simulation, so it cannot be stopped")
+        if not self.is_stopped and self._bus.time_ns < _end_nanoseconds(self.end):
+            acted, self.is_stopped = self.acts, True
+            if acted:
+                self._finish()
+
     def save(self) -> FaultSnapshot:
         """Returns the state that `restore` takes."""
         return FaultSnapshot(self, _with_own_generators(vars(self)))
@@ -179,14 +194,17 @@ class Fault(Handle, ABC):
 
     @property
     def acts(self) -> bool:
-        """True if the fault was added and the current time is at least `start` and less than `end`."""
-        if self._bus is None or self._bus.time_ns < _nanoseconds(self.start):
+        """True if the fault was added, the current time is at least `start` and less than `end`, and it was not stopped."""
+        if self._bus is None or self.is_stopped or self._bus.time_ns < _nanoseconds(self.start):
             return False
-        return math.isinf(self.end) or self._bus.time_ns < _nanoseconds(self.end)
+        return self._bus.time_ns < _end_nanoseconds(self.end)
 
     @abstractmethod
     def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
         """Finds the topic or robot that the fault acts on, and schedules the fault's actions."""
+
+    def _finish(self) -> None:
+        """Undoes what the fault does, when it ends or is stopped. A fault of messages has nothing to undo."""
 
     def _arguments(self) -> list[str]:
         """Returns the arguments of the subclass as `repr` shows them. The times and the seed follow them."""
@@ -197,9 +215,17 @@ class Fault(Handle, ABC):
         self._publisher.publish(String(text))
 
     def _plan(self, bus: FaultBus, time: float, act: Callable[[], None]) -> None:
-        """Schedules an action at a time [s]. If the time has passed, it runs now; if the time is infinite, never."""
+        """Schedules an action at a time [s], unless the fault is stopped before.
+
+        If the time has passed, it runs now; if the time is infinite, never.
+        """
+
+        def act_unless_stopped() -> None:
+            if not self.is_stopped:
+                act()
+
         if time < math.inf:
-            bus.schedule(max(bus.time_ns, _nanoseconds(time)), act)
+            bus.schedule(max(bus.time_ns, _nanoseconds(time)), act_unless_stopped)
 
 
 class FaultList:
@@ -246,3 +272,7 @@ def _with_own_generators(attributes: dict[str, object]) -> dict[str, object]:
 
 def _nanoseconds(time: float) -> int:
     return round(time * NANOSECONDS)
+
+
+def _end_nanoseconds(time: float) -> float:
+    return math.inf if math.isinf(time) else _nanoseconds(time)

@@ -186,3 +186,55 @@ def test_after_a_drift_its_error_stays_and_the_noise_of_the_parameters_is_back(a
     sim.reset()
     sim.run_for(0.1)
     assert sim.latest("/odom").pose.covariance[0] < 1e-6
+
+
+def test_a_stopped_slip_ends_at_once_and_its_planned_end_changes_nothing(sim):
+    drive(sim, 0.5)
+    slip = sim.add_fault(faults.Slip(0.4, end=2.0))
+    sim.run_for(1.0)
+    slip.stop()
+    assert not slip.acts
+    sim.add_fault(faults.Slip(0.2, start=1.5))
+    sim.run_for(2.0)
+    assert sim.pose.x == pytest.approx(5.0 + 0.3 + 0.25 + 1.5 * 0.4)
+    slip.stop()  # has no effect
+
+
+def test_a_stopped_drift_can_be_followed_by_another_which_its_planned_end_does_not_stop(sim):
+    drift = sim.add_fault(faults.OdometryDrift((1.0,) * 6, end=2.0))
+    drive(sim, 0.5)
+    sim.run_for(1.0)
+    drift.stop()
+    sim.add_fault(faults.OdometryDrift((1.0,) * 6, start=1.0, seed=1))
+    sim.run_for(1.0)
+    before = sim.latest("/odom").pose.covariance[0]
+    sim.run_for(2.0)
+    assert 0.0 < before < sim.latest("/odom").pose.covariance[0]
+
+
+def test_a_node_is_back_when_its_outage_is_stopped(sim):
+    outage = sim.add_fault(faults.Outage("laser"))
+    sim.run_for(1.0)
+    assert len(arrivals(sim, "/scan", 1.0)) == 0
+    outage.stop()
+    assert len(arrivals(sim, "/scan", 1.0)) == 10
+
+
+def test_a_fault_stopped_before_its_start_never_acts(sim):
+    drop = sim.add_fault(faults.Drop("/scan", start=1.0))
+    outage = sim.add_fault(faults.Outage("laser", start=1.0))
+    drop.stop(), outage.stop()
+    assert len(arrivals(sim, "/scan", 3.0)) == 30
+
+
+def test_a_fault_of_no_simulation_cannot_be_stopped():
+    with pytest.raises(ValueError, match=r"Slip\(0.4\) acts on no simulation"):
+        faults.Slip(0.4).stop()
+
+
+def test_a_restored_fault_acts_again(sim):
+    drop = sim.add_fault(faults.Drop("/scan"))
+    state = sim.save()
+    drop.stop()
+    sim.restore(state)
+    assert len(arrivals(sim, "/scan", 1.0)) == 0
