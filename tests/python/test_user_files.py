@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.cli.script import Script
+from mobile_robot_simulator.drivers.script import Script
 from mobile_robot_simulator.parameter_files import read_file
 from mobile_robot_simulator.recording import Recorder
 from mobile_robot_simulator.user_files import read_bytes, read_text

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from .._core import OccupancyGrid, Pose
+from ..drivers.commander import Commander
+from ..drivers.script import Script
+from ..drivers.wander import Wander
 from ..faults import Fault
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Odometry
 from ..simulation.simulation import Simulation
-from .commander import Commander
-from .script import Script
 from .summary import Summary
-from .wander import Wander
 
 WANTED_CLEARANCE = 0.6
 """Distance of a random start pose from walls [m], if the map has such a place."""
@@ -58,11 +58,9 @@ class Drive:
         radius: float = 0.2,
         faults: Iterable[Fault] = (),
     ) -> None:
-        names = {key.rpartition(":")[2] for key in parameters}
-        if start is None and "initial_pose" not in names:
-            start = draw_start(grid, radius, seed)
+        start = usual_start(grid, parameters, start, radius, seed)
         self._grid, self._seed = grid, seed
-        if not {"robot_radius", "footprint"} & names:
+        if not has_outline(parameters):
             parameters = {"robot_radius": radius, "contact": "report", **parameters}
         self.simulation = Simulation(grid, parameters=parameters, seed=seed, start=start)
         self.odometry_messages = self.scans = self.beams = self.in_unknown_cells = self.off_map = 0
@@ -158,6 +156,24 @@ class Drive:
     def _count(self, scan: LaserScan) -> None:
         self.scans += 1
         self.beams += len(scan.ranges)
+
+
+def has_outline(parameters: Mapping[str, Any]) -> bool:
+    """Returns True if parameters give the robot a footprint."""
+    return bool({"robot_radius", "footprint"} & {key.rpartition(":")[2] for key in parameters})
+
+
+def usual_start(
+    grid: OccupancyGrid, parameters: Mapping[str, Any], start: Pose | None, radius: float, seed: int
+) -> Pose | None:
+    """Returns the start pose that is given, None if the parameter `initial_pose` gives it, else a random free one.
+
+    Raises:
+        ValueError: There is no free place for the robot.
+    """
+    if start is not None or any(key.rpartition(":")[2] == "initial_pose" for key in parameters):
+        return start
+    return draw_start(grid, radius, seed)
 
 
 def draw_start(grid: OccupancyGrid, radius: float, seed: int) -> Pose:

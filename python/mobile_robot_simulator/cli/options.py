@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -64,6 +65,16 @@ def read_faults(texts: Iterable[str] | None, others: Iterable[str] = ()) -> list
         ValueError: A text does not describe a fault.
     """
     return [read_fault(text) for text in (*(texts or ()), *others)]
+
+
+def check_positive(option: str, value: float) -> None:
+    """Checks that the value of an option is positive and finite.
+
+    Raises:
+        ValueError: It is not. The message names the option.
+    """
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{option} must be positive and finite, got {value}")
 
 
 def pose_of(numbers: tuple[float, float, float], option: str) -> Pose:

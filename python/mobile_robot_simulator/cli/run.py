@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +18,7 @@ from .options import (
     ParamsFile,
     RosArgs,
     Seed,
+    check_positive,
     load_grid,
     pose_of,
     read_faults,
@@ -80,13 +80,13 @@ def run(
 
     Ctrl-C, SIGTERM and SIGHUP end the drive early; what was driven is saved. The exit status is then 130, 143 or 129.
     """
+    from ..drivers.script import Script
+    from ..drivers.wander import Wander
     from ..recording.recorder import Recorder
     from .drive import Drive
-    from .script import Script
-    from .wander import Wander
 
-    _check_positive("--duration", duration)
-    _check_positive("--radius", radius)
+    check_positive("--duration", duration)
+    check_positive("--radius", radius)
     with signals_as_interrupt() as interruption:
         values = read_values(param, params_file)
         faults = read_faults(fault, read_fault_texts(params_file) if params_file is not None else ())
@@ -126,8 +126,3 @@ def _draw(drive: Drive, file: Path) -> str | None:
     except ImportError as error:
         return f"none; {error}"
     return None
-
-
-def _check_positive(option: str, value: float) -> None:
-    if not 0.0 < value < math.inf:
-        raise ValueError(f"{option} must be positive and finite, got {value}")

@@ -7,7 +7,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.cli.drive import WANTED_CLEARANCE, Drive, draw_start
-from mobile_robot_simulator.cli.script import Script
+from mobile_robot_simulator.drivers.script import Script
 
 FORWARD = Script(((0.0, 0.5, 0.0, 0.0),))
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.cli.commander import Commander
-from mobile_robot_simulator.cli.script import Script
+from mobile_robot_simulator.drivers.commander import Commander
+from mobile_robot_simulator.drivers.script import Script
 
 
 def open_floor() -> mrs.OccupancyGrid:

@@ -3,7 +3,7 @@
 import numpy as np
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.cli.commander import Commander
+from mobile_robot_simulator.drivers.commander import Commander
 
 
 def open_floor() -> mrs.OccupancyGrid:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..messages import LaserScan
 from ..nodes.interface import Node, QoS
+from ..physics.velocity_profile import Velocity
 from .commander import Commander
 
 HEADINGS = np.linspace(-2.0, 2.0, 41)
@@ -52,45 +53,57 @@ class Wander:
             scan_topic: Topic of the scans.
             seed: Random seed of the random turns.
         """
-        node.create_subscription(LaserScan, scan_topic, _Wandering(self, node, commander, seed).steer, QoS.SENSOR_DATA)
+        wandering = Wandering(self, seed)
+
+        def steer(scan: LaserScan) -> None:
+            commander.command(*wandering.velocity(scan, node.get_clock().now().nanoseconds))
+
+        node.create_subscription(LaserScan, scan_topic, steer, QoS.SENSOR_DATA)
 
 
-class _Wandering:
-    """The state of a wandering robot: its preferred heading [rad], and its turn rate on the spot [rad/s] or 0."""
+class Wandering:
+    """The state of a wandering robot: its preferred heading [rad], and its turn rate on the spot [rad/s] or 0.
 
-    def __init__(self, driver: Wander, node: Node, commander: Commander, seed: int) -> None:
-        self._driver, self._node, self._commander = driver, node, commander
+    Args:
+        driver: How it drives.
+        seed: Random seed of the random turns.
+    """
+
+    def __init__(self, driver: Wander, seed: int) -> None:
+        self._driver = driver
         # For one seed, Python guarantees the same numbers from `Random.random` on every platform.
         self._draw = random.Random(seed).random
         self._directions: dict[int, _BeamDirections] = {}
         self._preferred_heading, self._preferred_until_ns = 0.0, 0
         self._spot_turn_rate = 0.0
 
-    def steer(self, scan: LaserScan) -> None:
-        """Sends the velocity command that follows from a scan."""
-        driver, command = self._driver, self._commander.command
-        self._update_preferred_heading()
+    def velocity(self, scan: LaserScan, now_ns: int) -> Velocity:
+        """Returns the velocity (vx, vy, wz) [m/s, m/s, rad/s] that follows from a scan.
+
+        Args:
+            scan: The last scan.
+            now_ns: Present time [ns].
+        """
+        driver = self._driver
+        self._update_preferred_heading(now_ns)
         free = self._free_distances(scan)
         ahead = float(free[len(HEADINGS) // 2]) - driver.radius - driver.margin
         if self._spot_turn_rate and ahead < 0.5:
             # Keep turning the same way until there is space ahead. Otherwise a robot in a corner would turn back and forth.
-            command(0.0, 0.0, self._spot_turn_rate)
-            return
+            return 0.0, 0.0, self._spot_turn_rate
         # A lane without any return leads out of the building, for example through an open door. So it scores low.
         appeal = np.where(free < scan.range_max, np.minimum(free, 4.0), 1.0)
         score = appeal - 0.5 * np.abs(HEADINGS - self._preferred_heading)
         heading = float(HEADINGS[int(np.argmax(score))])
         if ahead < 0.1:
             self._spot_turn_rate = math.copysign(driver.turn_rate, heading or self._preferred_heading or 1.0)
-            command(0.0, 0.0, self._spot_turn_rate)
-            return
+            return 0.0, 0.0, self._spot_turn_rate
         self._spot_turn_rate = 0.0
         turn = max(-driver.turn_rate, min(driver.turn_rate, 1.5 * heading))
-        command(min(driver.speed, 0.8 * ahead) * max(0.0, math.cos(heading)), 0.0, turn)
+        return min(driver.speed, 0.8 * ahead) * max(0.0, math.cos(heading)), 0.0, turn
 
-    def _update_preferred_heading(self) -> None:
+    def _update_preferred_heading(self, now: int) -> None:
         """Alternates between a random turn for 1 s and straight ahead for 4 to 10 s. A longer turn would become a circle."""
-        now = self._node.get_clock().now().nanoseconds
         if now >= self._preferred_until_ns:
             self._preferred_heading = 0.0 if self._preferred_heading else 3.0 * (self._draw() - 0.5)
             self._preferred_until_ns = now + round((1.0 if self._preferred_heading else 4.0 + 6.0 * self._draw()) * 1e9)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.cli.commander import Commander
-from mobile_robot_simulator.cli.wander import Wander
+from mobile_robot_simulator.drivers.commander import Commander
+from mobile_robot_simulator.drivers.wander import Wander
 
 SEED = 4
 
