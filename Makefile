@@ -8,6 +8,7 @@
 # make fuzz          runs the long random tests, for some minutes
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
 # make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
+# make test-live     tests the live view in Chromium (from Debian, as root or with sudo)
 # make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
 # make lock          updates requirements-dev.txt to the newest versions
 # make clean         removes everything that the other targets make
@@ -26,7 +27,7 @@ export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ros wheel lock clean
+.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ros test-live wheel lock clean
 
 build: .venv/release
 
@@ -103,6 +104,9 @@ docs: build
 test-ros: wheel
 	tests/ros/run dist/*.whl
 
+test-live: wheel
+	tests/browser/run dist/*.whl
+
 # Linked by zig against an old C library. No flag of the builder's own enters, such as for its own processor.
 wheel: .venv/tools
 	rm -rf dist
@@ -114,4 +118,4 @@ lock: .venv/tools
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv .venv-ros1 .venv-ros2 target dist demo site $(CORE)
+	rm -rf .venv .venv-browser .venv-ros1 .venv-ros2 target dist demo site $(CORE)

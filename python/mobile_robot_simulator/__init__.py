@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from . import compare as compare
     from . import faults as faults
     from . import foxglove as foxglove
+    from . import live as live
     from . import localization as localization
     from . import logs as logs
     from . import maps as maps
@@ -93,6 +94,7 @@ _SUBMODULES = (
     "compare",
     "faults",
     "foxglove",
+    "live",
     "localization",
     "logs",
     "maps",

@@ -198,15 +198,15 @@ def to_yaml(values: Mapping[str, Any] | None = None) -> str:
         parameters = for_node(model, values)
         lines += [f"{model.node_name}:", "  ros__parameters:"]
         for name, info in model.model_fields.items():
-            lines.append(f"    {name}: {_yaml(getattr(parameters, name))}".ljust(46) + f"  # {info.description}")
+            lines.append(f"    {name}: {yaml_of(getattr(parameters, name))}".ljust(46) + f"  # {info.description}")
         if model is LaserParameters:
             own = ((key.rpartition(":")[2], value) for key, value in values.items() if split(key)[0])
-            lines += [f"    {name}: {_yaml(value)}" for name, value in own]
+            lines += [f"    {name}: {yaml_of(value)}" for name, value in own]
     return "\n".join(lines) + "\n"
 
 
-def _yaml(value: Any) -> str:
-    """Returns a value as YAML on one line."""
+def yaml_of(value: Any) -> str:
+    """Returns the value of a parameter as YAML on one line."""
     if isinstance(value, tuple | list):
         return f"[{', '.join(map(str, value))}]"
     return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()

@@ -8,7 +8,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 
-HEAVY = ("matplotlib", "PIL", "pydantic", "rich", "rosbags", "scipy", "typer", "yaml")
+HEAVY = ("matplotlib", "nicegui", "PIL", "pydantic", "rich", "rosbags", "scipy", "typer", "yaml")
 
 USE = f"""
 import sys
@@ -67,6 +67,7 @@ SUBMODULES = [
     "compare",
     "faults",
     "foxglove",
+    "live",
     "localization",
     "logs",
     "maps",

@@ -15,6 +15,7 @@ from .convert import convert
 from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
 from .info import info
+from .live import live
 from .parameters import parameters
 from .recover import recover
 from .ros import PASSED_ON, ros1, ros2
@@ -28,6 +29,7 @@ app = typer.Typer(
     help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
 )
 app.command(cls=Command)(run)
+app.command(cls=Command)(live)
 app.command(cls=Command)(recover)
 app.command(cls=Command)(audit)
 app.command(cls=Command)(compare)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -38,6 +39,8 @@ from .topics import Topics
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from ..live import LiveView
 
 T = TypeVar("T")
 
@@ -126,6 +129,7 @@ class Simulation(Handle):
         self._parts = Parts(grid, bus, self._world, self._robots, self._faults, self._map_server, self._kept)
         self.picture: Path | None = None
         self.goal: tuple[float, ...] | None = None
+        self._view: LiveView | None = None
         self._map_server.start()
         self._node.create_publisher(TFMessage, "/tf_static", QoS.LATCHED)
         try:
@@ -565,6 +569,39 @@ class Simulation(Handle):
         """
         return picture_of(self._grid, self._bus, self._world, self._robots, self.goal).plot(ax)
 
+    def show(
+        self, *, host: str = "127.0.0.1", port: int = 0, folder: str | os.PathLike[str] = "live", speed: float = 1.0
+    ) -> LiveView:
+        """Shows the simulation in the browser. Returns at once.
+
+        The page shows every run of the simulation as it happens, at `speed` times real time; viewers can change the speed,
+        stop the time and drive. Between the runs, time stands still, unless `LiveView.run` hands the simulation over to the
+        page. In a notebook, the page can also let time run between the cells.
+
+        Args:
+            host: Address to listen on. With another one than 127.0.0.1 or localhost, the address contains a token.
+            port: Port; 0 chooses a free one.
+            folder: Folder for recordings that viewers make.
+            speed: Simulated seconds per second of wall time.
+
+        Returns:
+            The view. Its `url` is the address of the page. A view that is open already is returned again.
+
+        Raises:
+            ImportError: NiceGUI is not installed.
+            ValueError: `speed` is not positive and finite.
+            OSError: The address cannot be used.
+        """
+        from ..live import LiveView
+
+        if not 0.0 < speed < math.inf:
+            raise ValueError(f"the speed must be positive and finite, got {quoted(speed)}")
+        if self._view is None or self._view.is_closed:
+            self._view = LiveView(self, host=host, port=port, folder=Path(folder))
+            self._view.session.pace.speed = speed
+            self._view.follow()
+        return self._view
+
     def _repr_png_(self) -> bytes | None:
         """Returns the picture of `draw` as a PNG image for notebooks; None without Matplotlib or without a robot."""
         if not len(self._robots):
@@ -577,6 +614,8 @@ class Simulation(Handle):
 
     def close(self) -> None:
         """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice has no effect."""
+        if self._view is not None:
+            self._view.close()
         self._bus.close()
         self._topics.forget_publishers()
 

@@ -1,0 +1,155 @@
+"""The command `live`: see a simulation in the browser and drive in it."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .._core import OccupancyGrid, Pose
+from ..maps import floor_plan
+from ..parameter_files import read_fault_texts
+from ..recording.format import Format
+from .console import console, print_note
+from .options import (
+    Assignments,
+    FaultTexts,
+    ParamsFile,
+    RosArgs,
+    Seed,
+    check_positive,
+    load_grid,
+    pose_of,
+    read_faults,
+    read_values,
+    seed_of,
+)
+from .signals import signals_as_interrupt
+
+if TYPE_CHECKING:
+    from ..live import LiveView
+
+PLAN = "office"
+"""Floor plan that is shown without a map."""
+
+
+class DriverName(str, Enum):
+    """Who drives at first."""
+
+    viewer = "viewer"
+    wander = "wander"
+
+
+def live(
+    map_file: Annotated[
+        Path | None, typer.Argument(metavar="[MAP]", help="Map file, as for run. Without it: a generated office.")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="End after so many simulated seconds. Without it: at Ctrl-C.")
+    ] = None,
+    start: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="X Y YAW", help="Start pose in the map frame. Without it and initial_pose: a random one."),
+    ] = None,
+    commands: Annotated[
+        Path | None,
+        typer.Option(help="CSV file of commands with the columns time, vx, vy, wz. Keys and the pad take the robot over."),
+    ] = None,
+    driver: Annotated[DriverName, typer.Option(help="Who drives at first, without --commands.")] = DriverName.viewer,
+    radius: Annotated[
+        float, typer.Option(help="Radius of the footprint in metres. Contact stops the robot; see -p contact:=report.")
+    ] = 0.2,
+    out: Annotated[Path, typer.Option(help="Folder for the recordings that are started on the page.")] = Path("live"),
+    seed: Seed = None,
+    format: Annotated[Format, typer.Option(help="Recording format: mcap or sqlite3 for ROS 2, bag for ROS 1.")] = "mcap",
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="Accepted as by run. The view always keeps to speed_factor times real time.")
+    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace recordings of the same name.")] = False,
+    fault: FaultTexts = None,
+    param: Assignments = None,
+    params_file: ParamsFile = None,
+    ros_args: RosArgs = False,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on. If others can reach it, the address of the page contains a token.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0 chooses a free one.")] = 8090,
+    open_browser: Annotated[bool, typer.Option("--open", help="Open the page in the browser of this machine.")] = False,
+    paused: Annotated[bool, typer.Option("--paused", help="Start with the time stopped.")] = False,
+) -> None:
+    """See a simulation in the browser: drive, place things, change parameters, record.
+
+    Prints the address of the page. Ctrl-C ends the simulation.
+    """
+    from ..drivers.script import Script
+    from ..live import LiveView
+    from ..live.autopilot import ScriptPilot, WanderPilot
+    from ..simulation.simulation import Simulation
+    from .drive import has_outline, usual_start
+
+    check_positive("--radius", radius)
+    if duration is not None:
+        check_positive("--duration", duration)
+    with signals_as_interrupt():
+        values = read_values(param, params_file)
+        texts = [*(fault or ()), *(read_fault_texts(params_file) if params_file is not None else ())]
+        faults = read_faults(texts)
+        grid = load_grid(map_file, values) if map_file is not None else floor_plan(PLAN, seed=1)
+        script = Script.read(commands) if commands else None
+        chosen_seed = seed_of(seed, values)
+        pose = usual_start(grid, values, pose_of(start, "--start") if start else None, radius, chosen_seed)
+        if not has_outline(values):
+            values = {"robot_radius": radius, **values}
+        simulation = Simulation(grid, parameters=values, seed=chosen_seed, start=pose)
+        for each in faults:
+            simulation.add_fault(each)
+        source = _source(map_file, grid, values, chosen_seed, pose, texts)
+        view = LiveView(
+            simulation,
+            host=host,
+            port=port,
+            folder=out,
+            format=format,
+            overwrite=overwrite,
+            title=map_file.stem if map_file is not None else f"a generated {PLAN}",
+            source=source,
+            paused=paused,
+        )
+        name = next(iter(simulation.robots))
+        if script is not None:
+            view.session.pilots.engage(name, ScriptPilot(simulation, script))
+        elif driver == DriverName.wander:
+            view.session.pilots.engage(name, WanderPilot(simulation, name, chosen_seed))
+        console.print(f"Live view: {view.url}", markup=False, highlight=False, soft_wrap=True)
+        if open_browser:
+            view.open_browser()
+        else:
+            print_note("Open this address in a browser. Ctrl-C ends the simulation.")
+        _run(view, duration)
+
+
+def _run(view: LiveView, duration: float | None) -> None:
+    """Runs until Ctrl-C or until a simulated time [s], then closes the view."""
+    try:
+        while duration is None or view.session.simulation.time < duration:
+            view.run(0.1)
+    finally:
+        view.close()
+
+
+def _source(
+    map_file: Path | None, grid: OccupancyGrid, values: dict[str, Any], seed: int, start: Pose | None, faults: list[str]
+) -> str:
+    """Returns Python statements that create the simulation."""
+    made = f"mrs.floor_plan({PLAN!r}, seed=1)"
+    if map_file is not None:
+        made = f"mrs.load_map({str(map_file.resolve())!r}, unknown={grid.unknown!r})"
+    pose = "" if start is None else f", start={tuple(start)!r}"
+    lines = [
+        f"grid = {made}",
+        f"sim = mrs.Simulation(grid, parameters={values!r}, seed={seed}{pose})",
+        *(f"sim.add_fault(mrs.faults.{text.strip()})" for text in faults),
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,114 @@
+"""The command live: its options, and that the script it gives repeats the simulation."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+
+import pytest
+from typer.testing import CliRunner
+
+import mobile_robot_simulator as mrs
+from mobile_robot_simulator.cli import live as live_command
+from mobile_robot_simulator.cli.main import app
+
+
+@pytest.fixture
+def views(monkeypatch):
+    """Views that the command opens. It does not run them in real time, but for the time that was asked for at once."""
+    opened = []
+
+    def run(view, duration):
+        opened.append(view)
+        view.session._run(round((duration or 1.0) * 1e9))
+        view.close()
+
+    monkeypatch.setattr(live_command, "_run", run)
+    return opened
+
+
+def live(*arguments: object) -> str:
+    ran = CliRunner().invoke(app, ["live", "--port", "0", *map(str, arguments)])
+    assert ran.exit_code == 0, ran.output + repr(ran.exception)
+    return ran.output
+
+
+def test_it_prints_the_address_and_ctrl_c_ends_it(room, tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mobile_robot_simulator", "live", room, "--port", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    try:
+        line = process.stdout.readline()
+        url = re.fullmatch(r"Live view: (http://127.0.0.1:\d+/)\n", line)
+        assert url, line
+        assert urllib.request.urlopen(url[1], timeout=20).status == 200
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        assert process.returncode == 130 and "Traceback" not in errors
+    finally:
+        process.kill()
+        process.wait()
+    assert not list(tmp_path.glob("live*"))
+
+
+def test_without_a_map_it_shows_an_office(views):
+    live()
+    (view,) = views
+    assert view.session.simulation.grid.shape == mrs.floor_plan("office", seed=1).shape
+
+
+def test_the_duration_ends_it(command, room):
+    ran = command("live", room, "--port", 0, "--duration", 0.5)
+    assert ran.returncode == 0 and "Live view: http://127.0.0.1:" in ran.stdout
+
+
+def test_the_script_of_a_session_repeats_it(views, room, tmp_path):
+    commands = tmp_path / "commands.csv"
+    commands.write_text("time,vx,vy,wz\n0.5,0.3,0,0.2\n1.25,0,0,1\n")
+    faults = ["--fault", "Drop('/scan', probability=0.5, seed=2)"]
+    live(
+        room, "--commands", commands, "--seed", 3, "--start", 2, 2, 0, "-p", "laser_frequency:=20", "--duration", 3, *faults
+    )
+    (view,) = views
+    before = view.session.simulation
+    script = {"__name__": "__main__"}
+    exec(view.session.journal.to_python(view.session.now_ns), script)
+    after = script["sim"]
+    assert after.time == before.time == 3.0 and after.pose == before.pose != (2.0, 2.0, 0.0)
+    assert (after.latest("/scan").ranges == before.latest("/scan").ranges).all()
+    assert after.latest("/scan").header.stamp == before.latest("/scan").header.stamp
+
+
+def test_the_built_in_driver_drives_at_once_if_asked(views, room):
+    live(room, "--driver", "wander", "--duration", 5)
+    live(room, "--duration", 5)
+    assert views[0].session.simulation.truth.distance > 0.5 and views[1].session.simulation.truth.distance == 0.0
+
+
+def test_the_robot_has_a_footprint_that_stops_at_walls_unless_the_parameters_say_otherwise(views, room):
+    live(room)
+    live(room, "-p", "robot_radius:=0.3", "-p", "contact:=report", "--format", "sqlite3")
+    robots = [view.session.simulation.robot.parameters for view in views]
+    assert [(each.robot_radius, each.contact) for each in robots] == [(0.2, "stop"), (0.3, "report")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--duration", "-1"], "--duration must be positive and finite, got -1.0"),
+        (["--radius", "nan"], "--radius must be positive and finite, got nan"),
+        (["-p", "laser_frequenc:=3"], "did you mean 'laser_frequency'"),
+        (["--host", "999.1.1.1"], "cannot listen on 999.1.1.1"),
+        (["--fault", "Nothing()"], "unknown fault"),
+    ],
+)
+def test_invalid_options_are_refused(command, room, arguments, message):
+    ran = command("live", room, "--port", 0, *arguments)
+    assert ran.returncode == 1 and message in ran.stderr and "Traceback" not in ran.stderr
