@@ -36,7 +36,7 @@ def image_of(page) -> Image.Image:
 
 
 def save(image: Image.Image, file: Path) -> None:
-    image.quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
+    image.quantize(256, dither=Image.Dither.NONE).save(file, optimize=True)
 
 
 @pytest.mark.parametrize("look", ["light", "dark"])
@@ -45,7 +45,7 @@ def test_the_page_in_light_and_dark(live, visit, folder, look):
     if page.get("document.body.classList.contains('body--dark')") != (look == "dark"):
         page.test("dark").click()
     page.tab.mouse.move(700, 745)
-    page.wait("parts.now.robots[''].pose[0] > 22 || !parts.session.pilots['']")
+    page.wait("live.link().trails[''].length > 480")
     page.tab.wait_for_timeout(200)
     image = image_of(page)
     save(image, folder / f"live_{look}.png")
@@ -62,7 +62,7 @@ def test_a_drive_as_moving_picture(live, visit, folder):
     for _ in range(36):
         frames.append(image_of(page).resize((640, 400), Image.Resampling.LANCZOS))
         page.tab.wait_for_timeout(150)
-    colours = frames[20].quantize(200, dither=Image.Dither.NONE)
+    colours = frames[20].quantize(255, dither=Image.Dither.NONE)
     small = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
     small[0].save(folder / "live.gif", save_all=True, append_images=small[1:], duration=160, loop=0, optimize=True)
     with Image.open(folder / "live.gif") as moving:

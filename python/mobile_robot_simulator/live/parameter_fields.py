@@ -8,6 +8,18 @@ from typing import Any
 
 from ..parameters import Parameters
 
+SELDOM = (
+    "scanners",
+    "publish_map_transform",
+    "publish_rate",
+    "publish_clock",
+    "clock_rate",
+    "initial_pose",
+    "cmd_vel_stamped",
+    "speed_factor",
+)
+"""Parameters that are seldom changed while a robot drives, beside names. The speed has a control of its own."""
+
 _UNIT = re.compile(r"\[((?:m|s|rad|Hz|1/m)(?:[/,^ \d]|m|s|rad)*)\]")
 
 
@@ -19,8 +31,8 @@ def fields_of(model: type[Parameters]) -> list[dict[str, Any]]:
 
     Returns:
         For each parameter: `name`, `help` (its description), `unit` (empty without one), `limits` (a text, empty without
-        limits), `choices` (a list of texts if only these are allowed, else None), and `is_name`: True for names of topics,
-        frames and services, which are seldom changed.
+        limits), `choices` (a list of texts if only these are allowed, else None), and `is_seldom`: True for what is seldom
+        changed while a robot drives, such as names of topics and frames.
     """
     properties = model.model_json_schema()["properties"]
     return [
@@ -30,10 +42,15 @@ def fields_of(model: type[Parameters]) -> list[dict[str, Any]]:
             "unit": _unit(info.description or ""),
             "limits": _limits(properties[name]),
             "choices": _choices(properties[name]),
-            "is_name": properties[name].get("type") == "string" and "enum" not in properties[name] and name != "footprint",
+            "is_seldom": name in SELDOM or _is_name(name, properties[name]),
         }
         for name, info in model.model_fields.items()
     ]
+
+
+def _is_name(name: str, schema: dict[str, Any]) -> bool:
+    """Returns True for names of topics, frames and services."""
+    return schema.get("type") == "string" and "enum" not in schema and name != "footprint"
 
 
 def _unit(description: str) -> str:
@@ -60,7 +77,7 @@ def _limits(schema: dict[str, Any]) -> str:
 
 def _number(value: float) -> str:
     turns = value / (2.0 * math.pi)
-    return f"{2 * round(turns)}π" if round(turns) and abs(turns - round(turns)) < 1e-5 else f"{value:g}"
+    return f"{2 * round(turns)}π" if round(turns) and abs(turns - round(turns)) < 1e-5 else f"{value:,.10g}"
 
 
 def _choices(schema: dict[str, Any]) -> list[str] | None:

@@ -21,7 +21,7 @@ export const ParametersPanel = {
           </q-input>
         </div>
       </template>
-      <q-toggle v-if="!filter" v-model="names" dense label="Also names of topics and frames" class="q-mt-sm" />
+      <q-toggle v-if="!filter" v-model="names" dense label="Also rates, topics and frames" class="q-mt-sm" />
       <div v-if="!count" class="live-soft">No parameter has “{{ filter }}” in its name or description.</div>
     </div>`,
   data: () => ({ filter: "", names: false, drafts: {}, errors: {} }),
@@ -37,7 +37,7 @@ export const ParametersPanel = {
   methods: {
     shown(node) {
       const words = (this.filter ?? "").toLowerCase().split(/\s+/).filter(Boolean);
-      if (!words.length) return node.fields.filter((field) => this.names || !field.is_name);
+      if (!words.length) return node.fields.filter((field) => this.names || !field.is_seldom);
       return node.fields.filter((field) => words.every((word) => field.name.includes(word) || field.help.toLowerCase().includes(word)));
     },
     forget(node, field) { delete this.drafts[node.key + field.name]; delete this.errors[node.key + field.name]; },

@@ -85,7 +85,7 @@ function drawTrail(c, trail, k, color, dash, width) {
 
 function drawRobot(c, state, outline, { color, chosen, label, odometry }, look, px) {
   const r = reach(outline);
-  if (odometry) at(c, state.believed, () => { trace(c, outline, POINT_RADIUS); c.strokeStyle = look.ink; c.lineWidth = 1.5 * px; c.setLineDash([4 * px, 3 * px]); c.stroke(); c.setLineDash([]); });
+  if (odometry) at(c, state.believed, () => { trace(c, outline, POINT_RADIUS); c.strokeStyle = look.ink; c.lineWidth = 1.5 * px; c.setLineDash([4 * px, 3 * px]); c.stroke(); c.setLineDash([]); c.beginPath(); c.moveTo(0, 0); c.lineTo(Math.max(r, 8 * px), 0); c.stroke(); });
   at(c, state.pose, () => {
     if (chosen) { c.beginPath(); c.arc(0, 0, r + 6 * px, 0, 2 * Math.PI); c.strokeStyle = color; c.lineWidth = 2.5 * px; c.stroke(); }
     // The head of an arrow points forward. It is inside the footprint, or around one that is too small to see.
@@ -94,7 +94,6 @@ function drawRobot(c, state, outline, { color, chosen, label, odometry }, look, 
     c.beginPath(); c.moveTo(s, 0); c.lineTo(-0.7 * s, 0.65 * s); c.lineTo(-0.35 * s, 0); c.lineTo(-0.7 * s, -0.65 * s); c.closePath();
     if (isSmall) { c.strokeStyle = look.halo; c.lineWidth = 3 * px; c.lineJoin = "round"; c.stroke(); }
     c.fillStyle = isSmall ? color : look.halo; c.fill();
-    if (isSmall) { trace(c, outline, POINT_RADIUS); c.strokeStyle = look.halo; c.lineWidth = 1 * px; c.stroke(); }
   });
   if (label) {
     c.save(); c.translate(state.pose[0], state.pose[1] - r - 14 * px); c.scale(px, -px);
