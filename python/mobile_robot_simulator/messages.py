@@ -17,6 +17,8 @@ from ._core import Pose as PlanarPose
 from .quoting import quoted
 
 __all__ = [
+    "AckermannDrive",
+    "AckermannDriveStamped",
     "Bool",
     "Clock",
     "Duration",
@@ -24,6 +26,7 @@ __all__ = [
     "GetMapRequest",
     "GetMapResponse",
     "Header",
+    "JointState",
     "LaserScan",
     "MapMetaData",
     "Message",
@@ -114,7 +117,8 @@ def check_fields(message: Message) -> None:
             _need(isinstance(value, (list, tuple)), where, f"a list of {item_kind.__name__}", value)
             for index, item in enumerate(value):
                 _need(isinstance(item, item_kind), f"{where}[{index}]", f"a {item_kind.__name__}", item)
-                check_fields(item)
+                if isinstance(item, Message):
+                    check_fields(item)
         else:
             _need(isinstance(value, _ACCEPTED.get(kind, kind)), where, f"a {kind.__name__}", value)
             if isinstance(value, Message):
@@ -146,19 +150,19 @@ _ACCEPTED: dict[type, type] = {float: Real, int: Integral}
 
 @cache
 def _field_kinds(kind: type[Message]) -> dict[str, Any]:
-    """Returns the types of the fields that hold numbers, texts, messages, arrays, or lists of messages."""
+    """Returns the types of the fields that hold numbers, texts, messages, arrays, or lists of messages or texts."""
     kinds: dict[str, Any] = {}
     for name in _field_names(kind):  # type: ignore[arg-type]
         found = type(getattr(kind(), name))
         if found in (float, int, bool, str, np.ndarray) or issubclass(found, Message):
             kinds[name] = found
-        elif found is list and (item_kinds := [item for item in get_args(get_type_hints(kind)[name]) if _is_message(item)]):
+        elif found is list and (item_kinds := [item for item in get_args(get_type_hints(kind)[name]) if _is_item(item)]):
             kinds[name] = list[item_kinds[0]]  # type: ignore[valid-type]
     return kinds
 
 
-def _is_message(kind: object) -> bool:
-    return isinstance(kind, type) and issubclass(kind, Message)
+def _is_item(kind: object) -> bool:
+    return isinstance(kind, type) and issubclass(kind, (Message, str))
 
 
 @cache
@@ -410,6 +414,46 @@ class Odometry(Message):
     child_frame_id: str = ""
     pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
     twist: TwistWithCovariance = field(default_factory=TwistWithCovariance)
+
+
+def _no_joints() -> NDArray[np.float64]:
+    return np.zeros(0)
+
+
+@dataclass(slots=True, eq=False)
+class JointState(Message):
+    """Positions [rad] and velocities [rad/s] of joints, such as wheels, (N,) float64 each; efforts are left out."""
+
+    ros_type = "sensor_msgs/msg/JointState"
+    header: Header = field(default_factory=Header)
+    name: list[str] = field(default_factory=list)
+    position: NDArray[np.float64] = field(default_factory=_no_joints)
+    velocity: NDArray[np.float64] = field(default_factory=_no_joints)
+    effort: NDArray[np.float64] = field(default_factory=_no_joints)
+
+
+@dataclass(slots=True, eq=False)
+class AckermannDrive(Message):
+    """A command for a robot that steers: angle of the bicycle's front wheel [rad] and speed [m/s], with their rates.
+
+    Angles are positive to the left. A rate of 0 means as fast as possible.
+    """
+
+    ros_type = "ackermann_msgs/msg/AckermannDrive"
+    steering_angle: float = 0.0
+    steering_angle_velocity: float = 0.0
+    speed: float = 0.0
+    acceleration: float = 0.0
+    jerk: float = 0.0
+
+
+@dataclass(slots=True, eq=False)
+class AckermannDriveStamped(Message):
+    """An `AckermannDrive` with a time and a frame."""
+
+    ros_type = "ackermann_msgs/msg/AckermannDriveStamped"
+    header: Header = field(default_factory=Header)
+    drive: AckermannDrive = field(default_factory=AckermannDrive)
 
 
 def _no_ranges() -> NDArray[np.float32]:

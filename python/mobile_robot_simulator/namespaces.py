@@ -9,7 +9,16 @@ from typing import Any
 from .parameters import NODES
 from .scanners import split
 
-TOPICS = ("velocity_topic", "odometry_topic", "laser_topic", "ground_truth_topic", "contact_topic", "stalled_topic")
+TOPICS = (
+    "velocity_topic",
+    "ackermann_topic",
+    "odometry_topic",
+    "laser_topic",
+    "joint_states_topic",
+    "ground_truth_topic",
+    "contact_topic",
+    "stalled_topic",
+)
 """Parameters that hold topic names; they get the prefix `/<robot>/`."""
 
 SHARED = ("map_service", "map_topic")

@@ -13,7 +13,7 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from ._core import FULL_TURN_TOLERANCE, BeamModel, LaserScanner, Limits, MotionNoise, Pose, Shape
+from ._core import FULL_TURN_TOLERANCE, BeamModel, Drive, LaserScanner, Limits, MotionNoise, Pose, Shape
 from .quoting import nearest, quoted, shortened
 from .yaml_documents import parse, value_of
 
@@ -79,6 +79,16 @@ Limit = Annotated[float, BeforeValidator(_reject_bool), Field(ge=0.0)]
 LimitTriple = Annotated[tuple[Limit, Limit, Limit], _numbers("vx", "vy", "wz")]
 
 
+FOUR_WHEELS = ("front_left_wheel_joint", "front_right_wheel_joint", "rear_left_wheel_joint", "rear_right_wheel_joint")
+JOINTS: Mapping[str, tuple[str, ...]] = {
+    "planar": (),
+    "differential": ("left_wheel_joint", "right_wheel_joint"),
+    "omni": FOUR_WHEELS,
+    "ackermann": (*FOUR_WHEELS, "front_left_steering_joint", "front_right_steering_joint"),
+}
+"""Names of the joints of each drive: the wheels in the order of `Drive`, then the steering."""
+
+
 def is_topic_name(name: str) -> bool:
     """Returns True if a name is valid for topics and services in ROS."""
     return bool(re.fullmatch(r"[/~]?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII))
@@ -91,6 +101,7 @@ def _check_topic(name: str) -> str:
     return name
 
 
+Positive = Annotated[Number, Field(gt=0.0, le=1e6)]
 Topic = Annotated[str, AfterValidator(_check_topic)]
 OptionalTopic = Annotated[str, AfterValidator(lambda name: name and _check_topic(name))]
 
@@ -287,6 +298,46 @@ class RobotParameters(Parameters):
         0, description="seed of the noise of the odometry (default in Simulation and run: same as seed)"
     )
 
+    drive: Literal["planar", "differential", "omni", "ackermann"] = Field(
+        "planar",
+        description="how wheels move the robot: planar (in any direction, without wheels), differential, omni (mecanum "
+        "wheels) or ackermann (like a car; base_link is the middle of the rear axle)",
+    )
+    wheelbase: Positive | None = Field(None, description="distance between the axles [m]; for omni and ackermann")
+    track: Positive | None = Field(
+        None, description="distance between the wheels of an axle [m]; for every drive but planar"
+    )
+    wheel_radius: Positive | None = Field(None, description="radius of the wheels [m]; for every drive but planar")
+    wheel_speed_limit: Positive | None = Field(
+        None, description="largest speed of a wheel [rad/s], of the rear axle for ackermann; null for no limit"
+    )
+    steering_limit: Annotated[Number, Field(gt=0.0, le=1.5)] = Field(
+        0.6, description="largest steering angle of a wheel in the middle of the front axle [rad]; for ackermann"
+    )
+    steering_rate: Positive | None = Field(
+        None, description="largest change of the steering angle per second [rad/s]; null for no limit; for ackermann"
+    )
+    ackermann_topic: OptionalTopic = Field(
+        "ackermann_cmd",
+        description="topic of commands with a speed and a steering angle, beside velocity_topic; empty for none; "
+        "for ackermann",
+    )
+    joint_states_topic: OptionalTopic = Field(
+        "joint_states", description="topic of the wheels and the steering; empty for none; for every drive but planar"
+    )
+    joint_names: Annotated[tuple[str, ...], BeforeValidator(_check_names_of("left_wheel", "right_wheel"))] = Field(
+        (), description="names of the joints in joint states, the wheels first; empty for names such as left_wheel_joint"
+    )
+    left_wheel_radius_multiplier: Positive = Field(
+        1.0, description="radius of the left wheels in the odometry, as a multiple of the true one"
+    )
+    right_wheel_radius_multiplier: Positive = Field(
+        1.0, description="radius of the right wheels in the odometry, as a multiple of the true one"
+    )
+    track_multiplier: Positive = Field(1.0, description="track in the odometry, as a multiple of the true one")
+    encoder_ticks: Annotated[Number, Field(ge=0.0, le=1e9)] = Field(
+        0.0, description="counts of the encoder of each wheel per turn, for the odometry; 0 for exact encoders"
+    )
     wheel_slip: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         0.0, description="share of the commanded motion that slipping wheels lose; the odometry does not notice it"
     )
@@ -299,6 +350,48 @@ class RobotParameters(Parameters):
         if self.ground_truth_frame in (self.base_link_frame, self.odom_frame_id, self.map_frame_id):
             raise ValueError(f"ground_truth_frame must be a frame of its own, got {quoted(self.ground_truth_frame)}")
         return self
+
+    @model_validator(mode="after")
+    def _check_drive(self) -> RobotParameters:
+        needed = {"planar": (), "differential": ("track", "wheel_radius")}
+        for name in needed.get(self.drive, ("wheelbase", "track", "wheel_radius")):
+            if getattr(self, name) is None:
+                raise ValueError(f"{name} must be given for the drive {self.drive}, got none")
+        if self.joint_names and len(self.joint_names) != len(JOINTS[self.drive]):
+            count = len(JOINTS[self.drive])
+            raise ValueError(
+                f"joint_names must be {count} names for the drive {self.drive}, got {quoted(list(self.joint_names))}"
+            )
+        return self
+
+    @property
+    def wheels(self) -> Drive | None:
+        """Wheels of the robot; None if it is planar."""
+        if self.drive == "planar":
+            return None
+        assert self.track is not None and self.wheel_radius is not None
+        limit = math.inf if self.wheel_speed_limit is None else self.wheel_speed_limit
+        if self.drive == "differential":
+            return Drive.differential(track=self.track, wheel_radius=self.wheel_radius, wheel_speed_limit=limit)
+        assert self.wheelbase is not None
+        size = {"wheelbase": self.wheelbase, "track": self.track, "wheel_radius": self.wheel_radius}
+        if self.drive == "omni":
+            return Drive.omni(**size, wheel_speed_limit=limit)
+        rate = math.inf if self.steering_rate is None else self.steering_rate
+        return Drive.ackermann(**size, steering_limit=self.steering_limit, steering_rate=rate, wheel_speed_limit=limit)
+
+    @property
+    def believed_wheels(self) -> Drive | None:
+        """Wheels as the odometry takes them to be; None if it is exact."""
+        drive, left, right = self.wheels, self.left_wheel_radius_multiplier, self.right_wheel_radius_multiplier
+        if drive is None or (left, right, self.track_multiplier, self.encoder_ticks) == (1.0, 1.0, 1.0, 0.0):
+            return None
+        return drive.with_multipliers(left_radius=left, right_radius=right, track=self.track_multiplier)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints: the wheels, then the left and the right steering."""
+        return self.joint_names or JOINTS[self.drive]
 
     @property
     def shape(self) -> Shape | None:

@@ -32,7 +32,8 @@ def filled(kind: type[ros.Message], numbers: Iterator[int]) -> Any:
             value = np.arange(value.size or 5).astype(value.dtype) + value.dtype.type(next(numbers))
         elif isinstance(value, list):
             (item_kind,) = get_args(get_type_hints(kind)[item.name])
-            value = [filled(item_kind, numbers) for _ in range(3)]
+            is_text = item_kind is str
+            value = [f"name_{next(numbers)}" if is_text else filled(item_kind, numbers) for _ in range(3)]
         else:
             number = next(numbers)
             value = {str: f"frame_{number}", float: number + 0.5, int: number, bool: True}[type(value)]

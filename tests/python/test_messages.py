@@ -35,6 +35,12 @@ FIELDS = {
     "TransformStamped": ("geometry_msgs/msg/TransformStamped", "header child_frame_id transform"),
     "TFMessage": ("tf2_msgs/msg/TFMessage", "transforms"),
     "Odometry": ("nav_msgs/msg/Odometry", "header child_frame_id pose twist"),
+    "JointState": ("sensor_msgs/msg/JointState", "header name position velocity effort"),
+    "AckermannDrive": (
+        "ackermann_msgs/msg/AckermannDrive",
+        "steering_angle steering_angle_velocity speed acceleration jerk",
+    ),
+    "AckermannDriveStamped": ("ackermann_msgs/msg/AckermannDriveStamped", "header drive"),
     "LaserScan": (
         "sensor_msgs/msg/LaserScan",
         "header angle_min angle_max angle_increment time_increment scan_time range_min range_max ranges intensities",

@@ -16,8 +16,10 @@ from .._core import MAX_COMMAND, MotionNoise, OccupancyGrid, Pose, Shape, touche
 from ..handle import Handle, Handles
 from ..instant import NANOSECONDS
 from ..messages import (
+    AckermannDriveStamped,
     Clock,
     Header,
+    JointState,
     Message,
     Odometry,
     PoseWithCovarianceStamped,
@@ -32,11 +34,12 @@ from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.velocity_profile import Velocity
+from ..physics.wheel_odometer import WheelOdometer, WheelReading
 from ..physics.world import Passing, Placed, World
 from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
-from .robot_messages import clock_message, odometry_message, transforms_message
+from .robot_messages import clock_message, joint_states_message, odometry_message, transforms_message
 from .steady_time import SteadyTime
 from .transforms import check_frame
 from .waiting import WaitingLog
@@ -54,10 +57,34 @@ RESTART_PARAMETERS = (
     "cmd_vel_stamped",
     "map_service",
     "map_topic",
+    "drive",
+    "ackermann_topic",
+    "joint_states_topic",
 )
 """Changing one of these restarts the node."""
 
+WHEEL_PARAMETERS = (
+    "drive",
+    "wheelbase",
+    "track",
+    "wheel_radius",
+    "wheel_speed_limit",
+    "steering_limit",
+    "steering_rate",
+)
+"""Parameters of the wheels. After a change, the robot goes on as after a change of `CONSTRAINT_PARAMETERS`."""
+
+ENCODER_PARAMETERS = (
+    *WHEEL_PARAMETERS,
+    "left_wheel_radius_multiplier",
+    "right_wheel_radius_multiplier",
+    "track_multiplier",
+    "encoder_ticks",
+)
+"""Parameters of the odometry from the wheels. After a change, it goes on from the pose that it reports."""
+
 CONSTRAINT_PARAMETERS = (
+    *WHEEL_PARAMETERS,
     "robot_radius",
     "footprint",
     "contact",
@@ -79,6 +106,7 @@ class RobotPublishers:
         truth: Publisher of the ground truth, None unless `ground_truth_topic` is set.
         contacts: Publisher of contacts, None without a footprint or `contact_topic`.
         stalled: Publisher of whether the robot is stalled, None without a footprint or `stalled_topic`.
+        joints: Publisher of the wheels and the steering, None without a drive that has wheels or `joint_states_topic`.
     """
 
     odometry: Publisher[Odometry]
@@ -87,6 +115,7 @@ class RobotPublishers:
     truth: Publisher[Odometry] | None
     contacts: Publisher[messages.PointStamped] | None
     stalled: Publisher[messages.Bool] | None
+    joints: Publisher[JointState] | None
 
 
 @dataclass(frozen=True)
@@ -104,6 +133,7 @@ class RobotSnapshot:
         transforms_ns: Stamp of the last transforms [ns], None before the first ones.
         motion: The motion and its saved state.
         odometer: The odometer and its saved state.
+        wheel_odometer: The odometer that reads the encoders and its saved state; None if they are exact.
         maps: State of the map listener, with the map.
         contacts: Time of the last contact that was published [s], and whether the robot was stalled then.
     """
@@ -118,6 +148,7 @@ class RobotSnapshot:
     transforms_ns: int | None
     motion: tuple[Motion, MotionSnapshot]
     odometer: tuple[Odometer, OdometerSnapshot]
+    wheel_odometer: tuple[WheelOdometer, WheelReading] | None
     maps: MapListenerSnapshot
     contacts: tuple[float, bool]
 
@@ -128,6 +159,10 @@ class MobileRobotSimulator(Handle):
     Commands:
         The robot keeps the velocity of a Twist or TwistStamped until the next one arrives or `velocity_timeout` has passed.
         Its motion is integrated exactly, so the pose does not depend on the publishing rate.
+    Drive:
+        With `drive` the robot has wheels and does of a command what they can: see `Drive.command`. An Ackermann drive also
+        takes an AckermannDriveStamped on `ackermann_topic`. The node publishes the wheels and the steering on
+        `joint_states_topic`. With a wrong calibration or with encoders that count, the odometry comes from the wheels.
     Output:
         The node publishes odometry and the transform odom -> base_link at `publish_rate`. A scanner on the robot has it
         publish the transforms also at the stamps of its scans. With
@@ -259,6 +294,7 @@ class MobileRobotSimulator(Handle):
             self._motion.slip(self._lost_share(), now_ns)
         noise, seed = self._odometry_noise()
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
+        self._wheel_odometer = self._create_wheel_odometer(now_ns, odom_from_base)
         self._believed_pose = odom_from_base
         self._world.changed()
 
@@ -342,7 +378,7 @@ class MobileRobotSimulator(Handle):
         if not isinstance(seed, SupportsIndex):
             raise TypeError(f"the seed must be an integer, got {quoted(seed)}")
         now_ns, self._drift = self._world.now_ns(), (noise, seed)
-        self._odometer.read(self._motion.wheel_pose(now_ns).wrapped(), now_ns)
+        self._odometer.read(self._read_wheels(now_ns)[0], now_ns)
         self._odometer.set_noise(*self._odometry_noise())
 
     def start(self) -> None:
@@ -378,11 +414,15 @@ class MobileRobotSimulator(Handle):
         """
         if self._running is not None and stamp_ns != self._transforms_ns:
             now_ns = self._world.now_ns()
-            odom_from_base = self._odometer.pose_at(self._motion.wheel_pose(now_ns).wrapped())
+            wheels = self._motion.wheel_pose(now_ns).wrapped()
+            if self._wheel_odometer is not None:
+                wheels = self._wheel_odometer.pose_at(wheels)
+            odom_from_base = self._odometer.pose_at(wheels)
             self._send_transforms(now_ns, Time.from_nanoseconds(stamp_ns), odom_from_base)
 
     def save(self) -> RobotSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
+        wheel_odometer = self._wheel_odometer
         return RobotSnapshot(
             parameters=self._parameters,
             running=self._running,
@@ -394,6 +434,7 @@ class MobileRobotSimulator(Handle):
             transforms_ns=self._transforms_ns,
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
+            wheel_odometer=None if wheel_odometer is None else (wheel_odometer, wheel_odometer.save()),
             maps=self._maps.save(),
             contacts=(self._contact_time, self._is_stalled),
         )
@@ -407,6 +448,10 @@ class MobileRobotSimulator(Handle):
         self._motion.restore(motion_state)
         self._odometer, odometer_state = state.odometer
         self._odometer.restore(odometer_state)
+        self._wheel_odometer = None
+        if state.wheel_odometer is not None:
+            self._wheel_odometer, wheel_reading = state.wheel_odometer
+            self._wheel_odometer.restore(wheel_reading)
         self._maps.restore(state.maps)
         self._contact_time, self._is_stalled = state.contacts
 
@@ -418,7 +463,8 @@ class MobileRobotSimulator(Handle):
     def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
         if self._footprint is None:
-            return Motion(time_ns, parameters.velocity_timeout, map_from_odom, odom_from_base, parameters.limits)
+            limits, wheels = parameters.limits, parameters.wheels
+            return Motion(time_ns, parameters.velocity_timeout, map_from_odom, odom_from_base, limits, wheels)
         return ConstrainedMotion(
             time_ns,
             parameters.velocity_timeout,
@@ -428,7 +474,22 @@ class MobileRobotSimulator(Handle):
             body=self,
             limits=parameters.limits,
             mode=parameters.contact,
+            drive=parameters.wheels,
         )
+
+    def _create_wheel_odometer(self, time_ns: int, pose: Pose) -> WheelOdometer | None:
+        """Returns the odometer that reads the encoders from now on, or None if it would be exact."""
+        believed = self._parameters.believed_wheels
+        if believed is None:
+            return None
+        return WheelOdometer(believed, self._parameters.encoder_ticks, self._motion, pose, time_ns)
+
+    def _read_wheels(self, now_ns: int) -> tuple[Pose, Velocity]:
+        """Returns pose and velocity as the encoders of the wheels tell them now."""
+        if self._wheel_odometer is None:
+            return self._motion.wheel_pose(now_ns).wrapped(), self._motion.wheel_velocity(now_ns)
+        reading = self._wheel_odometer.read(self._motion, now_ns)
+        return reading.pose, reading.velocity
 
     def _change_motion(self, before: RobotParameters, after: RobotParameters) -> None:
         """Applies changed parameters to the motion."""
@@ -436,11 +497,15 @@ class MobileRobotSimulator(Handle):
         self._maps.set_unknown(after.unknown)
         if after.velocity_timeout != before.velocity_timeout:
             self._motion.set_timeout(after.velocity_timeout, now_ns)
-        if any(getattr(before, name) != getattr(after, name) for name in CONSTRAINT_PARAMETERS):
+        changed = {name for name in RobotParameters.model_fields if getattr(before, name) != getattr(after, name)}
+        believed = None if changed.isdisjoint(ENCODER_PARAMETERS) else self._read_wheels(now_ns)[0]
+        if not changed.isdisjoint(CONSTRAINT_PARAMETERS):
             self._footprint = after.shape
             motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
             self._motion = motion.continuing(self._motion)
             self._world.changed()
+        if believed is not None:
+            self._wheel_odometer = self._create_wheel_odometer(now_ns, believed)
         if after.wheel_slip != before.wheel_slip:
             self.slip(self._slip_share)
         if (after.odometry_alphas, after.odometry_seed) != (before.odometry_alphas, before.odometry_seed):
@@ -487,7 +552,7 @@ class MobileRobotSimulator(Handle):
         clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
         if clock is not None:
             handles.add(node.destroy_publisher, clock)
-        truth = contacts = stalled = None
+        truth = contacts = stalled = joints = None
         if parameters.ground_truth_topic:
             truth = node.create_publisher(Odometry, parameters.ground_truth_topic, QoS.DEFAULT)
             handles.add(node.destroy_publisher, truth)
@@ -499,7 +564,10 @@ class MobileRobotSimulator(Handle):
             handles.add(node.destroy_publisher, stalled)
             self._is_stalled = self._motion.is_blocked
             stalled.publish(messages.Bool(self._is_stalled))
-        return RobotPublishers(odometry, transforms, clock, truth, contacts, stalled)
+        if parameters.drive != "planar" and parameters.joint_states_topic:
+            joints = node.create_publisher(JointState, parameters.joint_states_topic, QoS.DEFAULT)
+            handles.add(node.destroy_publisher, joints)
+        return RobotPublishers(odometry, transforms, clock, truth, contacts, stalled, joints)
 
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
@@ -508,9 +576,20 @@ class MobileRobotSimulator(Handle):
         stamped: dict[type[Message], Callable[[Any], None]] = {messages.TwistStamped: self._take_stamped_command}
         callbacks = {**stamped, **types} if self._parameters.cmd_vel_stamped else {**types, **stamped}
         handles.add(node.destroy_subscription, node.create_subscription_of_either(callbacks, topic, QoS.DEFAULT))
+        if self._parameters.drive == "ackermann" and self._parameters.ackermann_topic:
+            self._subscribe_to_steering(handles)
         if self._parameters.publish_map_transform:
             poses = node.create_subscription(PoseWithCovarianceStamped, "initialpose", self._take_pose, QoS.DEFAULT)
             handles.add(node.destroy_subscription, poses)
+
+    def _subscribe_to_steering(self, handles: Handles) -> None:
+        node, topic = self._node, self._parameters.ackermann_topic
+        try:
+            steering = node.create_subscription(AckermannDriveStamped, topic, self._take_steering, QoS.DEFAULT)
+        except ImportError:
+            node.get_logger().info(f"no commands on {topic}, because ackermann_msgs is not installed")
+            return
+        handles.add(node.destroy_subscription, steering)
 
     def _create_services(self, handles: Handles) -> None:
         node = self._node
@@ -536,6 +615,20 @@ class MobileRobotSimulator(Handle):
         if self._footprint is not None and self._world.grid is None:
             return
         self._motion.command(velocity, self._world.now_ns())
+
+    def _take_steering(self, message: AckermannDriveStamped) -> None:
+        drive = message.drive
+        given = (drive.speed, drive.steering_angle, drive.steering_angle_velocity)
+        if not all(math.isfinite(value) and abs(value) <= MAX_COMMAND for value in given):
+            self._node.get_logger().warning(
+                "steering command refused: |speed|, |steering_angle| and |steering_angle_velocity| must be finite and "
+                f"at most {MAX_COMMAND:g}, got {given}"
+            )
+            return
+        if self._footprint is not None and self._world.grid is None:
+            return
+        rate = abs(drive.steering_angle_velocity) or math.inf
+        self._motion.command_steering(drive.speed, drive.steering_angle, rate, self._world.now_ns())
 
     def _answer_reset(
         self, request: messages.TriggerRequest, response: messages.TriggerResponse
@@ -571,6 +664,9 @@ class MobileRobotSimulator(Handle):
             self._send_transforms(now_ns, stamp, self._believed_pose)
         if self._publishers.contacts is not None or self._publishers.stalled is not None:
             self._publish_contacts(now_ns, stamp)
+        if self._publishers.joints is not None:
+            joints = self._motion.joints(now_ns)
+            self._publishers.joints.publish_lazily(joint_states_message, stamp, self._parameters.joints, joints)
         if self._publishers.truth is not None:
             frames = self._parameters.map_frame_id, self._parameters.frames["base_link_frame"]
             pose, velocity = self._motion.map_pose(now_ns), self._motion.velocity(now_ns)
@@ -579,15 +675,16 @@ class MobileRobotSimulator(Handle):
     def _send_odometry(self, now_ns: int, stamp: Time) -> None:
         """Reads the odometer and publishes what it says."""
         assert self._publishers is not None
-        motion, frames = self._motion, self._parameters.frames
-        reading = self._odometer.read(motion.wheel_pose(now_ns).wrapped(), now_ns)
+        frames = self._parameters.frames
+        wheels, velocity = self._read_wheels(now_ns)
+        reading = self._odometer.read(wheels, now_ns)
         self._believed_pose = reading.pose
         self._publishers.odometry.publish_lazily(
             odometry_message,
             stamp,
             (frames["odom_frame_id"], frames["base_link_frame"]),
             reading.pose,
-            motion.wheel_velocity(now_ns) if reading.twist is None else reading.twist,
+            velocity if reading.twist is None else reading.twist,
             reading.covariance,
             reading.twist_covariance,
         )
@@ -632,7 +729,7 @@ class MobileRobotSimulator(Handle):
     def _map_from_odom(self, now_ns: int, odom_from_base: Pose) -> Pose:
         """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
         motion = self._motion
-        if motion.slipped or not self._odometer.is_exact:
+        if motion.slipped or self._wheel_odometer is not None or not self._odometer.is_exact:
             return (motion.map_pose(now_ns) * odom_from_base.inverse()).wrapped()
         return motion.map_from_own
 

@@ -11,6 +11,7 @@ from .._core import Pose
 from ..messages import (
     Clock,
     Header,
+    JointState,
     Odometry,
     PoseWithCovariance,
     TFMessage,
@@ -68,3 +69,16 @@ def transforms_message(stamp: Time, links: Iterable[tuple[str, str, Pose]]) -> T
     return TFMessage(
         [TransformStamped(Header(stamp, frame), child, Transform.from_planar(pose)) for frame, child, pose in links]
     )
+
+
+def joint_states_message(
+    stamp: Time, names: tuple[str, ...], joints: tuple[NDArray[np.float64], NDArray[np.float64]]
+) -> JointState:
+    """Returns the message for the wheels and the steering of a robot.
+
+    Args:
+        stamp: Time of both.
+        names: Name of each joint.
+        joints: Positions [rad] and velocities [rad/s] of the joints.
+    """
+    return JointState(Header(stamp), list(names), *joints)

@@ -6,7 +6,10 @@ import copy
 import math
 from typing import Literal, NamedTuple, TypeVar
 
-from .._core import Contact, Limits, Pose, advance
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import Contact, Drive, Limits, Pose, advance
 from ..instant import NANOSECONDS
 from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
@@ -49,6 +52,7 @@ class ConstrainedMotion(Motion):
         body: The robot, as the world sees it.
         limits: Limits on the velocity and its change; None for no limits.
         mode: Effect of contact on the motion, as in `advance`.
+        drive: The wheels; None for a robot that moves in any direction.
 
     """
 
@@ -65,6 +69,7 @@ class ConstrainedMotion(Motion):
         body: Body,
         limits: Limits | None,
         mode: Mode,
+        drive: Drive | None = None,
     ) -> None:
         self._world, self._body, self._mode = world, body, mode
         self._stepped_ns = time_ns
@@ -76,7 +81,7 @@ class ConstrainedMotion(Motion):
         self._preview_key = (time_ns, 0)
         self._reached: Pose | None = None
         """Pose in the map frame after the last step; None until it is needed."""
-        super().__init__(time_ns, timeout, map_from_own, start, limits)
+        super().__init__(time_ns, timeout, map_from_own, start, limits, drive)
 
     def step(self, time_ns: int) -> None:
         """Advances to a time [ns], in two steps if the command ends before it."""
@@ -121,6 +126,15 @@ class ConstrainedMotion(Motion):
         at = self if time_ns <= self._stepped_ns else self._at(time_ns)
         return Motion.wheel_velocity(at, time_ns)
 
+    def ramp_velocity(self, time_ns: int) -> Velocity:
+        """Velocity of the wheels from which another profile goes on; see `VelocityProfile.ramp_velocity_at`."""
+        at = self if time_ns <= self._stepped_ns else self._at(time_ns)
+        return Motion.ramp_velocity(at, time_ns)
+
+    def rolled(self, time_ns: int) -> NDArray[np.float64]:
+        """Angle by which each wheel has turned since the start [rad]."""
+        return super().rolled(time_ns) if time_ns <= self._stepped_ns else Motion.rolled(self._at(time_ns), time_ns)
+
     def distance(self, time_ns: int) -> float:
         """Length of the trajectory up to a time [m]."""
         return super().distance(time_ns) if time_ns <= self._stepped_ns else Motion.distance(self._at(time_ns), time_ns)
@@ -130,12 +144,12 @@ class ConstrainedMotion(Motion):
         """The last command: its velocity, and the time at which it ends [ns]."""
         return self._requested, self._requested_until_ns
 
-    def command(self, velocity: Velocity, time_ns: int) -> None:
-        """Requests a velocity from now on; limits and contact decide what the robot does."""
+    def _follow(self, velocity: Velocity, time_ns: int) -> None:
+        """Requests a velocity of the wheels from now on; limits and contact decide what the robot does."""
         self.step(time_ns)
         self._requested, self._requested_until_ns = velocity, self._end_of_command(time_ns)
         if not self.is_blocked:
-            super().command(velocity, time_ns)
+            super()._follow(velocity, time_ns)
 
     def stop(self, time_ns: int) -> None:
         """Stops the robot at once, regardless of the limits, and drops the command."""
@@ -156,7 +170,8 @@ class ConstrainedMotion(Motion):
 
     def continuing(self: C, before: Motion) -> C:
         """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion."""
-        self._requested, self._requested_until_ns = before.request
+        if self._kind == before._kind:
+            self._requested, self._requested_until_ns = before.request
         return super().continuing(before)
 
     def restore(self, state: MotionSnapshot) -> None:
@@ -217,7 +232,7 @@ class ConstrainedMotion(Motion):
         """Constant velocity of the robot that moves it in a time step from a pose in the map frame as the profile does."""
         first, last = profile.velocity_at(start_ns), profile.velocity_at(end_ns)
         duration = (end_ns - start_ns) / NANOSECONDS
-        if profile.limits is None or first == last:
+        if profile.is_constant or first == last:
             return scaled(first, self._grip)
         if max(abs(first[2]), abs(last[2])) * duration > LARGEST_TURN:
             vx, vy, wz = (0.5 * (before + after) for before, after in zip(first, last, strict=True))

@@ -11,8 +11,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Limits, Pose
+from .._core import Drive, Limits, Pose
 from ..instant import NANOSECONDS
+from .drive_profile import DriveProfile, Steering
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 
 M = TypeVar("M", bound="Motion")
@@ -101,6 +102,8 @@ class MotionSnapshot:
     driven: float
     segments: tuple[Segment, ...]
     contacts: tuple[ContactEvent, ...]
+    steering: Steering | None
+    rolled: NDArray[np.float64] | None
     stepping: SteppingSnapshot | None
 
 
@@ -167,6 +170,7 @@ class Motion:
     The pose at any time is computed from the last change of velocity, so it does not depend on when it is read.
     Poses are in the motion's own frame, which is the robot's odometry frame. The pose of this frame in the map can change.
     When the wheels slip, they turn as commanded, but the robot moves less. `wheel_pose` is the pose without any slip.
+    With a drive, the robot follows commands as far as its wheels can.
 
     Args:
         time_ns: Start time [ns].
@@ -174,15 +178,27 @@ class Motion:
         map_from_own: Pose of the motion's own frame in the map frame.
         start: First pose of the robot, in the motion's own frame.
         limits: Limits on the velocity of the wheels and its change; None for no limits.
+        drive: The wheels; None for a robot that moves in any direction.
 
     """
 
-    def __init__(self, time_ns: int, timeout: float, map_from_own: Pose, start: Pose, limits: Limits | None = None) -> None:
+    def __init__(
+        self,
+        time_ns: int,
+        timeout: float,
+        map_from_own: Pose,
+        start: Pose,
+        limits: Limits | None = None,
+        drive: Drive | None = None,
+    ) -> None:
         self.map_from_own = map_from_own
         self.timeout = timeout
         self._limits = limits
+        self._steering = None if drive is None else Steering(drive, time_ns)
+        self._rolled = None if drive is None else np.zeros(drive.wheel_count)
+        """Angle by which each wheel has turned before the current segment [rad]."""
         self._start = start
-        self._profile = VelocityProfile(time_ns, STANDING, STANDING, time_ns, limits)
+        self._profile = self._profile_of(time_ns, STANDING, STANDING, time_ns)
         self._grip = 1.0
         """Share of the motion of the wheels that the robot makes."""
         self._wheels: Pose | None = None
@@ -281,6 +297,35 @@ class Motion:
         """Velocity that the robot would have if its wheels did not slip."""
         return self._profile.velocity_at(time_ns)
 
+    def ramp_velocity(self, time_ns: int) -> Velocity:
+        """Velocity of the wheels from which another profile goes on; see `VelocityProfile.ramp_velocity_at`."""
+        return self._profile.ramp_velocity_at(time_ns)
+
+    def steering_at(self, time_ns: int) -> float:
+        """Steering angle since the last command [rad]; 0 for a robot that does not steer."""
+        return 0.0 if self._steering is None else self._steering.at(time_ns)
+
+    def rolled(self, time_ns: int) -> NDArray[np.float64]:
+        """Angle by which each wheel has turned since the start [rad], (wheel_count,). The motion must have a drive."""
+        profile, steering = self._profile, self._steering
+        assert self._rolled is not None and steering is not None
+        since = profile.rolled(time_ns, steering.drive, steering.at(profile.start_ns))
+        rolled: NDArray[np.float64] = self._rolled + since
+        return rolled
+
+    def joints(self, time_ns: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Positions [rad] and velocities [rad/s] of the wheels, then those of the left and right steering, if it steers.
+
+        The motion must have a drive.
+        """
+        assert self._steering is not None
+        drive, angle, rate = self._steering.drive, self._steering.at(time_ns), self._steering.rate_at(time_ns)
+        positions, rates = self.rolled(time_ns), drive.wheels_of_twist([self.wheel_velocity(time_ns)], [angle])[0]
+        if drive.kind != "ackermann":
+            return positions, rates
+        steered, steering = drive.steering_angles([angle])[0], drive.steering_angle_rates([angle], [rate])[0]
+        return np.concatenate([positions, steered]), np.concatenate([rates, steering])
+
     def distance(self, time_ns: int) -> float:
         """Length of the trajectory up to a time [m]."""
         return self._driven + self._profile.distance(time_ns) * self._grip
@@ -291,9 +336,39 @@ class Motion:
         return self._profile.command, self._profile.until_ns
 
     def command(self, velocity: Velocity, time_ns: int) -> None:
-        """Sets the commanded velocity from now on."""
-        until_ns = self._end_of_command(time_ns)
-        if velocity == self._profile.command and time_ns < self._profile.until_ns:
+        """Sets the commanded velocity from now on. A robot with a drive does of it what `Drive.command` says."""
+        if self._steering is not None:
+            self.step(time_ns)
+            velocity, goal = self._steering.drive.command(velocity, self._steering.goal)
+            self._steer(goal, math.inf, time_ns)
+        self._follow(velocity, time_ns)
+
+    def command_steering(self, speed: float, angle: float, rate: float, time_ns: int) -> None:
+        """Sets the commanded speed [m/s] and steering angle [rad] of an Ackermann drive from now on.
+
+        Args:
+            speed: Speed forward [m/s].
+            angle: Steering angle to aim at [rad].
+            rate: Largest rate of change of the steering angle [rad/s], beside that of the drive.
+            time_ns: The present [ns].
+
+        """
+        self.step(time_ns)
+        self._steer(angle, rate, time_ns)
+        self._follow((speed, 0.0, 0.0), time_ns)
+
+    def _steer(self, goal: float, rate: float, time_ns: int) -> None:
+        """Begins to steer to a goal, unless this is what the robot does."""
+        now = self._steering
+        assert now is not None
+        if (goal, rate) != (now.goal, now.rate):
+            self._steering = Steering(now.drive, time_ns, now.at(time_ns), goal, rate)
+
+    def _follow(self, velocity: Velocity, time_ns: int) -> None:
+        """Sets the velocity that the wheels are commanded to have from now on."""
+        until_ns, profile = self._end_of_command(time_ns), self._profile
+        steers_as_before = not isinstance(profile, DriveProfile) or profile.steering is self._steering
+        if velocity == profile.command and time_ns < profile.until_ns and steers_as_before:
             self._profile = replace(self._profile, until_ns=until_ns)
             self.segments[-1] = replace(self.segments[-1], profile=self._profile)
         else:
@@ -304,11 +379,11 @@ class Motion:
         self.timeout = timeout
         velocity, until_ns = self.request
         if time_ns < until_ns and velocity != STANDING:
-            self.command(velocity, time_ns)
+            self._follow(velocity, time_ns)
 
     def stop(self, time_ns: int) -> None:
         """Stops the robot at once, regardless of the limits, and drops the command."""
-        self._begin(VelocityProfile(time_ns, STANDING, STANDING, time_ns, self._limits))
+        self._begin(self._profile_of(time_ns, STANDING, STANDING, time_ns))
 
     def move_frame(self, map_from_own: Pose, time_ns: int) -> None:
         """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame.
@@ -333,14 +408,29 @@ class Motion:
         self._begin(self._profile)
 
     def continuing(self: M, before: Motion) -> M:
-        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion."""
+        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion.
+
+        With another kind of drive, the robot stands still until the next command.
+        """
         now_ns = self._profile.start_ns
         self.segments[:0], self.contacts[:0] = before.segments, before.contacts
         self._driven = before.distance(now_ns)
         self._grip, self._wheels = before._grip, before._wheels and before.wheel_pose(now_ns)
+        if self._kind != before._kind:
+            self._begin(self._profile_of(now_ns, STANDING, STANDING, now_ns))
+            return self
+        if self._steering is not None and before._steering is not None:
+            old = before._steering
+            self._steering = replace(self._steering, angle=old.at(now_ns), goal=old.goal, rate=old.rate)
+            self._rolled = before.rolled(now_ns)
         command, until_ns = before.request
-        self._begin(VelocityProfile(now_ns, before.wheel_velocity(now_ns), command, max(now_ns, until_ns), self._limits))
+        self._begin(self._profile_of(now_ns, before.ramp_velocity(now_ns), command, max(now_ns, until_ns)))
         return self
+
+    @property
+    def _kind(self) -> str:
+        """Kind of the drive. Commands of one kind mean nothing to another one."""
+        return "planar" if self._steering is None else self._steering.drive.kind
 
     def save(self) -> MotionSnapshot:
         """Returns a snapshot for `restore`."""
@@ -354,6 +444,8 @@ class Motion:
             self._driven,
             tuple(self.segments),
             tuple(self.contacts),
+            self._steering,
+            self._rolled,
             self._save_stepping(),
         )
 
@@ -363,6 +455,7 @@ class Motion:
         self._start, self._profile = state.start, state.profile
         self._grip, self._wheels, self._driven = state.grip, state.wheels, state.driven
         self.segments, self.contacts = list(state.segments), list(state.contacts)
+        self._steering, self._rolled = state.steering, state.rolled
 
     def _save_stepping(self) -> SteppingSnapshot | None:
         return None
@@ -371,6 +464,8 @@ class Motion:
         """Begins a segment at `pose` in the motion's own frame. Default: the pose of the robot."""
         time_ns = profile.start_ns
         driven, wheels = self.distance(time_ns), self._wheels and self.wheel_pose(time_ns)
+        if self._rolled is not None:
+            self._rolled = self.rolled(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
         self._profile, self._driven, self._wheels, self._start = profile, driven, wheels, start
         segment = Segment(time_ns, (self.map_from_own * start).wrapped(), profile, self._grip)
@@ -383,11 +478,17 @@ class Motion:
 
     def _following(self, command: Velocity, time_ns: int, until_ns: int) -> VelocityProfile:
         """Profile of a robot that follows a command from now on."""
-        return VelocityProfile(time_ns, self.wheel_velocity(time_ns), command, max(time_ns, until_ns), self._limits)
+        return self._profile_of(time_ns, self.ramp_velocity(time_ns), command, max(time_ns, until_ns))
+
+    def _profile_of(self, start_ns: int, velocity: Velocity, command: Velocity, until_ns: int) -> VelocityProfile:
+        """Profile under the limits of the robot and its wheels."""
+        if self._steering is None:
+            return VelocityProfile(start_ns, velocity, command, until_ns, self._limits)
+        return DriveProfile(start_ns, velocity, command, until_ns, self._limits, steering=self._steering)
 
     def _continued(self, time_ns: int) -> VelocityProfile:
         """Profile that goes on like the current one, from now on."""
-        velocity = self.wheel_velocity(time_ns)
+        velocity = self.ramp_velocity(time_ns)
         return replace(self._profile, start_ns=time_ns, velocity=velocity, until_ns=max(time_ns, self._profile.until_ns))
 
     def _end_of_command(self, time_ns: int) -> int:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Limits, Pose
+from .._core import Drive, Limits, Pose
 from ..instant import NANOSECONDS
 
 Velocity: TypeAlias = tuple[float, float, float]
@@ -42,6 +42,15 @@ class VelocityProfile:
     command: Velocity
     until_ns: int
     limits: Limits | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        """True if the velocity does not change until the command ends."""
+        return self.limits is None
+
+    def ramp_velocity_at(self, time_ns: float) -> Velocity:
+        """Velocity from which another profile goes on."""
+        return self.velocity_at(time_ns)
 
     def velocity_at(self, time_ns: float) -> Velocity:
         """Velocity of the wheels."""
@@ -81,7 +90,7 @@ class VelocityProfile:
         Returns:
             (N, 3) float64, rows (x, y, yaw) [m, m, rad].
         """
-        held = np.maximum(np.minimum(times_ns, self.until_ns) - self.start_ns, 0) / NANOSECONDS
+        held = self._held_times(times_ns)
         if self.limits is None:
             return pose.trace(scaled(self.command, grip), held)
         poses = self.limits.trace(pose, self.command, self.velocity, held, grip=grip)
@@ -105,6 +114,25 @@ class VelocityProfile:
             return driven
         velocity = self.limits.apply(self.command, self.velocity, held)
         return driven + self.limits.distance(STANDING, velocity, after)
+
+    def rolled(self, time_ns: float, drive: Drive, steering: float) -> NDArray[np.float64]:
+        """Angle by which each wheel of a robot has turned since the start [rad], at a constant velocity.
+
+        Args:
+            time_ns: The time [ns].
+            drive: Wheels of the robot.
+            steering: Steering angle of the robot at the start [rad]. The front wheels keep it.
+
+        Returns:
+            (wheel_count,) float64.
+        """
+        rates: NDArray[np.float64] = drive.wheels_of_twist([self.command], [steering])[0]
+        return rates * self._held(time_ns)
+
+    def _held_times(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Times for which the command has been followed [s]."""
+        held: NDArray[np.float64] = np.maximum(np.minimum(times_ns, self.until_ns) - self.start_ns, 0) / NANOSECONDS
+        return held
 
     def _held(self, time_ns: float) -> float:
         """Time for which the command has been followed [s]."""

@@ -17,19 +17,32 @@ from rosbags.typesys.store import Typestore
 from ..messages import Message
 from .packer import Packer
 
+ACKERMANN = {
+    "ackermann_msgs/msg/AckermannDrive": "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\n"
+    "float32 acceleration\nfloat32 jerk",
+    "ackermann_msgs/msg/AckermannDriveStamped": "std_msgs/Header header\nackermann_msgs/AckermannDrive drive",
+}
+"""Definitions of the package ackermann_msgs, which rosbags does not have."""
+
+
+def _register_ackermann(types: Typestore) -> Typestore:
+    for name, definition in ACKERMANN.items():
+        types.register(get_types_from_msg(definition, name))
+    return types
+
 
 @cache
 def ros2_types() -> Typestore:
-    """Returns the message definitions of ROS 2 Humble."""
-    return get_typestore(Stores.ROS2_HUMBLE)
+    """Returns the message definitions of ROS 2 Humble, and those of ackermann_msgs."""
+    return _register_ackermann(get_typestore(Stores.ROS2_HUMBLE))
 
 
 @cache
 def ros1_types() -> Typestore:
-    """Returns the message definitions of ROS 1 Noetic, including TFMessage, which rosbags does not define for it."""
+    """Returns the message definitions of ROS 1 Noetic, and those that rosbags lacks: TFMessage and ackermann_msgs."""
     types = get_typestore(Stores.ROS1_NOETIC)
     types.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
-    return types
+    return _register_ackermann(types)
 
 
 def to_ros2_bytes(message: Message) -> memoryview:

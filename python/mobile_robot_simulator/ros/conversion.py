@@ -71,6 +71,8 @@ class MessageConverter:
                 self.fill(getattr(ros_message, name), value)
             elif isinstance(value, np.ndarray):
                 setattr(ros_message, name, self.pack_array(value, getattr(ros_message, name)))
+            elif isinstance(value, list) and not (value and isinstance(value[0], Message)):
+                setattr(ros_message, name, list(value))
             elif isinstance(value, list):
                 ros_items = getattr(ros_message, name)
                 if len(ros_items) != len(value):
@@ -101,7 +103,7 @@ class MessageConverter:
             if dtype is not None:
                 value = np.asarray(value, dtype)
             elif isinstance(value, list):
-                value = [self.from_ros(item, inner_class) for item in value]
+                value = list(value) if inner_class is None else [self.from_ros(item, inner_class) for item in value]
             elif inner_class is not None:
                 value = self.from_ros(value, inner_class)
             values.append(value)
@@ -120,7 +122,8 @@ def _field_plan(message_class: type[Message]) -> list[tuple[str, Any, np.dtype[A
     for name in (each.name for each in fields(message_class)):
         value = getattr(empty, name)
         if isinstance(value, list):
-            plan.append((name, get_args(hints[name])[0], None))
+            (item,) = get_args(hints[name])
+            plan.append((name, item if issubclass(item, Message) else None, None))
         elif isinstance(value, np.ndarray):
             plan.append((name, None, value.dtype))
         else:

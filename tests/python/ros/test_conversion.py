@@ -12,6 +12,7 @@ import pytest
 
 from mobile_robot_simulator.entity_messages import SetEntityStateRequest
 from mobile_robot_simulator.messages import (
+    JointState,
     LaserScan,
     Odometry,
     Pose,
@@ -94,3 +95,12 @@ def test_a_field_that_a_version_of_ros_lacks_keeps_its_default() -> None:
     assert (request.entity, request.set_pose, request.set_twist) == ("box", True, True)
     with pytest.raises(AttributeError):
         CONVERTER.from_ros(SimpleNamespace(entity="box"), SetEntityStateRequest)
+
+
+def test_lists_of_texts_are_converted_both_ways() -> None:
+    ours = JointState(name=["left", "right"], position=np.array([1.0, 2.0]))
+    empty = SimpleNamespace(header=ros_header(), name=[], position=array("d"), velocity=array("d"), effort=array("d"))
+    ros_message = CONVERTER.fill(empty, ours)
+    assert ros_message.name == ["left", "right"] and ros_message.position == array("d", [1.0, 2.0])
+    assert CONVERTER.from_ros(ros_message, JointState) == ours
+    assert CONVERTER.fill(ros_message, JointState()).name == []

@@ -24,11 +24,12 @@ with stand_in(
     from diagnostic_msgs.msg import DiagnosticStatus
     from geometry_msgs.msg import Pose, PoseArray, PoseStamped, TwistWithCovarianceStamped
     from nav_msgs.msg import Path
-    from sensor_msgs.msg import Image, Imu, JointState, LaserScan
+    from sensor_msgs.msg import Image, Imu, LaserScan
     from std_msgs.msg import Bool, Float64, Header
     from std_srvs.srv import Empty, SetBool
     from test_msgs_of_ours.msg import Speeds
     from test_msgs_of_ours.srv import Ask
+    from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
     from visualization_msgs.msg import Marker, MarkerArray
 
 MESSAGES = [
@@ -44,13 +45,12 @@ def test_the_default_of_every_message_can_be_copied_and_recorded(kind):
 
 
 def test_the_fields_are_those_of_the_ros_definition():
-    assert JointState.get_fields_and_field_types() == {
+    assert JointTrajectory.get_fields_and_field_types() == {
         "header": "std_msgs/Header",
-        "name": "sequence<string>",
-        "position": "sequence<double>",
-        "velocity": "sequence<double>",
-        "effort": "sequence<double>",
+        "joint_names": "sequence<string>",
+        "points": "sequence<trajectory_msgs/JointTrajectoryPoint>",
     }
+    assert JointTrajectoryPoint.get_fields_and_field_types()["velocities"] == "sequence<double>"
     assert Imu.get_fields_and_field_types()["angular_velocity_covariance"] == "double[9]"
     assert (Marker.ARROW, Marker.LINE_STRIP, Marker.DELETEALL, Speeds.FAST) == (0, 4, 3, 3)
 
@@ -71,9 +71,12 @@ def test_the_classes_of_the_nodes_are_the_fields_of_generated_classes():
             r"TwistWithCovarianceStamped\.twist must be a TwistWithCovariance, got PoseStamped",
         ),
         (lambda: Path(poses=[Pose()]), r"Path\.poses\[\] must be a PoseStamped, got Pose"),
-        (lambda: JointState(name="abc"), r"JointState\.name must be a list, got 'abc'"),
-        (lambda: JointState(position=["a"]), r"JointState\.position must be a sequence of float64, got \['a'\]"),
-        (lambda: JointState(position=[[1.0], [2.0, 3.0]]), r"must be a sequence of float64"),
+        (lambda: JointTrajectory(joint_names="abc"), r"JointTrajectory\.joint_names must be a list, got 'abc'"),
+        (
+            lambda: JointTrajectoryPoint(positions=["a"]),
+            r"JointTrajectoryPoint\.positions must be a sequence of float64, got \['a'\]",
+        ),
+        (lambda: JointTrajectoryPoint(positions=[[1.0], [2.0, 3.0]]), r"must be a sequence of float64"),
         (lambda: Image(data=[256]), r"Image\.data must be a sequence of uint8, got \[256\]"),
         (lambda: Image(height=-1), r"Image\.height must be between 0 and 4294967295, got -1"),
         (lambda: Imu(orientation_covariance=[1.0]), r"must be of length 9, got 1"),
@@ -92,7 +95,7 @@ def test_an_unknown_field_is_refused():
 
 
 def test_sequences_become_arrays_and_bytes_become_numbers():
-    assert JointState(position=(1, 2)).position.dtype == np.float64
+    assert JointTrajectoryPoint(positions=(1, 2)).positions.dtype == np.float64
     assert Image(data=b"\x00\xff").data.tolist() == [0, 255]
     assert DiagnosticStatus(level=b"\x02").level == DiagnosticStatus.ERROR
 
