@@ -168,6 +168,7 @@ TESTED_ELSEWHERE = {
     "cli/console.py": "the tests of each command read what it prints",
     "cli/ros.py": "needs ROS: tests/ros",
     "cli/summary.py": "cli/test_drive.py reads the summary of a drive",
+    "live/page_view.py": "live/test_view.py and live/test_replay_view.py run what is derived from it",
     "live/page.py": "tests/browser looks at the page in a real browser",
     "live/server.py": "live/test_view.py talks to it, and tests/browser with a real browser",
     "maps/floor_plans": "maps/test_floor_plans.py checks the plans that its modules draw together",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .._core import OccupancyGrid, Pose
+from ..logs.reader import is_bag
 from ..maps import floor_plan
 from ..parameter_files import read_fault_texts
 from ..recording.format import Format
@@ -30,6 +31,7 @@ from .signals import signals_as_interrupt
 
 if TYPE_CHECKING:
     from ..live import LiveView
+    from ..live.page_view import PageView
 
 PLAN = "office"
 """Floor plan that is shown without a map."""
@@ -44,7 +46,11 @@ class DriverName(str, Enum):
 
 def live(
     map_file: Annotated[
-        Path | None, typer.Argument(metavar="[MAP]", help="Map file, as for run. Without it: a generated office.")
+        Path | None,
+        typer.Argument(
+            metavar="[MAP|RECORDING]",
+            help="Map file, as for run, or a bag or MCAP file to play. Without it: a generated office.",
+        ),
     ] = None,
     duration: Annotated[
         float | None, typer.Option(help="End after so many simulated seconds. Without it: at Ctrl-C.")
@@ -79,7 +85,7 @@ def live(
     open_browser: Annotated[bool, typer.Option("--open", help="Open the page in the browser of this machine.")] = False,
     paused: Annotated[bool, typer.Option("--paused", help="Start with the time stopped.")] = False,
 ) -> None:
-    """See a simulation in the browser: drive, place things, change parameters, record.
+    """See a simulation in the browser: drive, place things, change parameters, record. Or play a recording there.
 
     Prints the address of the page. Ctrl-C ends the simulation.
     """
@@ -92,6 +98,22 @@ def live(
     check_positive("--radius", radius)
     if duration is not None:
         check_positive("--duration", duration)
+    if map_file is not None and map_file.exists() and is_bag(map_file):
+        simulated = {
+            "--duration": duration,
+            "--start": start,
+            "--commands": commands,
+            "--driver": driver != DriverName.viewer,
+            "--seed": seed is not None,
+            "--fault": fault,
+            "--param": param,
+            "--params-file": params_file,
+        }
+        if given := [name for name, value in simulated.items() if value]:
+            raise ValueError(f"{map_file} is a recording, so there is no simulation for {', '.join(given)}")
+        with signals_as_interrupt():
+            _play(map_file, host=host, port=port, paused=paused, open_browser=open_browser)
+        return
     with signals_as_interrupt():
         values = read_values(param, params_file)
         texts = [*(fault or ()), *(read_fault_texts(params_file) if params_file is not None else ())]
@@ -122,12 +144,28 @@ def live(
             view.session.pilots.engage(name, ScriptPilot(simulation, script))
         elif driver == DriverName.wander:
             view.session.pilots.engage(name, WanderPilot(simulation, name, chosen_seed))
-        console.print(f"Live view: {view.url}", markup=False, highlight=False, soft_wrap=True)
-        if open_browser:
-            view.open_browser()
-        else:
-            print_note("Open this address in a browser. Ctrl-C ends the simulation.")
+        _announce(view, "simulation", open_browser=open_browser)
         _run(view, duration)
+
+
+def _play(recording: Path, *, host: str, port: int, paused: bool, open_browser: bool) -> None:
+    """Shows a recording until Ctrl-C."""
+    from ..live.replay_view import ReplayView
+
+    with ReplayView(recording, host=host, port=port, paused=paused) as view:
+        for note in view.replay.playback.notes:
+            print_note(f"{recording}: {note}")
+        _announce(view, "view", open_browser=open_browser)
+        view.run()
+
+
+def _announce(view: PageView, what: str, *, open_browser: bool) -> None:
+    """Prints the address of a page, and opens it in the browser of this machine if that is wanted."""
+    console.print(f"Live view: {view.url}", markup=False, highlight=False, soft_wrap=True)
+    if open_browser:
+        view.open_browser()
+    else:
+        print_note(f"Open this address in a browser. Ctrl-C ends the {what}.")
 
 
 def _run(view: LiveView, duration: float | None) -> None:

@@ -10,8 +10,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any
 
-from .frames import Frame
 from .inputs import ONLY_LOOKS, Input, read_input
+from .parts import Frame
 
 MOST_WAITING = 1000
 """Inputs that can wait for the simulation. More are refused."""

@@ -160,6 +160,13 @@ class Speed(_Input):
     factor: Annotated[float, Field(gt=0.0, le=1000.0)]
 
 
+class Seek(_Input):
+    """Time since the beginning of a recording to go to [s]."""
+
+    kind: Literal["seek"] = "seek"
+    time: Annotated[float, Field(ge=0.0, le=1e9, allow_inf_nan=False)]
+
+
 class Reset(_Input):
     """All robots go back to their start poses."""
 
@@ -202,6 +209,7 @@ Input: TypeAlias = (
     | Pause
     | Step
     | Speed
+    | Seek
     | Reset
     | Seed
     | Record

@@ -10,7 +10,7 @@ export default {
   components: { FaultsPanel, KeepPanel, Pad, ParametersPanel },
   props: { viewer: String },
   template: `
-  <div class="live" :class="{ 'live-with-panel': panel }">
+  <div class="live" :class="{ 'live-with-panel': panel && !replay, 'live-replay': replay }">
     <canvas ref="canvas" class="live-canvas" :data-tool="tool" data-test="map"></canvas>
 
     <div class="live-bar">
@@ -18,22 +18,22 @@ export default {
       <q-btn flat dense icon="skip_next" @click="ask({ kind: 'step', seconds: 0.1 })" data-test="step"><q-tooltip>Run 0.1 s, then stop the time (.)</q-tooltip></q-btn>
       <q-select dense borderless options-dense class="live-speed" :options="speeds" emit-value map-options :model-value="session?.speed ?? 1" @update:model-value="(factor) => ask({ kind: 'speed', factor })" data-test="speed"><q-tooltip>Simulated seconds per second</q-tooltip></q-select>
       <div class="live-time" data-test="time"><b>{{ shown.time }}</b> s <span class="live-soft">{{ session?.paused ? "paused" : shown.rate + " × real time" }}</span></div>
-      <q-separator vertical inset />
-      <q-btn flat dense icon="restart_alt" @click="ask({ kind: 'reset' })" data-test="reset"><q-tooltip>Put all robots back to their start poses</q-tooltip></q-btn>
-      <q-btn flat dense icon="casino" data-test="seed"><q-tooltip>Seed of the noise</q-tooltip>
+      <q-separator v-if="!replay" vertical inset />
+      <q-btn v-if="!replay" flat dense icon="restart_alt" @click="ask({ kind: 'reset' })" data-test="reset"><q-tooltip>Put all robots back to their start poses</q-tooltip></q-btn>
+      <q-btn v-if="!replay" flat dense icon="casino" data-test="seed"><q-tooltip>Seed of the noise</q-tooltip>
         <q-menu><div class="live-menu"><q-input dense outlined v-model="seed" type="number" label="Seed of all noise from now on" :error="!!seedError" :error-message="seedError" hide-bottom-space @keydown.enter="setSeed" data-test="seed-value" /><q-btn outline no-caps label="Use this seed" @click="setSeed" /></div></q-menu></q-btn>
       <q-space />
       <q-select v-if="robots.length > 1" dense borderless options-dense :options="robots" :model-value="robot" @update:model-value="choose" class="live-robot" data-test="robot"><template #prepend><q-icon name="smart_toy" /></template></q-select>
-      <q-btn flat dense :icon="pilot === 'wander' ? 'stop' : 'explore'" @click="ask({ kind: 'autopilot', robot, driver: pilot === 'wander' ? null : 'wander' })" data-test="wander"><q-tooltip>{{ pilot === "wander" ? "Stop the driver" : "Let the robot wander" }}</q-tooltip></q-btn>
+      <q-btn v-if="!replay" flat dense :icon="pilot === 'wander' ? 'stop' : 'explore'" @click="ask({ kind: 'autopilot', robot, driver: pilot === 'wander' ? null : 'wander' })" data-test="wander"><q-tooltip>{{ pilot === "wander" ? "Stop the driver" : "Let the robot wander" }}</q-tooltip></q-btn>
       <q-btn flat dense icon="layers"><q-tooltip>What is shown</q-tooltip><q-menu><div class="live-menu"><q-toggle v-for="(title, name) in titles" :key="name" dense v-model="layers[name]" :label="title" @update:model-value="redraw" /></div></q-menu></q-btn>
       <q-btn flat dense icon="dark_mode" @click="toggleDark" data-test="dark"><q-tooltip>Light or dark</q-tooltip></q-btn>
       <q-btn flat dense icon="help_outline" @click="help = true" data-test="help"><q-tooltip>What keys do (?)</q-tooltip></q-btn>
-      <q-btn flat dense icon="menu_open" @click="panel = !panel" data-test="panel"><q-tooltip>Parameters, faults, recordings</q-tooltip></q-btn>
+      <q-btn v-if="!replay" flat dense icon="menu_open" @click="panel = !panel" data-test="panel"><q-tooltip>Parameters, faults, recordings</q-tooltip></q-btn>
     </div>
 
     <div class="live-tools">
-      <q-btn v-for="each in tools" :key="each.name" flat dense :icon="each.icon" :class="{ 'live-chosen': tool === each.name }" :aria-label="each.help" @click="use(each.name)" :data-tool-name="each.name"><q-tooltip anchor="center right" self="center left">{{ each.help }} ({{ each.key }})</q-tooltip></q-btn>
-      <q-separator />
+      <q-btn v-for="each in replay ? [] : tools" :key="each.name" flat dense :icon="each.icon" :class="{ 'live-chosen': tool === each.name }" :aria-label="each.help" @click="use(each.name)" :data-tool-name="each.name"><q-tooltip anchor="center right" self="center left">{{ each.help }} ({{ each.key }})</q-tooltip></q-btn>
+      <q-separator v-if="!replay" />
       <q-btn flat dense icon="add" @click="zoom(1.4)"><q-tooltip anchor="center right" self="center left">Zoom in (+)</q-tooltip></q-btn>
       <q-btn flat dense icon="remove" @click="zoom(1 / 1.4)"><q-tooltip anchor="center right" self="center left">Zoom out (−)</q-tooltip></q-btn>
       <q-btn flat dense icon="fit_screen" @click="fit"><q-tooltip anchor="center right" self="center left">Show the whole map (f)</q-tooltip></q-btn>
@@ -49,12 +49,18 @@ export default {
       <div class="live-line"><span class="live-scale" :style="{ width: bar.pixels + 'px' }"></span><span data-test="scale">{{ bar.text }}</span><span class="live-cursor" data-test="cursor">{{ shown.cursor }}</span></div>
     </div>
 
-    <div class="live-drive">
+    <div v-if="replay" class="live-timeline" data-test="timeline">
+      <span>{{ clock(scrub ?? at) }}</span>
+      <q-slider :min="0" :max="replay.duration" :step="0" :model-value="scrub ?? at" aria-label="Time in the recording" @update:model-value="seek" @change="scrub = null" data-test="time-line" />
+      <span>{{ clock(replay.duration) }}</span>
+    </div>
+
+    <div v-if="!replay" class="live-drive">
       <pad :steering="() => steering" />
       <div class="live-top"><span class="live-soft">top speed</span><q-slider v-model="top" :min="0.1" :max="3" :step="0.1" dense /><span>{{ top.toFixed(1) }} m/s</span></div>
     </div>
 
-    <div v-if="panel" class="live-side" data-test="side">
+    <div v-if="panel && !replay" class="live-side" data-test="side">
       <q-tabs v-model="tab" dense no-caps align="justify"><q-tab name="parameters" label="Parameters" /><q-tab name="faults" label="Faults" /><q-tab name="keep" label="Keep" /></q-tabs>
       <q-separator />
       <q-tab-panels v-model="tab" keep-alive class="live-panels">
@@ -67,9 +73,9 @@ export default {
     <div class="live-notes" role="status"><transition-group name="live-note"><div v-for="note in notes" :key="note.key" class="live-note" data-test="note">{{ note.text }}</div></transition-group></div>
 
     <q-dialog v-model="help"><q-card style="max-width: 560px"><q-card-section>
-      <div class="text-h6">Live view</div>
-      <p>Drive with the arrow keys, with w a s d, with a gamepad, or with the pad at the lower right. q and e move sideways.</p>
-      <table class="live-keys"><tr v-for="each in tools" :key="each.key"><td><kbd>{{ each.key }}</kbd></td><td>{{ each.help }}</td></tr>
+      <div class="text-h6">{{ replay ? "Recording" : "Live view" }}</div>
+      <p v-if="!replay">Drive with the arrow keys, with w a s d, with a gamepad, or with the pad at the lower right. q and e move sideways.</p>
+      <table class="live-keys"><tr v-if="replay"><td><kbd>←</kbd> <kbd>→</kbd></td><td>Go back or on by a second</td></tr><tr v-for="each in replay ? [] : tools" :key="each.key"><td><kbd>{{ each.key }}</kbd></td><td>{{ each.help }}</td></tr>
         <tr><td><kbd>space</kbd> <kbd>.</kbd></td><td>Stop the time or let it run; run 0.1 s</td></tr>
         <tr><td><kbd>f</kbd> <kbd>c</kbd> <kbd>+</kbd> <kbd>−</kbd></td><td>Show the whole map, follow the robot, zoom</td></tr>
         <tr><td><kbd>esc</kbd></td><td>Back to looking</td></tr></table>
@@ -77,7 +83,7 @@ export default {
     </q-card-section><q-card-actions align="right"><q-btn flat no-caps label="Close" v-close-popup /></q-card-actions></q-card></q-dialog>
   </div>`,
   data: () => ({
-    open: false, began: false, session: null, settings: null, choices: null, viewers: { count: 1, holds: true }, robots: [], robot: "",
+    open: false, began: false, session: null, settings: null, choices: null, viewers: { count: 1, holds: true }, replay: null, at: 0, scrub: null, robots: [], robot: "",
     shown: { time: "0.00", rate: "1", cursor: "", v: "0.00", w: "0.00" }, bar: { pixels: 100, text: "" },
     tool: "look", tools: TOOLS, titles: LAYERS, layers: Object.fromEntries(Object.keys(LAYERS).map((name) => [name, true])),
     panel: innerWidth > 1100, tab: "parameters", help: false, follows: false, top: 0.8, notes: [], seed: "", seedError: "",
@@ -115,13 +121,15 @@ export default {
       const connection = this.link(), { parts } = connection;
       this.open = connection.open;
       this.began ||= this.open;
-      for (const name of ["session", "settings", "choices", "viewers"]) if (names.has(name)) this[name] = Object.freeze(parts[name]);
+      for (const name of ["session", "settings", "choices", "viewers", "replay"]) if (names.has(name)) this[name] = Object.freeze(parts[name]);
       for (const text of connection.notes.splice(0)) this.say(text);
       if (names.has("map")) this.loadMap(parts.map);
       if (names.has("now")) {
         const robots = Object.keys(parts.now.robots);
         if (robots.join() !== this.robots.join()) { this.robots = robots; if (!robots.includes(this.robot)) this.robot = robots[0] ?? ""; }
         const own = parts.now.robots[this.robot];
+        if (this.replay && Math.abs(parts.now.time - this.lastTime) > Math.max(0.5, this.session.speed)) this.plotter.rows = []; // it was moved on the time line
+        this.lastTime = parts.now.time;
         if (own) this.plotter.add(this.robot, parts.now.time, own.velocity);
         if (this.camera.follows && own) [this.camera.x, this.camera.y] = own.pose;
       }
@@ -160,6 +168,7 @@ export default {
       this.bar = { pixels: metres * this.camera.scale, text: metres >= 1000 ? `${metres / 1000} km` : metres >= 1 ? `${metres} m` : `${+(100 * metres).toPrecision(3)} cm` };
       this.follows = this.camera.follows;
       if (!now) return;
+      this.at = now.time;
       const [vx, vy, wz] = now.robots[this.robot]?.velocity ?? [0, 0, 0], speed = Math.abs(vy) > Math.abs(vx) ? vy : vx;
       this.shown = { time: now.time.toFixed(2), rate: now.rate.toFixed(now.rate < 10 ? 2 : 0), cursor: this.cursor ? this.describe(this.cursor) : "", v: fixed(speed), w: fixed(wz) };
       if (this.$refs.plot) this.plotter.draw(this.$refs.plot, look);
@@ -192,7 +201,15 @@ export default {
     ask(input) { return this.tell(input).catch((error) => this.say(error.message)); },
     /** Sends an input. Rejects with the reason if it is refused. */
     tell(input) { return this.link().ask(input); },
+    /** Goes to a time of a recording [s], at most every 50 ms while the time line is dragged. */
+    seek(time) {
+      this.scrub = time;
+      this.seeking ||= setTimeout(() => { this.seeking = 0; this.ask({ kind: "seek", time: Math.max(0, this.wantedTime) }); }, 50);
+      this.wantedTime = time;
+    },
+    clock(time) { const tenths = Math.round(time * 10); return `${Math.floor(tenths / 600)}:${((tenths % 600) / 10).toFixed(1).padStart(4, "0")}`; },
     drive(v, side, w) {
+      if (this.replay) return;
       if ((v || side || w) && this.session?.paused) this.say("Time stands still. Press space to let it run.");
       this.ask({ kind: "drive", robot: this.robot, vx: v * this.top, vy: side * this.top, wz: w * Math.max(1, 1.25 * this.top) });
     },
@@ -209,7 +226,8 @@ export default {
     },
     key(event) {
       if (isTyping() || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
-      const tool = TOOLS.find((each) => each.key === event.key.toLowerCase());
+      const tool = this.replay ? null : TOOLS.find((each) => each.key === event.key.toLowerCase()), skip = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (this.replay && skip) { this.seek(this.at + skip); this.scrub = null; }
       const actions = {
         " ": () => this.ask({ kind: "pause", paused: !this.session?.paused }), ".": () => this.ask({ kind: "step", seconds: 0.1 }), "?": () => { this.help = true; },
         "+": () => this.zoom(1.4), "-": () => this.zoom(1 / 1.4), f: () => this.fit(), c: () => this.follow(), Escape: () => this.use("look"),

@@ -57,6 +57,10 @@ class Pace:
         self._owed_ns -= due_ns
         return due_ns
 
+    def forget(self) -> None:
+        """Forgets what `note` has noted, because the time jumps."""
+        self._rates.clear()
+
     def note(self, wall: float, now_ns: int) -> None:
         """Notes the simulated time at a wall time, to measure the rate."""
         if self._rates and now_ns < self._rates[-1][1]:

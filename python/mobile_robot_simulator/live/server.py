@@ -9,6 +9,7 @@ import os
 import secrets
 import socket
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -34,14 +35,14 @@ class Place:
 
     Attributes:
         hub: Passes frames and inputs.
-        grid: The map.
+        grid: Returns the map.
         token: What the address must contain; empty if it need not.
         server: Listens on the port of the place.
         names: Identifiers of the pages that were served.
     """
 
     hub: Hub
-    grid: OccupancyGrid
+    grid: Callable[[], OccupancyGrid]
     token: str
     server: uvicorn.Server
     names: set[str] = field(default_factory=set)
@@ -70,12 +71,12 @@ class Server:
         threading.Thread(target=self._run, args=(started,), daemon=True, name="live").start()
         started.wait()
 
-    def show(self, hub: Hub, grid: OccupancyGrid, host: str, port: int) -> tuple[str, int]:
+    def show(self, hub: Hub, grid: Callable[[], OccupancyGrid], host: str, port: int) -> tuple[str, int]:
         """Shows a simulation at a port.
 
         Args:
             hub: Passes frames and inputs.
-            grid: The map.
+            grid: Returns the map.
             host: Address to listen on.
             port: Port; 0 chooses a free one.
 
@@ -134,7 +135,7 @@ class Server:
         place = self._places.get(request.scope["server"][1])
         if place is None or viewer not in place.names:
             return Response(status_code=403)
-        cells = gzip.compress(place.grid.cells.tobytes(), 1)
+        cells = gzip.compress(place.grid().cells.tobytes(), 1)
         return Response(cells, media_type="application/octet-stream", headers={"Content-Encoding": "gzip"})
 
     async def _talk(self, websocket: WebSocket, viewer: str = "") -> None:

@@ -36,6 +36,7 @@ from .inputs import (
     RestoreState,
     SaveState,
     Seed,
+    Seek,
     SetGoal,
     SetParameter,
     SetPose,
@@ -279,6 +280,9 @@ class Session:
 
     def _do_speed(self, wanted: Speed) -> None:
         self.pace.speed = wanted.factor
+
+    def _do_seek(self, wanted: Seek) -> None:
+        raise ValueError("a simulation has no time line: keep its state, and go back to it")
 
     def _do_reset(self, wanted: Reset) -> None:
         self.pilots.forget()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-import webbrowser
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,26 +11,15 @@ from typing import TYPE_CHECKING
 from ..messages import Message
 from ..recording.format import Format
 from .frames import FrameMaker
-from .hub import Hub
 from .journal import Journal
+from .page_view import TURN, PageView
 from .session import Session
-
-try:
-    from .server import the_server
-except ImportError as error:
-    raise ImportError("the live view needs NiceGUI: pip install 'mobile-robot-simulator[live]'") from error
 
 if TYPE_CHECKING:
     from ..simulation.simulation import Simulation
 
-TURN = 0.02
-"""Longest wall time between two turns [s]."""
 
-REFUSALS = (ValueError, TypeError, RuntimeError, OSError, ImportError)
-"""Exceptions that refuse an input. The page shows them."""
-
-
-class LiveView:
+class LiveView(PageView):
     """A simulation in the browser. Use `Simulation.show`, or the command `live`.
 
     Only the thread that opened the view touches the simulation: in `run`, in the runs of a script that `follow` watches, and
@@ -71,30 +59,11 @@ class LiveView:
     ) -> None:
         journal = Journal(source, round(simulation.time * 1e9))
         self.session = Session(simulation, journal, Path(folder), format=format, overwrite=overwrite, paused=paused)
-        self._hub, self._frames = Hub(), FrameMaker(self.session, title)
-        self.url, self._port = the_server().show(self._hub, simulation.grid, host, port)
-        self._is_turning = self._is_closed = self._is_followed = False
+        self._is_followed = False
         self._last_look = 0.0
         self._allowed_ns = 0
         self._task: asyncio.Task[None] | None = None
-        self._show()
-
-    def __repr__(self) -> str:
-        return f"LiveView({self.url})"
-
-    def _repr_html_(self) -> str:
-        """Returns the page as a frame, for notebooks."""
-        frame = f'<iframe src="{self.url}" width="100%" height="640" style="border:0"></iframe>'
-        return f'{frame}<br><a href="{self.url}">{self.url}</a>'
-
-    @property
-    def is_closed(self) -> bool:
-        """True after `close`."""
-        return self._is_closed
-
-    def open_browser(self) -> None:
-        """Opens the page in the browser of this machine."""
-        webbrowser.open_new_tab(self.url)
+        super().__init__(self.session, FrameMaker(self.session, title), host, port)
 
     def run(self, seconds: float = float("inf")) -> None:
         """Runs the simulation under the control of the page, until Ctrl-C or for a time.
@@ -102,10 +71,8 @@ class LiveView:
         Args:
             seconds: Wall time [s].
         """
-        end, is_watching, self.session.is_watching = time.monotonic() + seconds, self.session.is_watching, False
-        while not self._is_closed and (now := time.monotonic()) < end:
-            self._take_inputs(min(end, now + TURN))
-            self._turn()
+        is_watching, self.session.is_watching = self.session.is_watching, False
+        super().run(seconds)
         self.session.is_watching = is_watching
 
     def follow(self) -> None:
@@ -128,50 +95,12 @@ class LiveView:
         """Closes the page, stops the robots that a viewer drives, and ends a recording."""
         if self._is_closed:
             return
-        self._is_closed = True
         if self._task is not None:
             self._task.cancel()
         if self._is_followed:
             with suppress(ValueError):  # the simulation is closed
                 self.session.simulation.stop_recording(self._watch)
-        self.session.close()
-        self._hub.close()
-        the_server().close(self._port)
-
-    def __enter__(self) -> LiveView:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    # --- turns ---
-
-    def _turn(self) -> None:
-        self._is_turning = True
-        try:
-            self.session.turn(time.monotonic())
-        finally:
-            self._is_turning = False
-        self._show()
-
-    def _take_inputs(self, deadline: float) -> None:
-        """Takes inputs until a wall time [s]."""
-        while (waiting := self._hub.next_input(deadline - time.monotonic())) is not None:
-            wanted, result = waiting
-            before, self._is_turning = self._is_turning, True
-            try:
-                result.set_result(self.session.do(wanted))
-            except REFUSALS as error:
-                result.set_exception(error)
-            finally:
-                self._is_turning = before
-
-    def _show(self) -> None:
-        for note in self.session.notes:
-            self._hub.tell_all(note)
-        self.session.notes.clear()
-        if self._hub.has_viewers or self._hub.frame is None:
-            self._hub.show(self._frames.make())
+        super().close()
 
     async def _turn_between_cells(self) -> None:
         while not self._is_closed:

@@ -64,6 +64,15 @@ def read_log(
     return read_csv(path, max_range=max_range) if kind == "csv" else read_npz(path, max_range=max_range)
 
 
+def is_bag(path: Path) -> bool:
+    """Returns True if a path is a bag, by its content or its name, or a folder with one.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    return _kind_of(path) == "bag"
+
+
 def _kind_of(path: Path) -> str:
     if path.is_dir():
         return "bag"

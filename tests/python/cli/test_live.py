@@ -112,3 +112,38 @@ def test_the_robot_has_a_footprint_that_stops_at_walls_unless_the_parameters_say
 def test_invalid_options_are_refused(command, room, arguments, message):
     ran = command("live", room, "--port", 0, *arguments)
     assert ran.returncode == 1 and message in ran.stderr and "Traceback" not in ran.stderr
+
+
+def test_a_recording_is_played(room, tmp_path):
+    commands = tmp_path / "commands.csv"
+    commands.write_text("time,vx,vy,wz\n0,0.3,0,0\n")
+    made = ["run", room, "--duration", "2", "--commands", commands, "--out", tmp_path / "drive", "--start", "2", "2", "0"]
+    assert CliRunner().invoke(app, list(map(str, made))).exit_code == 0
+    bag = tmp_path / "cut.mcap"
+    bag.write_bytes((tmp_path / "drive" / "recording" / "recording.mcap").read_bytes()[:-100])
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mobile_robot_simulator", "live", bag, "--port", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        line = process.stdout.readline()
+        url = re.fullmatch(r"Live view: (http://127.0.0.1:\d+/)\n", line)
+        assert url, line
+        assert urllib.request.urlopen(url[1], timeout=20).status == 200
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        assert process.returncode == 130 and "Traceback" not in errors
+        assert f"{bag}: the bag has no end" in " ".join(errors.split())
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_recording_takes_no_options_of_a_simulation(tmp_path):
+    bag = tmp_path / "some.mcap"
+    bag.write_bytes(b"\x89MCAP0\r\n")
+    ran = CliRunner().invoke(app, ["live", str(bag), "--seed", "0"])
+    assert ran.exit_code == 1
+    assert f"{bag} is a recording, so there is no simulation for --seed" in str(ran.exception)

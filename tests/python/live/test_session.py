@@ -30,6 +30,12 @@ def test_time_runs_stops_and_steps(session):
     assert session.simulation.time == pytest.approx(11.08, abs=0.3)
 
 
+def test_a_simulation_has_no_time_line(session):
+    with pytest.raises(ValueError, match="a simulation has no time line"):
+        do(session, "seek", time=1.0)
+    assert session.simulation.time == 0.0
+
+
 def test_the_start_speed_is_the_parameter_speed_factor():
     assert session_of(robot(speed_factor=2.5)).pace.speed == 2.5
 

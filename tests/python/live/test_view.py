@@ -3,84 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import re
 import threading
 import time
-import urllib.error
-import urllib.request
 from urllib.parse import urlsplit
 
 import pytest
 import websockets
+from pages import Page, background, fetch
 from sessions import robot
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.live import LiveView
+from mobile_robot_simulator.live.inputs import Record
 from simulations import drive
-
-
-def fetch(url: str, **headers: str) -> tuple[int, str]:
-    try:
-        with urllib.request.urlopen(urllib.request.Request(url, headers=headers), timeout=20) as answer:
-            return answer.status, answer.read().decode(errors="replace")
-    except urllib.error.HTTPError as error:
-        return error.code, error.read().decode()
-
-
-def viewer_of(url: str) -> str:
-    """Returns the identifier that the server gave a page."""
-    found = re.search(r'viewer\\?["\': ]+([0-9a-f-]{36})', fetch(url)[1])
-    assert found, "the page names no viewer"
-    return found[1]
-
-
-class Page:
-    """A page in a thread of its own: sends inputs and keeps what arrives."""
-
-    def __init__(self, url: str) -> None:
-        self.address = f"ws://{urlsplit(url).netloc}/live/socket?viewer={viewer_of(url)}"
-        self.parts: dict[str, object] = {}
-        self.answers: list[dict[str, object]] = []
-        self._wanted: list[dict[str, object]] = []
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=lambda: asyncio.run(self._talk()), daemon=True)
-        self._thread.start()
-        self.wait(lambda: "now" in self.parts)
-
-    async def _talk(self) -> None:
-        async with websockets.connect(self.address, max_size=None, proxy=None) as socket:
-            while not self._ended.is_set():
-                while self._wanted:
-                    await socket.send(json.dumps(self._wanted.pop(0)))
-                try:
-                    message = json.loads(await asyncio.wait_for(socket.recv(), 0.02))
-                except TimeoutError:
-                    continue
-                except asyncio.TimeoutError:
-                    continue
-                self.answers += message.pop("answers", [])
-                self.parts.update(message)
-                await socket.send('{"kind": "drawn"}')
-
-    def send(self, kind: str, **values: object) -> None:
-        self._wanted.append({"kind": kind, "id": 1, **values})
-
-    def wait(self, condition, seconds: float = 20.0) -> None:
-        end = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < end, "it did not happen"
-            time.sleep(0.01)
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join(5.0)
-
-
-def background(call) -> threading.Thread:
-    thread = threading.Thread(target=call, daemon=True)
-    thread.start()
-    return thread
 
 
 def test_a_page_drives_the_simulation_that_run_hands_over():
@@ -220,3 +156,11 @@ def test_a_port_in_use_is_an_error_that_says_so():
 def test_the_page_names_no_address_elsewhere():
     with LiveView(robot()) as view:
         assert not re.findall(r"(?:src|href)=[\"']?(?:https?:)?//", fetch(view.url)[1])
+
+
+def test_a_closed_view_ends_its_recording(tmp_path):
+    view = LiveView(robot(), folder=tmp_path)
+    view.session.do(Record(name="one"))
+    view.session.simulation.run_for(1.0)
+    view.close()
+    assert (tmp_path / "one" / "recording" / "metadata.yaml").is_file()
