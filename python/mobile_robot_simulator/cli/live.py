@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -84,6 +85,12 @@ def live(
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0 chooses a free one.")] = 8090,
     open_browser: Annotated[bool, typer.Option("--open", help="Open the page in the browser of this machine.")] = False,
     paused: Annotated[bool, typer.Option("--paused", help="Start with the time stopped.")] = False,
+    foxglove: Annotated[
+        bool, typer.Option("--foxglove", help="Also start a server for the Foxglove app, on this machine only.")
+    ] = False,
+    foxglove_port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port of the server for the Foxglove app; 0 chooses a free one.")
+    ] = 8765,
 ) -> None:
     """See a simulation in the browser: drive, place things, change parameters, record. Or play a recording there.
 
@@ -108,6 +115,7 @@ def live(
             "--fault": fault,
             "--param": param,
             "--params-file": params_file,
+            "--foxglove": foxglove,
         }
         if given := [name for name, value in simulated.items() if value]:
             raise ValueError(f"{map_file} is a recording, so there is no simulation for {', '.join(given)}")
@@ -145,7 +153,15 @@ def live(
         elif driver == DriverName.wander:
             view.session.pilots.engage(name, WanderPilot(simulation, name, chosen_seed))
         _announce(view, "simulation", open_browser=open_browser)
-        _run(view, duration)
+        if not foxglove:
+            _run(view, duration)
+            return
+        with view:
+            from ..foxglove import FoxgloveServer
+
+            with FoxgloveServer(simulation, port=foxglove_port) as server:
+                console.print(f"Foxglove: {server.url}", markup=False, highlight=False, soft_wrap=True)
+                _run(view, duration, server.turn)
 
 
 def _play(recording: Path, *, host: str, port: int, paused: bool, open_browser: bool) -> None:
@@ -168,11 +184,12 @@ def _announce(view: PageView, what: str, *, open_browser: bool) -> None:
         print_note(f"Open this address in a browser. Ctrl-C ends the {what}.")
 
 
-def _run(view: LiveView, duration: float | None) -> None:
-    """Runs until Ctrl-C or until a simulated time [s], then closes the view."""
+def _run(view: LiveView, duration: float | None, turn: Callable[[], None] = lambda: None) -> None:
+    """Runs until Ctrl-C or until a simulated time [s], then closes the view. Calls `turn` often meanwhile."""
     try:
         while duration is None or view.session.simulation.time < duration:
-            view.run(0.1)
+            view.run(0.02)
+            turn()
     finally:
         view.close()
 

@@ -12,8 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 import mobile_robot_simulator as mrs
+from foxglove_client import connected
 from mobile_robot_simulator.cli import live as live_command
 from mobile_robot_simulator.cli.main import app
+from mobile_robot_simulator.recording.serialization import ros2_types
 
 
 @pytest.fixture
@@ -144,6 +146,45 @@ def test_a_recording_is_played(room, tmp_path):
 def test_a_recording_takes_no_options_of_a_simulation(tmp_path):
     bag = tmp_path / "some.mcap"
     bag.write_bytes(b"\x89MCAP0\r\n")
-    ran = CliRunner().invoke(app, ["live", str(bag), "--seed", "0"])
+    ran = CliRunner().invoke(app, ["live", str(bag), "--seed", "0", "--foxglove"])
     assert ran.exit_code == 1
-    assert f"{bag} is a recording, so there is no simulation for --seed" in str(ran.exception)
+    assert f"{bag} is a recording, so there is no simulation for --seed, --foxglove" in str(ran.exception)
+
+
+def test_foxglove_shows_and_moves_the_same_simulation(room):
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "mobile_robot_simulator", "live", room, "--port", "0", "--start", "2", "2", "0"),
+            *("--foxglove", "--foxglove-port", "0"),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        lines = [process.stdout.readline() for _ in range(2)]
+        url = re.fullmatch(r"Foxglove: (ws://127.0.0.1:\d+)\n", lines[1])
+        assert lines[0].startswith("Live view: ") and url, lines
+        with connected(url[1], lambda: None) as client:
+            client.send(
+                "advertise",
+                channels=[
+                    {"id": 1, "topic": "/cmd_vel", "encoding": "json", "schemaName": "geometry_msgs/msg/Twist"},
+                ],
+            )
+            client.subscribe(5, "/odom")
+            client.data(5)
+            client.publish(1, b'{"linear": {"x": 0.5}}')
+
+            def moves():
+                client.publish(1, b'{"linear": {"x": 0.5}}')
+                odometry = ros2_types().deserialize_cdr(client.messages[-1][2], "nav_msgs/msg/Odometry")
+                return odometry.pose.pose.position.x > 0.1
+
+            client.wait(moves)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        assert process.returncode == 130 and "Traceback" not in errors
+    finally:
+        process.kill()
+        process.wait()
