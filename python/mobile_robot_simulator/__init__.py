@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from . import compare as compare
     from . import faults as faults
     from . import foxglove as foxglove
+    from . import learning as learning
     from . import live as live
     from . import localization as localization
     from . import logs as logs
@@ -94,6 +95,7 @@ _SUBMODULES = (
     "compare",
     "faults",
     "foxglove",
+    "learning",
     "live",
     "localization",
     "logs",

@@ -32,6 +32,7 @@ ROOMS = (
     "maps",
     "localization",
     "plotting",
+    "learning",
     "physics",
     "nodes",
     "bus",
@@ -58,7 +59,7 @@ SIDE_BY_SIDE = ({"bus", "ros"},)
 UPWARD = {("simulation/simulation.py", "live")}
 """Imports of a room above, inside functions: `Simulation.show` opens a view of the simulation itself."""
 
-LEAVES = {"foxglove", "live", "plotting", "recording"}
+LEAVES = {"foxglove", "learning", "live", "plotting", "recording"}
 """Rooms that need an optional dependency. They are imported only inside functions or under TYPE_CHECKING."""
 
 NEEDS_NO_EXTRA = {"recording.format"}
@@ -168,6 +169,9 @@ TESTED_ELSEWHERE = {
     "cli/console.py": "the tests of each command read what it prints",
     "cli/ros.py": "needs ROS: tests/ros",
     "cli/summary.py": "cli/test_drive.py reads the summary of a drive",
+    "learning/actions.py": "learning/test_vector_environment.py gives bad ones to both environments",
+    "learning/frame.py": "learning/test_environment.py and test_vector_environment.py look at the pixels",
+    "learning/spaces.py": "learning/test_environment.py runs Gymnasium's check of the spaces",
     "live/page_view.py": "live/test_view.py and live/test_replay_view.py run what is derived from it",
     "live/page.py": "tests/browser looks at the page in a real browser",
     "live/server.py": "live/test_view.py talks to it, and tests/browser with a real browser",

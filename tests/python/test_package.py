@@ -67,6 +67,7 @@ SUBMODULES = [
     "compare",
     "faults",
     "foxglove",
+    "learning",
     "live",
     "localization",
     "logs",

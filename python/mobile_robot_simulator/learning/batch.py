@@ -1,0 +1,189 @@
+"""Many robots that do the same task, each in an episode of its own: what both environments are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import BeamModel, Fleet, FleetStep
+from .free_space import FreeSpace
+from .task import NavigationTask
+
+Observations = dict[str, NDArray[np.float32]]
+"""Observations of N environments: ranges (N, beam_count), goal (N, 2) and velocity (N, 2) or (N, 3)."""
+
+BLOCKS = 64
+"""Number of starts that are tried until there is a goal for one."""
+
+
+class Outcome(NamedTuple):
+    """What a step of N environments led to."""
+
+    rewards: NDArray[np.float64]
+    """Sum of the parts of the reward, (N,)."""
+    parts: dict[str, NDArray[np.float64]]
+    """Each part of the reward with its weight, (N,)."""
+    reached: NDArray[np.bool_]
+    """Whether the goal was reached, (N,)."""
+    contacts: NDArray[np.bool_]
+    """Whether something was touched, (N,)."""
+    truncated: NDArray[np.bool_]
+    """Whether the time is over, (N,)."""
+
+    @property
+    def terminated(self) -> NDArray[np.bool_]:
+        """Whether the episode has come to its end, (N,)."""
+        return self.reached | self.contacts
+
+
+class Batch:
+    """N robots, each in an episode of its own.
+
+    All that is random in an episode is drawn from the environment's generator, a fixed number of draws for each episode, so
+    that an environment does the same whatever the others do.
+
+    Args:
+        task: What the robots do.
+        count: Number of robots, at least 1.
+        threads: Number of threads for moving and scanning; None means one per core.
+
+    Raises:
+        ValueError: A world has no free space, or a goal is nowhere as far from a start as it must be.
+    """
+
+    def __init__(self, task: NavigationTask, count: int, threads: int | None = None) -> None:
+        self.task = task
+        self.generators: list[np.random.Generator] = []
+        self.generator_seeds: list[int] = []
+        self.goals = np.zeros((count, 2))
+        self._threads = threads
+        self._steps = np.zeros(count, np.int64)
+        self._space = FreeSpace(task.grids, task.footprint.reach + task.clearance)
+        self._scale = np.array(task.max_velocity)
+        self._axes = [0, 2] if len(self._scale) == 2 else [0, 1, 2]
+        self._commands = np.zeros((count, 3))
+        self._noise: list[BeamModel | None] = [task.noise] * count
+        self._slip = np.zeros(count)
+        self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
+        probe = np.random.default_rng(0)
+        for world in range(len(task.grids)):
+            self._drawn(np.array([world]), [probe])
+        self.fleet = self._new_fleet(np.zeros((count, 3)))
+        self._seen = np.zeros((count, 2))
+        self._step: FleetStep | None = None
+        self._ranges = np.zeros((count, task.laser.beam_count), np.float32)
+        self._is_released = False
+
+    def seed(self, seeds: Sequence[int | None], mask: NDArray[np.bool_]) -> None:
+        """Gives new generators to the environments of the mask that have a seed, and to all that have none yet."""
+        if not self.generators:
+            pairs = [gymnasium.utils.seeding.np_random(seed) for seed in seeds]
+            self.generators, self.generator_seeds = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+            return
+        for index in np.flatnonzero(mask).tolist():
+            if (seed := seeds[index]) is not None:
+                self.generators[index], self.generator_seeds[index] = gymnasium.utils.seeding.np_random(seed)
+
+    def reset(self, mask: NDArray[np.bool_]) -> None:
+        """Begins a new episode in each environment of the mask."""
+        chosen = np.flatnonzero(mask)
+        generators = [self.generators[index] for index in chosen.tolist()]
+        ranges = self.task.randomisation
+        head = np.array([generator.random(2 + len(ranges)) for generator in generators])
+        self._worlds[chosen] = (head[:, 0] * len(self.task.grids)).astype(np.intp)
+        self._seeds[chosen] = (head[:, 1] * 2.0**53).astype(np.uint64)
+        poses = np.zeros((len(mask), 3))
+        poses[chosen], self.goals[chosen] = self._drawn(self._worlds[chosen], generators)
+        if ranges:
+            poses[~mask] = self.fleet.poses[~mask]
+            for index, numbers in zip(chosen.tolist(), head[:, 2:].tolist(), strict=True):
+                drawn = {
+                    name: low + number * (high - low)
+                    for (name, (low, high)), number in zip(ranges.items(), numbers, strict=True)
+                }
+                self._noise[index], self._slip[index] = self.task.disturbed(drawn)
+            kept = self.fleet.save(~mask)
+            self.fleet = self._new_fleet(poses)
+            self.fleet.restore(kept)
+        else:
+            self.fleet.reset(mask, poses=poses, seeds=self._seeds, grids=self._worlds)
+        if self._is_released:
+            self._ranges, self._is_released = self._ranges.copy(), False
+        self._ranges[chosen] = self.fleet.scan(mask, threads=self._threads)
+        self._steps[chosen] = 0
+        self._seen = self.fleet.relative(self.goals)
+
+    def step(self, actions: NDArray[np.floating[Any]]) -> Outcome:
+        """Moves all robots by actions (N, A) in [-1, 1] for a step, and judges where they got to."""
+        task = self.task
+        self._commands[:, self._axes] = np.clip(actions, -1.0, 1.0) * self._scale
+        self._step = self.fleet.step(self._commands, task.duration, threads=self._threads, out=self._step)
+        assert self._step.ranges is not None
+        self._ranges, self._is_released = self._step.ranges, False
+        before, self._seen = self._seen[:, 0], self.fleet.relative(self.goals)
+        self._steps += 1
+        contacts = self._step.contacts.copy()
+        reached = (self._seen[:, 0] <= task.goal_radius) & ~contacts
+        truncated = (self._steps >= task.step_limit) & ~reached & ~contacts
+        weights = task.rewards
+        parts = {
+            "progress": weights["progress"] * (before - self._seen[:, 0]),
+            "goal": np.where(reached, weights["goal"], 0.0),
+            "contact": np.where(contacts, weights["contact"], 0.0),
+            "time": np.full(len(contacts), weights["time"] * task.duration),
+            "turning": weights["turning"] * task.duration * np.abs(self._step.velocities[:, 2]),
+        }
+        rewards = parts["progress"] + parts["goal"] + parts["contact"] + parts["time"] + parts["turning"]
+        return Outcome(rewards, parts, reached, contacts, truncated)
+
+    def observations(self) -> Observations:
+        """Returns what the robots see now. The next step changes the ranges, unless `release` is called."""
+        velocities = self.fleet.velocities
+        return {
+            "goal": self._seen.astype(np.float32),
+            "ranges": self._ranges,
+            "velocity": velocities[:, self._axes].astype(np.float32),
+        }
+
+    def release(self) -> None:
+        """Leaves the arrays of the last observations to the caller: nothing changes them any more."""
+        self._step, self._is_released = None, True
+
+    def _drawn(
+        self, worlds: NDArray[np.intp], generators: Sequence[np.random.Generator]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draws a start (M, 3) and a goal (M, 2) in each of the worlds."""
+        poses, goals = np.zeros((len(worlds), 3)), np.zeros((len(worlds), 2))
+        missing = np.arange(len(worlds))
+        for _ in range(BLOCKS):
+            numbers = np.array([generators[index].random(FreeSpace.NUMBERS) for index in missing.tolist()])
+            poses[missing], goals[missing], found = self._space.draw(worlds[missing], self.task.goal_distances, numbers)
+            missing = missing[~found]
+            if not len(missing):
+                return poses, goals
+        low, high = self.task.goal_distances
+        tried = BLOCKS * FreeSpace.ATTEMPTS
+        raise ValueError(
+            f"a world must have a goal that a robot can reach, {low:g} m to {high:g} m from its start; "
+            f"got none in {tried} draws in world {worlds[missing[0]]}"
+        )
+
+    def _new_fleet(self, poses: NDArray[np.float64]) -> Fleet:
+        task = self.task
+        noise = [model for model in self._noise if model is not None]
+        is_random = bool(task.randomisation)
+        return Fleet(
+            task.grids,
+            poses,
+            seeds=self._seeds,
+            grid_of=self._worlds,
+            footprint=task.footprint,
+            limits=task.limits,
+            slip=self._slip if is_random else None,
+            scanner=task.scanner,
+            noise=(noise if is_random else noise[0]) if noise else None,
+        )

@@ -1,0 +1,130 @@
+"""Where a robot can go in its world, and starts and goals that are connected."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import OccupancyGrid
+from ..maps.floor_plans.connectivity import label
+
+
+class FreeSpace:
+    """The connected free space of a disc in each of some worlds.
+
+    A cell belongs to it if it is known to be free, and the disc overlaps nothing wherever in the cell its centre is.
+    Two cells are connected if a chain of such cells with common sides joins them. So the disc can move from any point
+    of one to any point of the other. Passages that are wider than the disc by less than about three cells do not count.
+
+    Args:
+        worlds: The worlds.
+        radius: Radius of the disc [m].
+
+    Raises:
+        ValueError: The radius is negative, or a world has no such cell.
+
+    Example:
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> cells = np.zeros((9, 21), np.int8)
+        >>> cells[:, 10] = 100  # a wall between two rooms
+        >>> space = FreeSpace([mrs.OccupancyGrid(cells, resolution=0.5)], radius=0.5)
+        >>> [space.are_connected(0, (1.0, 1.0), goal) for goal in [(2.0, 3.0), (9.0, 1.0)]]
+        [True, False]
+    """
+
+    ATTEMPTS = 16
+    """Number of goals that are tried for a start."""
+
+    NUMBERS = 4 + 2 * ATTEMPTS
+    """Number of random numbers for a start and its goal."""
+
+    def __init__(self, worlds: Sequence[OccupancyGrid], radius: float) -> None:
+        if not (math.isfinite(radius) and radius >= 0.0):
+            raise ValueError(f"radius must be at least 0, got {radius} m")
+        labels = [_labels(world, radius) for world in worlds]
+        for index, parts in enumerate(labels):
+            if not parts.any():
+                raise ValueError(
+                    f"a world must have free space for a robot of radius {radius:g} m, got none in world {index}"
+                )
+        self._shapes = np.array([parts.shape for parts in labels])
+        self._first = np.cumsum([0, *(parts.size for parts in labels)])[:-1]
+        self._labels = np.concatenate([parts.ravel() for parts in labels])
+        cells = [np.flatnonzero(parts).astype(np.int32) for parts in labels]
+        self._counts = np.array([len(some) for some in cells])
+        self._first_cell = np.cumsum([0, *self._counts])[:-1]
+        self._cells = np.concatenate(cells)
+        self._resolutions = np.array([world.resolution for world in worlds])
+        self._origins = np.array([tuple(world.origin) for world in worlds])
+
+    def are_connected(self, world: int, start: Sequence[float], goal: Sequence[float]) -> bool:
+        """Tells whether two points (x, y) [m] in the map frame of a world are in the same connected part."""
+        worlds = np.array([world])
+        one, other = (self._label_at(worlds, np.array([point[:2]], float)) for point in (start, goal))
+        return bool(one == other and one != 0)
+
+    def draw(
+        self, worlds: NDArray[np.intp], distances: tuple[float, float], numbers: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Draws a start and a goal that is connected to it in each of some worlds.
+
+        The start is uniform over the free space, and its yaw over [-π, π). The goal is the first one of some in random
+        directions that is connected; its distance from the start, in a straight line, is uniform between two limits
+        before that choice.
+
+        Args:
+            worlds: (M,), indices of the worlds.
+            distances: Least and largest distance [m].
+            numbers: (M, NUMBERS), random numbers in [0, 1).
+
+        Returns:
+            The starts, (M, 3), poses x, y, yaw [m, m, rad] in the map frame; the goals, (M, 2), points x, y [m] in the
+            map frame; and whether a goal was found, (M,) bool.
+        """
+        cells = self._cells[self._first_cell[worlds] + (numbers[:, 0] * self._counts[worlds]).astype(np.intp)]
+        rows, cols = np.divmod(cells, self._shapes[worlds, 1])
+        inside = np.stack([cols, rows], axis=1) + numbers[:, 1:3]
+        x, y = self._to_map(worlds, inside)
+        yaws = (numbers[:, 3] * 2.0 - 1.0) * math.pi
+        directions = numbers[:, 4::2] * math.tau
+        lengths = distances[0] + numbers[:, 5::2] * (distances[1] - distances[0])
+        goals = np.stack([x[:, None] + lengths * np.cos(directions), y[:, None] + lengths * np.sin(directions)], axis=2)
+        parts = self._label_at(np.repeat(worlds, self.ATTEMPTS), goals.reshape(-1, 2)).reshape(lengths.shape)
+        fits = parts == self._labels[self._first[worlds] + cells][:, None]
+        chosen = fits.argmax(axis=1)
+        rows = np.arange(len(worlds))
+        return np.stack([x, y, yaws], axis=1), goals[rows, chosen], fits[rows, chosen]
+
+    def _to_map(
+        self, worlds: NDArray[np.intp], inside: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns points (M, 2), in cells from the corner of their grids, in the map frame."""
+        origins, offsets = self._origins[worlds], inside * self._resolutions[worlds, None]
+        cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
+        x = origins[:, 0] + cos * offsets[:, 0] - sin * offsets[:, 1]
+        y = origins[:, 1] + sin * offsets[:, 0] + cos * offsets[:, 1]
+        return x, y
+
+    def _label_at(self, worlds: NDArray[np.intp], points: NDArray[np.float64]) -> NDArray[np.int32]:
+        """Returns the labels of the connected parts at points (M, 2) of the map frame; 0 where the disc is not free."""
+        origins = self._origins[worlds]
+        cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
+        dx, dy = (points - origins[:, :2]).T
+        cols = np.floor((cos * dx + sin * dy) / self._resolutions[worlds])
+        rows = np.floor((cos * dy - sin * dx) / self._resolutions[worlds])
+        heights, widths = self._shapes[worlds].T
+        inside = (cols >= 0) & (cols < widths) & (rows >= 0) & (rows < heights)
+        cells = np.where(inside, rows * widths + cols, 0.0).astype(np.intp)
+        return np.where(inside, self._labels[self._first[worlds] + cells], np.int32(0))
+
+
+def _labels(world: OccupancyGrid, radius: float) -> NDArray[np.int32]:
+    """Returns the label of the connected part of each cell, (H, W); 0 for cells that do not belong to one."""
+    # The distances are those between centres. Points of two cells are nearer than the centres by at most a diagonal.
+    needed = radius + math.sqrt(2.0) * world.resolution
+    free = world.distances(needed * 1.01) >= needed
+    return label(free & (world.cells >= 0))
