@@ -202,10 +202,10 @@ export default {
     /** Sends an input. Rejects with the reason if it is refused. */
     tell(input) { return this.link().ask(input); },
     /** Goes to a time of a recording [s], at most every 50 ms while the time line is dragged. */
-    seek(time) {
-      this.scrub = time;
-      this.seeking ||= setTimeout(() => { this.seeking = 0; this.ask({ kind: "seek", time: Math.max(0, this.wantedTime) }); }, 50);
-      this.wantedTime = time;
+    seek(wanted) {
+      const time = this.scrub = Math.max(0, Math.min(wanted, this.replay.duration));
+      this.seeking ||= setTimeout(() => { this.seeking = 0; this.ask({ kind: "seek", time: this.wantedTime }); }, 50);
+      Object.assign(this, { wantedTime: time, soughtAt: performance.now() }); // what comes from the simulator is older for a moment
     },
     clock(time) { const tenths = Math.round(time * 10); return `${Math.floor(tenths / 600)}:${((tenths % 600) / 10).toFixed(1).padStart(4, "0")}`; },
     drive(v, side, w) {
@@ -227,7 +227,7 @@ export default {
     key(event) {
       if (isTyping() || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
       const tool = this.replay ? null : TOOLS.find((each) => each.key === event.key.toLowerCase()), skip = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-      if (this.replay && skip) { this.seek(this.at + skip); this.scrub = null; }
+      if (this.replay && skip) { this.seek((performance.now() - this.soughtAt < 300 ? this.wantedTime : this.link().parts.now.time) + skip); this.scrub = null; }
       const actions = {
         " ": () => this.ask({ kind: "pause", paused: !this.session?.paused }), ".": () => this.ask({ kind: "step", seconds: 0.1 }), "?": () => { this.help = true; },
         "+": () => this.zoom(1.4), "-": () => this.zoom(1 / 1.4), f: () => this.fit(), c: () => this.follow(), Escape: () => this.use("look"),
