@@ -63,18 +63,52 @@ pub enum Error {
         value: [f64; 3],
     },
     /// A command of a robot that is not finite, or too large.
-    #[error("the command of robot {robot} must be finite and at most 1000 on each axis, got {value:?}")]
+    #[error("{} must be finite and at most 1000 on each axis, got {value:?}", command(*robot, *step))]
     Command {
-        /// Index of the first such robot.
+        /// Index of the first such robot, or of the rollout.
         robot: usize,
+        /// Index of the command in the rollout; `None` for a robot, which has only one.
+        step: Option<usize>,
         /// The command given.
         value: [f64; 3],
+    },
+    /// Times of waypoints that do not increase.
+    #[error("the times of waypoints must increase, got {} after {} in row {row}", shown(times[1]), shown(times[0]))]
+    Times {
+        /// Index of the first waypoint that is not after the one before it.
+        row: usize,
+        /// Times of the waypoint before it, and of this one \[s\].
+        times: [f64; 2],
+    },
+    /// Robots of one world at different times.
+    #[error("robots that share a world must be at the same time, got {} s for robot {robot} and {} s for another", times[0], times[1])]
+    Clocks {
+        /// Index of a robot.
+        robot: usize,
+        /// Its time, and that of another robot of its world \[s\].
+        times: [f64; 2],
+    },
+    /// Robots of one world on different grids.
+    #[error("robots that share a world must be on the same grid, got robots {robot} and {other}")]
+    Worlds {
+        /// Index of a robot.
+        robot: usize,
+        /// Index of a robot of the same world on another grid.
+        other: usize,
     },
     /// Words that are not the state of robots.
     #[error("the words must be those of a saved state, got {problem}")]
     State {
         /// What is wrong with them.
         problem: &'static str,
+    },
+    /// A robot that a fleet does not have.
+    #[error("the robot must be below {count}, got {robot}")]
+    NoRobot {
+        /// The index given.
+        robot: usize,
+        /// Number of robots of the fleet.
+        count: usize,
     },
     /// An index of something that does not exist, given for a robot.
     #[error("{name} of robot {robot} must be below {count}, got {value}")]
@@ -211,6 +245,10 @@ pub enum Error {
 fn shown(value: f64) -> String {
     let size = value.abs();
     if size < 1e16 && (size >= 1e-5 || size == 0.0) { value.to_string() } else { format!("{value:?}") }
+}
+
+fn command(robot: usize, step: Option<usize>) -> String {
+    step.map_or_else(|| format!("the command of robot {robot}"), |step| format!("command {step} of rollout {robot}"))
 }
 
 fn largest_disc(radius: Option<f64>) -> String {

@@ -86,7 +86,7 @@ pub use beam_model::{BeamModel, BeamModelOptions};
 pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};
 pub use error::Error;
-pub use fleet::{Fleet, FleetOptions, FleetState, MAX_COMMAND, Reset, Touch};
+pub use fleet::{Fleet, FleetObstacle, FleetOptions, FleetState, MAX_COMMAND, Reset, Rollout, Thing, Touch};
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use likelihood_field::{LikelihoodField, LikelihoodFieldOptions};
 pub use motion::{
@@ -94,7 +94,7 @@ pub use motion::{
     WheelMotion, integrate, integrate_batch, interpolate, trace,
 };
 pub use mount::Mount;
-pub use obstacles::{MovingObstacle, Obstacles};
+pub use obstacles::{MovingObstacle, Obstacles, Trajectory};
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use scanner::{Courses, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};

@@ -118,6 +118,9 @@ pub(crate) fn rotate(vector: DVec2, angle: f64) -> DVec2 {
 /// ```
 #[must_use]
 pub fn wrap_angle(angle: f64) -> f64 {
+    if angle > -PI && angle <= PI {
+        return angle;
+    }
     let wrapped = libm::remainder(angle, TAU);
     if wrapped <= -PI { PI } else { wrapped }
 }

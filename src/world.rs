@@ -12,16 +12,18 @@ pub struct World<'a> {
     pub grid: &'a OccupancyGrid,
     /// Shapes at poses in the map frame, which stop beams and footprints too.
     pub obstacles: &'a Obstacles,
+    /// Index of an obstacle that is not there, such as the one that stands for the robot itself; `None` for none.
+    pub except: Option<usize>,
 }
 
 impl<'a> From<&'a OccupancyGrid> for World<'a> {
     fn from(grid: &'a OccupancyGrid) -> Self {
-        Self { grid, obstacles: Obstacles::NONE }
+        Self { grid, obstacles: Obstacles::NONE, except: None }
     }
 }
 
 impl<'a> From<(&'a OccupancyGrid, &'a Obstacles)> for World<'a> {
     fn from((grid, obstacles): (&'a OccupancyGrid, &'a Obstacles)) -> Self {
-        Self { grid, obstacles }
+        Self { grid, obstacles, except: None }
     }
 }

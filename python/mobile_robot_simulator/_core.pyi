@@ -44,6 +44,7 @@ MAX_COMMAND: float
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
 _TwistLike: TypeAlias = Sequence[float] | NDArray[np.float64]
 _Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]
+_Trajectory: TypeAlias = _PoseLike | ArrayLike
 _MovingObstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike] | tuple[Shape, _PoseLike, _TwistLike]]
 
 @final
@@ -791,10 +792,10 @@ class LikelihoodField:
 
 @final
 class Fleet:
-    """Many robots that are stepped together, each alone in a world of its own.
+    """Many robots that are stepped together, each alone in a world of its own, or several in one.
 
-    Each robot moves, touches walls and measures as a robot of a `Simulation`, byte by byte, whatever the other robots do and
-    however many threads work. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
+    Each robot moves, touches and measures as a robot of a `Simulation`, byte by byte, however many threads work. Robots that
+    share a world see and touch each other; a robot does not depend on robots in other worlds. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
     steps of 20 ms. Poses are in the map frame, with yaws in (-π, π].
 
     A robot has a seed. The noise of its scan i is that of `LaserScanner.scan_batch` with this seed and `first_index=i`; the
@@ -812,7 +813,16 @@ class Fleet:
         slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
         scanner: The scanner on each robot; None for no scans.
         noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
-        clearance: Least free distance around the footprint of a robot at a pose that is drawn [m].
+        odometry_noise: Noise of the odometry between two steps: for all robots, or a sequence with one for each. None means
+            exact odometry.
+        world_of: (N,) integers. Robots with the same number share a world. None means a world for each robot, with its index as
+            its number.
+        obstacles: Tuples (Shape, trajectory) for an obstacle in each world, or (Shape, trajectory, world) for one world. A
+            trajectory is a pose, or (K, 4) waypoints (time, x, y, yaw) [s, m, m, rad], interpolated linearly: the obstacle stands
+            at the first one before its time, and at the last one after its time. The time is that of the world.
+        clearance: Least free distance around the footprint of a robot at a pose that is drawn [m]. Obstacles and other robots do
+            not count.
+        clearance_limit: Distance up to which the clearance of each robot is measured after each step [m]; None to not measure it.
 
     Raises:
         ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
@@ -850,7 +860,11 @@ class Fleet:
         slip: float | ArrayLike | None = None,
         scanner: LaserScanner | None = None,
         noise: BeamModel | Sequence[BeamModel] | None = None,
+        odometry_noise: MotionNoise | Sequence[MotionNoise] | None = None,
+        world_of: ArrayLike | None = None,
+        obstacles: Iterable[tuple[Shape, _Trajectory] | tuple[Shape, _Trajectory, int | None]] = (),
         clearance: float = 0.0,
+        clearance_limit: float | None = None,
     ) -> Self: ...
     def step(
         self,
@@ -934,8 +948,9 @@ class Fleet:
         seeds: ArrayLike | None = None,
         grids: ArrayLike | None = None,
     ) -> None:
-        """Puts robots at poses, where they stand still at time 0.
+        """Puts robots at poses, where they stand still.
 
+        The time of a world begins at 0 again, unless other robots stay in it.
         Poses that are not given are drawn from the free space of the robot's map, with the robot's seed: as by
         `OccupancyGrid.draw_free_poses` with the radius `footprint.reach + clearance`. If there is an error, nothing has changed.
 
@@ -1014,6 +1029,47 @@ class Fleet:
                    [1., 2., 0.],
                    [0., 0., 0.]])
         """
+    def rollout(
+        self, commands: ArrayLike, duration: float, *, robot: int = 0, threads: int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Returns what would happen to one robot under many sequences of commands, for planners such as MPPI. The fleet stays as it is.
+
+        Each sequence begins with the present state of the robot. It moves as by `step(..., scan=False)` with one command after
+        another. The other robots of its world go on at their last commands.
+
+        Args:
+            commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. Anything
+                that NumPy can convert to float64 without loss. An array in C order is read in place, so no other thread may
+                write to it during the call.
+            duration: Duration of a command [s], at most 1e6.
+            robot: Index of the robot.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+
+        Returns:
+            The poses (K, T, 3) float64 in the map frame after each command [m, m, rad], and (K, T) bool, whether the robot
+            touched something at each command.
+
+        Raises:
+            ValueError: A shape is wrong, a command is not finite or too large, the duration is not positive, or there is no such
+                robot.
+            TypeError: An argument has the wrong type or dtype.
+            RuntimeError: Another thread uses the fleet.
+            OSError: The threads could not be started.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m. Which of two sequences of two commands touches it?
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0)], footprint=mrs.Shape.disc(0.2))
+            >>> slow, fast = (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)
+            >>> poses, contacts = fleet.rollout([[slow, slow], [fast, fast]], 1.0)
+            >>> poses[:, :, 0].round(3), contacts
+            (array([[1. , 1.5],
+                   [1.5, 1.8]]), array([[False, False],
+                   [False,  True]]))
+        """
     def relative(self, goals: ArrayLike, *, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
         """Returns the goal of each robot as seen from it.
 
@@ -1045,7 +1101,7 @@ class Fleet:
         """Velocities of the robots now: (N, 3) float64, rows (vx, vy, wz) in their own frames [m/s, m/s, rad/s], a new array."""
     @property
     def times(self) -> NDArray[np.float64]:
-        """Time of each robot since its last reset: (N,) float64 [s], a new array."""
+        """Time of the world of each robot: (N,) float64 [s], a new array."""
     @property
     def seeds(self) -> NDArray[np.uint64]:
         """Seed of each robot: (N,) uint64, a new array."""
@@ -1073,6 +1129,18 @@ class Fleet:
     @property
     def noise(self) -> list[BeamModel] | None:
         """Noise of the ranges: one for all robots, or one for each; None for true ranges."""
+    @property
+    def odometry_noise(self) -> list[MotionNoise] | None:
+        """Noise of the odometry: one for all robots, or one for each; None for exact odometry."""
+    @property
+    def world_of(self) -> NDArray[np.uint64]:
+        """Number of the world of each robot: (N,) uint64, a new array."""
+    @property
+    def obstacles(self) -> list[tuple[Shape, NDArray[np.float64], int | None]]:
+        """The obstacles: a list of (Shape, waypoints, world), with (K, 4) float64 and the number of the world, or None for all."""
+    @property
+    def clearance_limit(self) -> float | None:
+        """Distance up to which the clearance of the robots is measured after each step [m]; None to not measure it."""
     @property
     def clearance(self) -> float:
         """Least free distance around the footprint of a robot at a pose that is drawn [m]."""
@@ -1130,7 +1198,11 @@ class FleetStep:
         velocities: (N, 3) float64 in C order.
         contacts: (N,) bool.
         contact_points: (N, 2) float64 in C order.
+        contact_obstacles: (N,) int64.
+        contact_robots: (N,) int64.
+        odometry: (N, 3) float64 in C order.
         ranges: (N, beam_count) float32 in C order; None for steps without scans.
+        clearances: (N,) float64; None for a fleet without `clearance_limit`.
 
     Raises:
         ValueError: An array has another shape, or is not in C order.
@@ -1155,7 +1227,11 @@ class FleetStep:
         velocities: NDArray[np.float64],
         contacts: NDArray[np.bool_],
         contact_points: NDArray[np.float64],
+        contact_obstacles: NDArray[np.int64],
+        contact_robots: NDArray[np.int64],
+        odometry: NDArray[np.float64],
         ranges: NDArray[np.float32] | None = None,
+        clearances: NDArray[np.float64] | None = None,
     ) -> Self: ...
     @property
     def poses(self) -> NDArray[np.float64]:
@@ -1169,6 +1245,27 @@ class FleetStep:
     @property
     def contact_points(self) -> NDArray[np.float64]:
         """Points that the robots touched first in the step: (N, 2) float64, rows (x, y) in the map frame [m]; NaN for none."""
+    @property
+    def contact_obstacles(self) -> NDArray[np.int64]:
+        """Index of the obstacle that each robot touched first in the step: (N,) int64, -1 for none."""
+    @property
+    def contact_robots(self) -> NDArray[np.int64]:
+        """Index of the other robot that each robot touched first in the step: (N,) int64, -1 for none.
+
+        A contact with neither an obstacle nor a robot is one with a wall.
+        """
+    @property
+    def odometry(self) -> NDArray[np.float64]:
+        """Pose that the odometry of each robot reports after the step: (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+
+        It is in the robot's odometry frame, which is that of its first pose. Without noise and slip, it is where the robot is.
+        """
+    @property
+    def clearances(self) -> NDArray[np.float64] | None:
+        """Distance of each footprint to the nearest wall, obstacle or robot after the step: (N,) float64 [m].
+
+        It is `clearance_limit` of the fleet if there is nothing nearer. None without that limit, or without a footprint.
+        """
     @property
     def ranges(self) -> NDArray[np.float32] | None:
         """Scan of each robot after the step: (N, beam_count) float32 [m]; None without a scanner or with `scan=False`."""

@@ -110,7 +110,7 @@ impl<'a> Blockers<'a> {
         let to_grid = |point: DVec2| grid_from_map.position + DVec2::new(cos, sin).rotate(point);
         for (index, body) in self.world.obstacles.bodies().iter().enumerate() {
             let (middle, reach) = body.bounds();
-            if to_grid(middle).distance(center) > radius + reach {
+            if self.world.except == Some(index) || to_grid(middle).distance(center) > radius + reach {
                 continue;
             }
             if body.radius() > 0.0 {
@@ -136,7 +136,8 @@ impl<'a> Blockers<'a> {
             return None;
         }
         let in_map = self.world.grid.options().origin.transform_point(point);
-        bodies.iter().position(|body| body.contains(in_map))
+        let mut bodies = bodies.iter().enumerate();
+        bodies.find(|&(index, body)| self.world.except != Some(index) && body.contains(in_map)).map(|(index, _)| index)
     }
 
     /// Returns true if a footprint overlaps anything: an edge meets a piece, or one of the two is inside the other.

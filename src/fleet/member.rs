@@ -2,15 +2,14 @@
 
 use glam::DVec2;
 
-use super::robot::{Body, Robot, STEP_NS};
+use super::odometer::Odometer;
+use super::robot::{Body, Robot};
 use super::words::{Reader, Writer};
 use crate::contact::Contact;
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
-use crate::interrupt::Watch;
-use crate::motion::{Twist, seconds};
+use crate::motion::{MotionNoise, Twist, seconds};
 use crate::pose::Pose;
-use crate::world::World;
 
 /// What a robot touched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +18,26 @@ pub struct Touch {
     pub point: DVec2,
     /// Unit vector in the map frame towards the robot; zero if its origin is inside of what it touched.
     pub normal: DVec2,
+    /// What it touched.
+    pub what: Thing,
+}
+
+/// Something that a robot can touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Thing {
+    /// A blocking cell of the grid.
+    Wall,
+    /// The obstacle with this index in the fleet.
+    Obstacle(usize),
+    /// The robot with this index in the fleet.
+    Robot(usize),
 }
 
 /// A robot of a fleet.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member {
-    robot: Robot,
+    pub robot: Robot,
+    odometer: Odometer,
     /// Index of its grid.
     pub grid: usize,
     /// Seed of its random streams.
@@ -33,18 +46,16 @@ pub struct Member {
     pub scans: u64,
     /// Index of the next pose that is drawn for it.
     draws: u64,
-    /// Its pose in the map frame.
+    /// Its pose in the map frame, with its yaw in (-π, π].
     pub pose: Pose,
+    /// Pose in the map frame with which others can collide until the next multiple of the time step.
+    pub frozen: Pose,
     /// Its velocity in its own frame.
     pub velocity: Twist,
     /// What it touched first in its last step.
     pub touch: Option<Touch>,
-}
-
-impl From<Contact> for Touch {
-    fn from(contact: Contact) -> Self {
-        Self { point: contact.point, normal: contact.normal }
-    }
+    /// Distance to the nearest thing after its last step \[m\]; NaN if it was not measured.
+    pub clearance: f64,
 }
 
 impl Member {
@@ -54,19 +65,39 @@ impl Member {
     /// Never.
     pub fn new(body: Body<'_>) -> Result<Self, Error> {
         let pose = Pose::default();
-        let robot = Robot::new(pose, body)?;
-        Ok(Self { robot, grid: 0, seed: 0, scans: 0, draws: 0, pose, velocity: Twist::default(), touch: None })
+        Ok(Self {
+            robot: Robot::new(pose, 0, body)?,
+            odometer: Odometer::new(0, 0),
+            grid: 0,
+            seed: 0,
+            scans: 0,
+            draws: 0,
+            pose,
+            frozen: pose,
+            velocity: Twist::default(),
+            touch: None,
+            clearance: f64::NAN,
+        })
     }
 
     /// Writes the robot as words.
     pub fn write(&self, words: &mut Writer) {
         self.robot.write(words);
+        self.odometer.write(words);
         for word in [self.grid as u64, self.seed, self.scans, self.draws] {
             words.word(word);
         }
         words.numbers(self.pose.to_array());
+        words.numbers(self.frozen.to_array());
         words.numbers(self.velocity.to_array());
-        words.option(self.touch.map(|Touch { point, normal }| [point.x, point.y, normal.x, normal.y]));
+        words.option(self.touch.map(|Touch { point, normal, .. }| [point.x, point.y, normal.x, normal.y]));
+        let what = match self.touch.map_or(Thing::Wall, |touch| touch.what) {
+            Thing::Wall => [0, 0],
+            Thing::Obstacle(index) => [1, index as u64],
+            Thing::Robot(index) => [2, index as u64],
+        };
+        what.into_iter().for_each(|word| words.word(word));
+        words.option(Some([self.clearance]).filter(|[clearance]| clearance.is_finite()));
     }
 
     /// Returns the robot that was written.
@@ -74,26 +105,31 @@ impl Member {
     /// # Errors
     /// [`Error::State`]: the words are not those of a robot.
     pub fn read(words: &mut Reader<'_>) -> Result<Self, Error> {
-        Ok(Self {
-            robot: Robot::read(words)?,
-            grid: words.at_most(u64::from(u32::MAX))? as usize,
-            seed: words.word()?,
-            scans: words.word()?,
-            draws: words.word()?,
-            pose: words.pose()?,
-            velocity: words.twist()?,
-            touch: words.option()?.map(|[x, y, nx, ny]| Touch { point: DVec2::new(x, y), normal: DVec2::new(nx, ny) }),
-        })
+        let (robot, odometer) = (Robot::read(words)?, Odometer::read_words(words)?);
+        let grid = words.at_most(u64::from(u32::MAX))? as usize;
+        let (seed, scans, draws) = (words.word()?, words.word()?, words.word()?);
+        let (pose, frozen, velocity) = (words.pose()?, words.pose()?, words.twist()?);
+        let (touch, kind, index) = (words.option()?, words.at_most(2)?, words.at_most(u64::from(u32::MAX))? as usize);
+        let what = [Thing::Wall, Thing::Obstacle(index), Thing::Robot(index)][kind as usize];
+        let touch = touch.map(|[x, y, nx, ny]| Touch { point: DVec2::new(x, y), normal: DVec2::new(nx, ny), what });
+        let clearance = words.option()?.map_or(f64::NAN, |[clearance]| clearance);
+        Ok(Self { robot, odometer, grid, seed, scans, draws, pose, frozen, velocity, touch, clearance })
     }
 
-    /// Returns the time since the robot was put at its first pose \[s\].
+    /// Returns the time in the robot's world \[s\].
     pub fn time(&self) -> f64 {
         seconds(self.robot.time_ns())
+    }
+
+    /// Returns the pose that its odometry reports, in the odometry frame.
+    pub fn odometry(&self) -> Pose {
+        self.odometer.pose
     }
 
     /// Begins the random streams of another seed.
     pub fn use_seed(&mut self, seed: u64) {
         (self.seed, self.scans, self.draws) = (seed, 0, 0);
+        self.odometer = Odometer::new(0, 0);
     }
 
     /// Draws a pose from the free space of a grid, for a disc of this radius \[m\].
@@ -107,46 +143,32 @@ impl Member {
         Ok(Pose::from(pose[0]))
     }
 
-    /// Puts the robot at a pose in the map frame, where it stands still at time 0.
+    /// Puts the robot at a pose in the map frame, where it stands still from a time \[ns\] on.
     ///
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
-    pub fn put(&mut self, pose: Pose, body: Body<'_>) -> Result<(), Error> {
-        self.robot = Robot::new(pose, body)?;
-        self.touch = None;
-        self.look(body)
+    pub fn put(&mut self, pose: Pose, time_ns: i64, body: Body<'_>) -> Result<(), Error> {
+        self.robot = Robot::new(pose, time_ns, body)?;
+        self.odometer = Odometer::new(time_ns, self.odometer.index());
+        (self.touch, self.clearance) = (None, f64::NAN);
+        self.pose = self.robot.map_pose(body)?.wrapped();
+        self.velocity = self.robot.velocity(body)?;
+        Ok(())
     }
 
-    /// Moves the robot at a command for a duration \[ns\].
+    /// Notes a contact, if it is the first one of the step.
+    pub fn note(&mut self, contact: Contact, what: Thing) {
+        self.touch.get_or_insert(Touch { point: contact.point, normal: contact.normal, what });
+    }
+
+    /// Computes where the robot is after a step and how it moves, and reads its odometer.
     ///
     /// # Errors
-    /// - [`Error::Number`]: a pose is not finite, or the robot is far too fast.
-    /// - [`Error::Memory`]: there is not enough memory.
-    /// - [`Error::Interrupted`]: the call was interrupted.
-    pub fn step(
-        &mut self,
-        command: Twist,
-        duration_ns: i64,
-        body: Body<'_>,
-        world: World<'_>,
-        watch: &Watch,
-    ) -> Result<(), Error> {
-        self.touch = None;
-        self.robot.command(command, body)?;
-        let end_ns = self.robot.time_ns() + duration_ns;
-        while self.robot.time_ns() < end_ns {
-            watch.check()?;
-            let next_ns = (self.robot.time_ns() / STEP_NS + 1) * STEP_NS;
-            let next_ns = if body.footprint.is_some() { next_ns.min(end_ns) } else { end_ns };
-            let contact = self.robot.advance(next_ns, body, world)?;
-            self.touch = self.touch.or(contact.map(Touch::from));
-        }
-        self.look(body)
-    }
-
-    /// Computes where the robot is and how it moves.
-    fn look(&mut self, body: Body<'_>) -> Result<(), Error> {
-        (self.pose, self.velocity) = (self.robot.map_pose(body)?, self.robot.velocity(body)?);
-        Ok(())
+    /// [`Error::Number`]: a number is not finite.
+    pub fn look(&mut self, body: Body<'_>, noise: Option<&MotionNoise>) -> Result<(), Error> {
+        self.pose = self.robot.map_pose(body)?.wrapped();
+        self.velocity = self.robot.velocity(body)?;
+        let wheels = self.robot.wheels_now(body)?.wrapped();
+        self.odometer.read(wheels, self.robot.time_ns(), noise, self.seed)
     }
 }

@@ -1,8 +1,12 @@
-//! Fleets: many robots that are stepped together, each in a world of its own.
+//! Fleets: many robots that are stepped together, each in a world of its own or several in one.
 
 mod member;
+mod odometer;
 mod robot;
+mod rollout;
+mod step;
 mod words;
+mod worlds;
 
 use std::sync::Arc;
 
@@ -10,18 +14,22 @@ use crate::batch::for_each_heavy_chunk_watched;
 use crate::beam_model::BeamModel;
 use crate::contact::ContactMode;
 use crate::error::{Error, check_number};
+use crate::free_area::Distances;
 use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
 use crate::memory;
-use crate::motion::{Limits, Twist, nanoseconds};
+use crate::motion::{Limits, MotionNoise, Twist, nanoseconds};
 use crate::pose::Pose;
 use crate::scanner::{LaserScanner, Shot};
 use crate::shape::Shape;
-use crate::world::World;
 use member::Member;
-pub use member::Touch;
+pub use member::{Thing, Touch};
 use robot::Body;
+pub use rollout::Rollout;
+use step::Scene;
 use words::{Reader, Writer};
+pub use worlds::FleetObstacle;
+use worlds::{FleetWorld, Worlds};
 
 /// Largest absolute velocity that a robot can be commanded to move at, for each axis \[m/s, m/s, rad/s\].
 pub const MAX_COMMAND: f64 = 1e3;
@@ -53,11 +61,16 @@ pub struct FleetOptions {
     pub scanner: Option<LaserScanner>,
     /// Noise of the ranges; empty for true ranges.
     pub noise: Vec<BeamModel>,
+    /// Noise of the odometry; empty for exact odometry.
+    pub odometry_noise: Vec<MotionNoise>,
+    /// Distance up to which the clearance of the robots is measured after a step \[m\]; `None` to not measure it.
+    pub clearance_limit: Option<f64>,
     /// Least free distance \[m\] around the footprint of a robot at a pose that is drawn.
     pub clearance: f64,
 }
 
-/// Robots that are stepped together, each alone in a world of its own: one of the grids.
+/// Robots that are stepped together. Each world has one of the grids, obstacles, and one robot or several, which see and touch
+/// each other.
 ///
 /// Each robot moves, touches and measures as a robot of the Python class `Simulation`, to the last bit, whatever the other
 /// robots do and however many threads work.
@@ -79,10 +92,12 @@ pub struct FleetOptions {
 ///     slip: vec![],
 ///     scanner: None,
 ///     noise: vec![],
+///     odometry_noise: vec![],
+///     clearance_limit: None,
 ///     clearance: 0.0,
 /// };
 /// // Two robots, 2 m and 5 m before the wall, drive at 1 m/s for 3 s. The first one stops 0.5 m before the wall.
-/// let mut fleet = Fleet::new(vec![grid], options, &[[5.0, 0.5, 0.0], [2.0, 0.5, 0.0]], &[1, 2], &[0, 0])?;
+/// let mut fleet = Fleet::new(vec![grid], options, &[[5.0, 0.5, 0.0], [2.0, 0.5, 0.0]], &[1, 2], &[0, 0], &[0, 1], vec![])?;
 /// fleet.step(&[[1.0, 0.0, 0.0]; 2], 3.0, None, None)?;
 /// let x: Vec<f64> = fleet.poses().map(|pose| pose.position.x).collect();
 /// assert!((x[0] - 6.5).abs() < 1e-6 && (x[1] - 5.0).abs() < 1e-12);
@@ -93,6 +108,8 @@ pub struct FleetOptions {
 pub struct Fleet {
     grids: Vec<Arc<OccupancyGrid>>,
     options: FleetOptions,
+    worlds: Worlds,
+    /// The robots, world by world.
     members: Vec<Member>,
     /// Where a step happens, so that nothing changes if it fails.
     next: Vec<Member>,
@@ -163,8 +180,23 @@ impl FleetOptions {
         }
     }
 
+    /// Returns the noise of the odometry of a robot.
+    fn odometry_noise_of(&self, robot: usize) -> Option<&MotionNoise> {
+        of_robot(&self.odometry_noise, robot)
+    }
+
+    /// Returns the work of a robot in a step, compared with one that only moves.
+    fn effort(&self) -> usize {
+        1 + usize::from(self.footprint.is_some()) + 4 * usize::from(self.clearance_limit.is_some())
+    }
+
     fn checked(self, count: usize) -> Result<Self, Error> {
-        let lengths = [("limits", self.limits.len()), ("slip", self.slip.len()), ("noise", self.noise.len())];
+        let lengths = [
+            ("limits", self.limits.len()),
+            ("slip", self.slip.len()),
+            ("noise", self.noise.len()),
+            ("odometry_noise", self.odometry_noise.len()),
+        ];
         for (name, length) in lengths {
             if length > 1 && length != count {
                 return Err(Error::Length { name, value: length, needed: count });
@@ -172,6 +204,9 @@ impl FleetOptions {
         }
         for &slip in &self.slip {
             check_number("slip", slip, "in 0..1", |slip| (0.0..=1.0).contains(&slip))?;
+        }
+        if let Some(limit) = self.clearance_limit {
+            check_number("clearance_limit", limit, "positive", |limit| limit > 0.0)?;
         }
         check_number("clearance", self.clearance, "at least 0", |clearance| clearance >= 0.0)?;
         Ok(self)
@@ -184,9 +219,10 @@ fn of_robot<T>(list: &[T], robot: usize) -> Option<&T> {
 }
 
 impl Fleet {
-    /// Returns a fleet of robots with these poses `[x, y, yaw]` in the map frame \[m, rad\], seeds and indices of their grids.
+    /// Returns a fleet of robots with these poses `[x, y, yaw]` in the map frame \[m, rad\], seeds, indices of their grids, and
+    /// numbers of their worlds.
     ///
-    /// If there are no poses, they are drawn from free space.
+    /// Robots with the same number share a world. If there are no poses, they are drawn from free space.
     ///
     /// # Errors
     /// - [`Error::Count`]: there is no robot.
@@ -201,15 +237,20 @@ impl Fleet {
         poses: &[[f64; 3]],
         seeds: &[u64],
         grid_of: &[usize],
+        world_of: &[u64],
+        obstacles: Vec<FleetObstacle>,
     ) -> Result<Self, Error> {
         let count = seeds.len();
         if count == 0 {
             return Err(Error::Count { name: "the number of robots", value: 0, needed: "at least 1" });
         }
-        let options = options.checked(count)?;
+        if world_of.len() != count {
+            return Err(Error::Length { name: "world_of", value: world_of.len(), needed: count });
+        }
+        let (options, worlds) = (options.checked(count)?, Worlds::new(world_of, obstacles)?);
         let still = Member::new(options.body(0))?;
         let members = memory::filled(ROBOTS, still, count)?;
-        let mut fleet = Self { grids, options, members, next: Vec::new() };
+        let mut fleet = Self { grids, options, worlds, members, next: Vec::new() };
         let poses = (!poses.is_empty()).then_some(poses);
         fleet.reset(&memory::filled(ROBOTS, true, count)?, Reset { poses, seeds: Some(seeds), grids: Some(grid_of) })?;
         Ok(fleet)
@@ -248,37 +289,60 @@ impl Fleet {
     /// Iterates over the poses of the robots in the map frame, with yaws in (-π, π].
     #[must_use]
     pub fn poses(&self) -> impl ExactSizeIterator<Item = Pose> {
-        self.members.iter().map(|member| member.pose)
+        self.in_order().map(|member| member.pose)
     }
 
     /// Iterates over the velocities of the robots, each in the robot's own frame.
     #[must_use]
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = Twist> {
-        self.members.iter().map(|member| member.velocity)
+        self.in_order().map(|member| member.velocity)
     }
 
     /// Iterates over what each robot touched first in its last step; `None` for nothing.
     #[must_use]
     pub fn touches(&self) -> impl ExactSizeIterator<Item = Option<Touch>> {
-        self.members.iter().map(|member| member.touch)
+        self.in_order().map(|member| member.touch)
     }
 
     /// Iterates over the times of the robots since their last reset \[s\].
     #[must_use]
     pub fn times(&self) -> impl ExactSizeIterator<Item = f64> {
-        self.members.iter().map(Member::time)
+        self.in_order().map(Member::time)
     }
 
     /// Iterates over the seeds of the robots.
     #[must_use]
     pub fn seeds(&self) -> impl ExactSizeIterator<Item = u64> {
-        self.members.iter().map(|member| member.seed)
+        self.in_order().map(|member| member.seed)
     }
 
     /// Iterates over the indices of the robots' grids.
     #[must_use]
     pub fn grid_of(&self) -> impl ExactSizeIterator<Item = usize> {
-        self.members.iter().map(|member| member.grid)
+        self.in_order().map(|member| member.grid)
+    }
+
+    /// Iterates over the poses that the odometry of each robot reports, in its odometry frame: that of its first pose.
+    #[must_use]
+    pub fn odometry(&self) -> impl ExactSizeIterator<Item = Pose> {
+        self.in_order().map(Member::odometry)
+    }
+
+    /// Iterates over the distances from the robots to the nearest thing after the last step \[m\]; NaN if not measured.
+    #[must_use]
+    pub fn clearances(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.in_order().map(|member| member.clearance)
+    }
+
+    /// Returns the obstacles.
+    #[must_use]
+    pub fn obstacles(&self) -> &[FleetObstacle] {
+        &self.worlds.obstacles
+    }
+
+    /// Iterates over the robots in their order.
+    fn in_order(&self) -> impl ExactSizeIterator<Item = &Member> {
+        self.worlds.place_of.iter().map(|&place| &self.members[place])
     }
 
     /// Moves all robots for `duration` seconds, each at its command `[vx, vy, wz]` \[m/s, m/s, rad/s\] in its own frame, within
@@ -304,25 +368,31 @@ impl Fleet {
         if commands.len() != self.len() {
             return Err(Error::Length { name: "commands", value: commands.len(), needed: self.len() });
         }
-        let is_bad = |command: &[f64; 3]| !command.iter().all(|number| number.abs() <= MAX_COMMAND);
-        if let Some(robot) = commands.iter().position(is_bad) {
-            return Err(Error::Command { robot, value: commands[robot] });
-        }
-        let needed = "at least 1e-9 and at most 1e6";
-        check_number("duration", duration, needed, |duration| (1e-9..=MAX_DURATION).contains(&duration))?;
-        let duration_ns = nanoseconds(duration);
+        check_commands(commands, None)?;
+        let duration_ns = check_duration(duration)?;
+        let distances = self.distances()?;
         self.prepare_next()?;
         let watch = Watch::new();
-        let Self { grids, options, next, .. } = self;
-        for_each_heavy_chunk_watched(&watch, threads, next, WEIGHT, CHUNK, |chunk, members| {
-            for (robot, member) in (chunk * CHUNK..).zip(members) {
-                let world = World::from(&*grids[member.grid]);
-                member.step(commands[robot].into(), duration_ns, options.body(robot), world, &watch)?;
+        let Self { grids, options, worlds, next, .. } = self;
+        let scene_of = |world, members: &[Member]| scene(grids, &distances, options, worlds, world, members[0].grid, &watch);
+        let mut rest = &mut next[..];
+        let mut crowds = memory::with_room(ROBOTS, worlds.worlds.len())?;
+        for world in &worlds.worlds {
+            let (members, others) = rest.split_at_mut(world.robots.len());
+            rest = others;
+            crowds.push((world, members));
+        }
+        let weight = WEIGHT * options.effort() * commands.len().div_ceil(crowds.len());
+        for_each_heavy_chunk_watched(&watch, threads, &mut crowds, weight, CHUNK, |_, crowds| {
+            for (world, members) in crowds {
+                let scene = scene_of(world, members);
+                scene.step(members, |robot| Some(commands[robot].into()), duration_ns)?;
+                scene.measure_clearance(members)?;
             }
             Ok(())
         })?;
         if let Some(readings) = readings {
-            scan(grids, options, next.iter_mut().enumerate(), threads, readings)?;
+            self.scan_next(|_| true, threads, readings)?;
         }
         std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
@@ -339,14 +409,12 @@ impl Fleet {
     pub fn scan(&mut self, mask: &[bool], threads: Option<usize>, readings: &mut [f32]) -> Result<(), Error> {
         self.check_mask(mask)?;
         self.prepare_next()?;
-        let Self { grids, options, next, .. } = self;
-        let chosen = next.iter_mut().enumerate().filter(|(robot, _)| mask[*robot]);
-        scan(grids, options, chosen, threads, readings)?;
+        self.scan_next(|robot| mask[robot], threads, readings)?;
         std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
 
-    /// Puts each chosen robot at a pose, where it stands still at time 0.
+    /// Puts each chosen robot at a pose, where it stands still. The time of its world begins at 0, unless other robots stay in it.
     ///
     /// A pose that is drawn depends on nothing but the grid, the radius of the footprint, and the seed of the robot with the
     /// number of poses drawn before. If there is an error, nothing has changed.
@@ -355,6 +423,7 @@ impl Fleet {
     /// - [`Error::Length`]: a list does not have one element for each robot of the fleet.
     /// - [`Error::Index`]: a grid does not exist.
     /// - [`Error::Row`]: the pose of a chosen robot is not finite.
+    /// - [`Error::Worlds`]: robots of one world would be on different grids.
     /// - Those of [`OccupancyGrid::draw_free_poses`].
     pub fn reset(&mut self, mask: &[bool], reset: Reset<'_>) -> Result<(), Error> {
         self.check_mask(mask)?;
@@ -369,11 +438,17 @@ impl Fleet {
             }
         }
         self.prepare_next()?;
-        let Self { grids, options, next, .. } = self;
+        let Self { grids, options, worlds, next, .. } = self;
         let radius = options.footprint.as_ref().map_or(0.0, Shape::reach) + options.clearance;
         let watch = Watch::new();
-        for (robot, member) in next.iter_mut().enumerate().filter(|(robot, _)| mask[*robot]) {
+        let mut times = memory::filled(ROBOTS, 0, next.len())?;
+        for world in &worlds.worlds {
+            let is_new = worlds.order[world.robots.clone()].iter().all(|&robot| mask[robot]);
+            times[world.robots.clone()].fill(if is_new { 0 } else { next[world.robots.start].robot.time_ns() });
+        }
+        for (place, member) in next.iter_mut().enumerate().filter(|(place, _)| mask[worlds.order[*place]]) {
             watch.check()?;
+            let robot = worlds.order[place];
             if let Some(grid) = reset.grids.map(|grids| grids[robot]) {
                 if grid >= grids.len() {
                     return Err(Error::Index { name: "grid", robot, value: grid, count: grids.len() });
@@ -390,8 +465,17 @@ impl Fleet {
                 Some(poses) => Pose::from(poses[robot]),
                 None => member.draw_pose(&grids[member.grid], radius)?,
             };
-            member.put(pose, options.body(robot))?;
+            member.put(pose, times[place], options.body(robot))?;
         }
+        for world in &worlds.worlds {
+            let members = &mut next[world.robots.clone()];
+            if worlds.order[world.robots.clone()].iter().any(|&robot| mask[robot]) {
+                for (member, &robot) in members.iter_mut().zip(&worlds.order[world.robots.clone()]) {
+                    member.frozen = member.robot.pose_for_others(options.body(robot))?;
+                }
+            }
+        }
+        check_crowds(worlds, next)?;
         std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
@@ -403,9 +487,9 @@ impl Fleet {
     pub fn save(&self, mask: &[bool]) -> Result<FleetState, Error> {
         self.check_mask(mask)?;
         let (mut robots, mut members) = (Vec::new(), Vec::new());
-        for (robot, member) in self.members.iter().enumerate().filter(|(robot, _)| mask[*robot]) {
+        for (robot, member) in self.in_order().enumerate().filter(|(robot, _)| mask[*robot]) {
             memory::push(ROBOTS, &mut robots, robot)?;
-            memory::push(ROBOTS, &mut members, member.clone())?;
+            memory::push(ROBOTS, &mut members, *member)?;
         }
         Ok(FleetState { robots, members })
     }
@@ -415,7 +499,8 @@ impl Fleet {
     ///
     /// # Errors
     /// - [`Error::Length`]: there is neither one state nor one for each of the robots.
-    /// - [`Error::Index`]: a saved robot, or the grid of a state, does not exist here.
+    /// - [`Error::NoRobot`], [`Error::Index`]: a saved robot, or the grid of a state, does not exist here.
+    /// - [`Error::Clocks`], [`Error::Worlds`]: robots of one world would be at different times, or on different grids.
     pub fn restore(&mut self, state: &FleetState, mask: Option<&[bool]>) -> Result<(), Error> {
         let chosen: Vec<usize> = match mask {
             None => state.robots.clone(),
@@ -428,17 +513,21 @@ impl Fleet {
             return Err(Error::Length { name: "the state", value: state.members.len(), needed: chosen.len() });
         }
         let members = || (0..chosen.len()).filter_map(|nth| of_robot(&state.members, nth));
-        for (nth, (&robot, member)) in chosen.iter().zip(members()).enumerate() {
+        for (&robot, member) in chosen.iter().zip(members()) {
             if robot >= self.len() {
-                return Err(Error::Index { name: "the place", robot: nth, value: robot, count: self.len() });
+                return Err(Error::NoRobot { robot, count: self.len() });
             }
             if member.grid >= self.grids.len() {
                 return Err(Error::Index { name: "grid", robot, value: member.grid, count: self.grids.len() });
             }
         }
+        let at = |robot: usize| self.worlds.place_of[robot];
+        self.next.clone_from(&self.members);
         for (&robot, member) in chosen.iter().zip(members()) {
-            self.members[robot].clone_from(member);
+            self.next[at(robot)] = *member;
         }
+        check_crowds(&self.worlds, &self.next)?;
+        std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
 
@@ -453,11 +542,51 @@ impl Fleet {
                 return Err(Error::Length { name, value, needed: self.len() });
             }
         }
-        for ((member, &goal), seen) in self.members.iter().zip(goals).zip(seen) {
+        for ((member, &goal), seen) in self.in_order().zip(goals).zip(seen) {
             let offset = member.pose.inverse().transform_point(goal.into());
             *seen = [offset.length(), libm::atan2(offset.y, offset.x)];
         }
         Ok(())
+    }
+
+    /// Writes the next scan of each chosen robot of `next`.
+    fn scan_next(
+        &mut self,
+        is_chosen: impl Fn(usize) -> bool,
+        threads: Option<usize>,
+        readings: &mut [f32],
+    ) -> Result<(), Error> {
+        let Self { grids, options, worlds, next, .. } = self;
+        let scanner = options.scanner.as_ref().expect("a scanner");
+        let watch = Watch::new();
+        let mut scenes = memory::with_room(ROBOTS, worlds.worlds.len())?;
+        let mut world_of = memory::filled(ROBOTS, 0, next.len())?;
+        for world in &worlds.worlds {
+            world_of[world.robots.clone()].fill(scenes.len());
+            let members = &next[world.robots.clone()];
+            scenes.push(scene(grids, &[], options, worlds, world, members[0].grid, &watch));
+        }
+        let arounds = scenes.iter().map(|scene| scene.around(&next[scene.world.robots.clone()]));
+        let arounds: Vec<_> = arounds.collect::<Result<_, _>>()?;
+        let chosen = || worlds.place_of.iter().enumerate().filter(|(robot, _)| is_chosen(*robot));
+        let mut shots = Vec::new();
+        for (robot, &place) in chosen() {
+            let (member, number) = (&next[place], world_of[place]);
+            let noise = of_robot(&options.noise, robot).map(|model| (model, member.seed, member.scans));
+            let world = scenes[number].world_of(robot, &arounds[number]);
+            memory::push(ROBOTS, &mut shots, Shot { world, map_from_base: member.pose, noise })?;
+        }
+        scanner.scan_each(&shots, threads, readings)?;
+        for (_, &place) in chosen() {
+            next[place].scans = next[place].scans.wrapping_add(1);
+        }
+        Ok(())
+    }
+
+    /// Returns the distances of the cells of each grid; none if the robots touch nothing.
+    fn distances(&self) -> Result<Vec<Arc<Distances>>, Error> {
+        let grids = if self.options.footprint.is_some() { &self.grids[..] } else { &[] };
+        grids.iter().map(|grid| grid.distances_of_cells()).collect()
     }
 
     fn check_mask(&self, mask: &[bool]) -> Result<(), Error> {
@@ -477,21 +606,46 @@ impl Fleet {
     }
 }
 
-/// Writes the next scan of each member.
-fn scan<'a>(
-    grids: &[Arc<OccupancyGrid>],
-    options: &FleetOptions,
-    members: impl Iterator<Item = (usize, &'a mut Member)>,
-    threads: Option<usize>,
-    readings: &mut [f32],
-) -> Result<(), Error> {
-    let scanner = options.scanner.as_ref().expect("a scanner");
-    let mut shots = Vec::new();
-    for (robot, member) in members {
-        let noise = of_robot(&options.noise, robot).map(|model| (model, member.seed, member.scans));
-        member.scans = member.scans.wrapping_add(1);
-        let world = World::from(&*grids[member.grid]);
-        memory::push(ROBOTS, &mut shots, Shot { world, map_from_base: member.pose, noise })?;
+/// Checks commands: one for each robot, or `steps` in a row for each rollout.
+fn check_commands(commands: &[[f64; 3]], steps: Option<usize>) -> Result<(), Error> {
+    let is_bad = |command: &[f64; 3]| !command.iter().all(|number| number.abs() <= MAX_COMMAND);
+    let Some(row) = commands.iter().position(is_bad) else { return Ok(()) };
+    let count = steps.unwrap_or(1);
+    Err(Error::Command { robot: row / count, step: steps.map(|_| row % count), value: commands[row] })
+}
+
+/// Returns a checked duration \[s\] in nanoseconds.
+fn check_duration(duration: f64) -> Result<i64, Error> {
+    let is_good = |duration: f64| (1e-9..=MAX_DURATION).contains(&duration);
+    Ok(nanoseconds(check_number("duration", duration, "at least 1e-9 and at most 1e6", is_good)?))
+}
+
+/// Checks that the robots of each world are at the same time and on the same grid.
+fn check_crowds(worlds: &Worlds, members: &[Member]) -> Result<(), Error> {
+    for world in worlds.worlds.iter().filter(|world| world.robots.len() > 1) {
+        let (robots, members) = (&worlds.order[world.robots.clone()], &members[world.robots.clone()]);
+        for (&robot, member) in robots.iter().zip(members) {
+            if member.robot.time_ns() != members[0].robot.time_ns() {
+                return Err(Error::Clocks { robot, times: [member.time(), members[0].time()] });
+            }
+            if member.grid != members[0].grid {
+                return Err(Error::Worlds { robot: robots[0], other: robot });
+            }
+        }
     }
-    scanner.scan_each(&shots, threads, readings)
+    Ok(())
+}
+
+/// Returns what does not change during a step of a world.
+fn scene<'a>(
+    grids: &'a [Arc<OccupancyGrid>],
+    distances: &'a [Arc<Distances>],
+    options: &'a FleetOptions,
+    worlds: &'a Worlds,
+    world: &'a FleetWorld,
+    grid: usize,
+    watch: &'a Watch,
+) -> Scene<'a> {
+    let distances = distances.get(grid).map(|distances| &**distances);
+    Scene { options, worlds, world, grid: &grids[grid], distances, watch }
 }

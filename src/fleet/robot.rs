@@ -6,13 +6,19 @@
 use super::words::{Reader, Writer};
 use crate::contact::{Contact, ContactMode, advance};
 use crate::error::Error;
-use crate::motion::{FOREVER, Limits, Profile, Twist, seconds};
+use crate::free_area::Distances;
+use crate::grid::Cell;
+use crate::motion::{FOREVER, Limits, Profile, Twist, nanoseconds, seconds};
 use crate::pose::Pose;
 use crate::shape::Shape;
 use crate::world::World;
 
 /// Time step in which contact is looked for \[ns\].
 pub const STEP_NS: i64 = 20_000_000;
+
+/// Distance \[m\] by which a footprint must miss everything for a time step without a look for contact: far more than the
+/// tolerance of a contact.
+const MARGIN: f64 = 1e-3;
 
 /// Turn in a time step \[rad\] up to which the twist between two poses is unique. It must be below π.
 const LARGEST_TURN: f64 = 3.0;
@@ -31,9 +37,9 @@ pub struct Body<'a> {
 }
 
 /// The motion of a robot up to the present.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Robot {
-    /// Time since the robot was put at its first pose \[ns\].
+    /// Time in the robot's world \[ns\].
     time_ns: i64,
     /// Pose of the odometry frame in the map: the first pose of the robot.
     map_from_odom: Pose,
@@ -49,6 +55,8 @@ pub struct Robot {
     reached: Option<Pose>,
     /// Pose in the odometry frame, at the start of the profile, of wheels that never slipped; `None` without slip.
     wheels: Option<Pose>,
+    /// Pose in the odometry frame at the present, if it has been computed.
+    here: Option<Pose>,
 }
 
 /// A time step with contact. Poses are in the map frame.
@@ -63,14 +71,14 @@ struct Step {
 }
 
 impl Robot {
-    /// Returns a robot that stands at a pose in the map frame, at time 0.
+    /// Returns a robot that stands at a pose in the map frame from a time \[ns\] on.
     ///
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
-    pub fn new(map_from_base: Pose, body: Body<'_>) -> Result<Self, Error> {
-        let profile = Profile::standing(0, body.limits);
+    pub fn new(map_from_base: Pose, time_ns: i64, body: Body<'_>) -> Result<Self, Error> {
+        let profile = Profile::standing(time_ns, body.limits);
         Ok(Self {
-            time_ns: 0,
+            time_ns,
             map_from_odom: map_from_base.checked()?,
             start: Pose::default(),
             profile,
@@ -78,6 +86,7 @@ impl Robot {
             is_blocked: false,
             reached: None,
             wheels: (body.grip != 1.0).then_some(Pose::default()),
+            here: None,
         })
     }
 
@@ -91,6 +100,7 @@ impl Robot {
         words.word(u64::from(self.is_blocked));
         words.option(self.reached.map(Pose::to_array));
         words.option(self.wheels.map(Pose::to_array));
+        words.option(self.here.map(Pose::to_array));
     }
 
     /// Returns the robot that was written.
@@ -107,20 +117,89 @@ impl Robot {
             is_blocked: words.flag()?,
             reached: words.option()?.map(Pose::from),
             wheels: words.option()?.map(Pose::from),
+            here: words.option()?.map(Pose::from),
         })
     }
 
-    /// Returns the time since the robot was put at its first pose \[ns\].
+    /// Returns the time in the robot's world \[ns\].
     pub fn time_ns(&self) -> i64 {
         self.time_ns
     }
 
-    /// Returns the pose in the map frame now, with its yaw in (-π, π].
+    /// Returns the last command.
+    pub fn requested(&self) -> Twist {
+        self.requested
+    }
+
+    /// Returns the pose in the map frame now.
     ///
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
-    pub fn map_pose(&self, body: Body<'_>) -> Result<Pose, Error> {
-        Ok((self.map_from_odom * self.pose(self.time_ns, body)?).wrapped())
+    pub fn map_pose(&mut self, body: Body<'_>) -> Result<Pose, Error> {
+        let here = self.pose(self.time_ns, body)?;
+        self.here = Some(here);
+        Ok(self.map_from_odom * here)
+    }
+
+    /// Returns the pose in the map frame that others can collide with.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the pose is not finite.
+    pub fn pose_for_others(&self, body: Body<'_>) -> Result<Pose, Error> {
+        match self.reached {
+            Some(reached) => Ok(reached),
+            None => Ok(self.map_from_odom * self.pose(self.time_ns, body)?),
+        }
+    }
+
+    /// Returns the pose in the odometry frame of wheels that never slipped, now.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the pose is not finite.
+    pub fn wheels_now(&self, body: Body<'_>) -> Result<Pose, Error> {
+        self.wheel_pose(self.time_ns, body)
+    }
+
+    /// Returns a speed \[m/s\] that the robot does not exceed, also if it is moved in time steps.
+    fn top_speed(&self) -> f64 {
+        let (before, after) = (self.profile.velocity.linear.abs(), self.profile.command.linear.abs());
+        // A time step follows an arc between two poses of the path, which may be longer than the path, but not twice as long.
+        2.0 * before.max(after).length()
+    }
+
+    /// Moves the robot, which can touch nothing, to a time \[ns\].
+    pub fn pass(&mut self, end_ns: i64) {
+        (self.time_ns, self.here) = (end_ns, None);
+    }
+
+    /// Moves the robot towards a time \[ns\] without a look for contact, as long as it can meet no wall and no obstacle.
+    ///
+    /// `map_pose` is its pose now, `distances` are those of the grid. It ends at `end_ns` or at a multiple of [`STEP_NS`].
+    pub fn skip(&mut self, end_ns: i64, map_pose: Pose, body: Body<'_>, world: World<'_>, distances: &Distances) {
+        let (Some(footprint), false) = (body.footprint, self.is_blocked) else { return };
+        let at = world.grid.to_cells(map_pose.position);
+        let Some(Cell { col, row }) = world.grid.cell_around(at) else { return };
+        let (reach, speed) = (footprint.reach() + MARGIN, self.top_speed());
+        let needed = reach + speed * seconds(end_ns - self.time_ns);
+        let resolution = world.grid.resolution();
+        let to_walls = if distances.is_clear(col, row, needed / resolution) {
+            needed
+        } else {
+            distances.clearance(at, needed / resolution) * resolution
+        };
+        let free = world.obstacles.bodies().iter().fold(to_walls, |free, body| {
+            let (middle, reach) = body.bounds();
+            free.min(middle.distance(map_pose.position) - reach)
+        });
+        let free_ns = if free < needed {
+            let safe_ns = self.time_ns + nanoseconds(((free - reach) / speed).max(0.0));
+            safe_ns - safe_ns % STEP_NS
+        } else {
+            end_ns
+        };
+        if free_ns > self.time_ns {
+            (self.time_ns, self.reached, self.here) = (free_ns, None, None);
+        }
     }
 
     /// Returns the velocity in the robot's own frame now.
@@ -152,14 +231,12 @@ impl Robot {
     pub fn advance(&mut self, end_ns: i64, body: Body<'_>, world: World<'_>) -> Result<Option<Contact>, Error> {
         let start_ns = self.time_ns;
         let Some(footprint) = body.footprint else {
-            self.time_ns = end_ns;
+            self.pass(end_ns);
             return Ok(None);
         };
         let profile = if self.is_blocked { self.following(start_ns, body)? } else { self.profile };
-        let start = match self.reached {
-            Some(reached) => reached,
-            None => self.map_from_odom * self.pose(start_ns, body)?,
-        };
+        let start = self.pose_for_others(body)?;
+        self.here = None;
         let duration = seconds(end_ns - start_ns);
         let twist = self.twist(&profile, start, (start_ns, end_ns), body)?;
         let (reached, contact) = advance(world, footprint, start, twist, duration, body.mode)?;
@@ -171,7 +248,8 @@ impl Robot {
                 self.begin_after_contact(&Step { start_ns, end_ns, duration, start, reached, twist }, contact, body)?;
             }
         } else {
-            self.reached = Some(reached);
+            // Without contact, the profile tells the pose.
+            self.reached = None;
             if self.is_blocked {
                 self.is_blocked = false;
                 self.begin(profile, None, body)?;
@@ -182,6 +260,9 @@ impl Robot {
 
     /// Returns the pose in the odometry frame at a time \[ns\] from the start of the profile on.
     fn pose(&self, time_ns: i64, body: Body<'_>) -> Result<Pose, Error> {
+        if let Some(here) = self.here.filter(|_| time_ns == self.time_ns) {
+            return Ok(here);
+        }
         self.profile.move_from(self.start, time_ns, body.grip)
     }
 
@@ -209,7 +290,7 @@ impl Robot {
             Some(pose) => pose,
             None => self.pose(time_ns, body)?,
         };
-        (self.profile, self.wheels, self.start) = (profile, wheels, start.wrapped());
+        (self.profile, self.wheels, self.start, self.here) = (profile, wheels, start.wrapped(), None);
         Ok(())
     }
 

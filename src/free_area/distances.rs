@@ -78,6 +78,13 @@ impl Distances {
         &self.between_centers
     }
 
+    /// Returns true if no blocking cell is within `radius` \[cells\] of any point of a cell. May return false though there is
+    /// none.
+    pub fn is_clear(&self, col: usize, row: usize, radius: f64) -> bool {
+        // A point of a cell is at most half a diagonal from its centre.
+        f64::from(self.between_centers[row * self.width + col]) * (1.0 - 1e-6) - std::f64::consts::SQRT_2 > radius
+    }
+
     /// Returns the exact distance from a point on the grid to the nearest blocking cell, or `limit` if that is smaller.
     ///
     /// Cost: at most one look-up for each row within that distance.

@@ -1,6 +1,7 @@
 //! Random poses in the free area of a grid.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::DVec2;
 use rand::RngExt;
@@ -73,8 +74,7 @@ impl OccupancyGrid {
         const AT_A_TIME: usize = 16;
         check_radius(radius)?;
         let is_known_free = |index: usize| self.cells[index] >= 0 && !self.options.blocks(self.cells[index]);
-        let build = || Distances::new(&self.cells, self.width, |&value| self.options.blocks(value));
-        let distances = self.free_areas.distances(build)?;
+        let distances = self.distances_of_cells()?;
         let in_cells = radius / self.resolution();
         let build = || FreeArea::new(&distances, in_cells, self.rounding_of_cells(), is_known_free);
         let no_place = || {
@@ -110,6 +110,15 @@ impl OccupancyGrid {
             }
             Ok(())
         })
+    }
+
+    /// Returns the distances of all cells to the nearest blocking one; builds them if they are not kept.
+    ///
+    /// # Errors
+    /// [`Error::Memory`], [`Error::Interrupted`].
+    pub(crate) fn distances_of_cells(&self) -> Result<Arc<Distances>, Error> {
+        let build = || Distances::new(&self.cells, self.width, |&value| self.options.blocks(value));
+        self.free_areas.distances(build)
     }
 
     /// Returns a bound \[cells\] on the rounding error of a point that is converted to the map frame and back.

@@ -2,6 +2,7 @@
 
 mod body;
 mod passing;
+mod trajectory;
 mod view;
 
 use glam::DVec2;
@@ -9,6 +10,7 @@ use glam::DVec2;
 pub(crate) use body::Body;
 pub use passing::MovingObstacle;
 pub(crate) use passing::Passing;
+pub use trajectory::Trajectory;
 pub(crate) use view::View;
 
 use crate::error::Error;
@@ -99,6 +101,19 @@ impl Obstacles {
         }
         let (sin, cos) = libm::sincos(pose.yaw);
         self.cast(pose.position, DVec2::new(cos, sin), limit)
+    }
+
+    /// Places a shape at a pose, as the obstacle with this index: one of the set, or the next one.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub(crate) fn place(&mut self, index: usize, shape: &Shape, pose: Pose) -> Result<(), Error> {
+        let body = Body::new(shape, pose)?;
+        match self.bodies.get_mut(index) {
+            Some(old) => *old = body,
+            None => memory::push(OBSTACLES, &mut self.bodies, body)?,
+        }
+        Ok(())
     }
 
     pub(crate) fn bodies(&self) -> &[Body] {

@@ -45,12 +45,12 @@ struct Seen<'a> {
 impl<'a> View<'a> {
     /// Returns the obstacles within `max_range` of a laser at `map_from_laser`. Allocates only if there is at least one.
     ///
-    /// `beams` are `None` if they are not evenly spread in the plane; then each may hit each obstacle.
+    /// The obstacle with the index `except` is left out. `beams` are `None` if they are not evenly spread in the plane; then each may hit each obstacle.
     ///
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
     pub fn new(
-        obstacles: &'a Obstacles,
+        (obstacles, except): (&'a Obstacles, Option<usize>),
         map_from_laser: Pose,
         beams: Option<Beams>,
         beam_count: usize,
@@ -59,7 +59,7 @@ impl<'a> View<'a> {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
         let mut seen = Vec::new();
-        for body in &obstacles.bodies {
+        for (_, body) in obstacles.bodies.iter().enumerate().filter(|(index, _)| Some(*index) != except) {
             let (center, reach) = body.bounds();
             let offset = center - origin;
             let distance = offset.length();

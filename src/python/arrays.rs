@@ -86,6 +86,24 @@ fn rows_of<'py>(array: PyReadonlyArrayDyn<'py, f64>, out: Option<&Bound<'py, PyA
     Ok(Rows::Copied(rows))
 }
 
+/// Returns the rows of an array of shape `(K, T, 3)`, one after another, and K and T.
+pub fn rows_of_rows<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<(Rows<'py>, [usize; 2])> {
+    let array = typed::<f64>(name, value)?;
+    let [count, length, 3] = *array.shape() else {
+        return Err(PyValueError::new_err(format!("{name} must have shape (K, T, 3), got {}", shape(array.shape()))));
+    };
+    Ok((rows_of(array, None)?, [count, length]))
+}
+
+/// Returns the rows of an array of shape `(K, 4)`.
+pub fn waypoints(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 4]>> {
+    let array = typed::<f64>(name, value)?;
+    let [_, 4] = *array.shape() else {
+        return Err(PyValueError::new_err(format!("{name} must have shape (K, 4), got {}", shape(array.shape()))));
+    };
+    Ok(memory::collected(WHAT, array.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2], row[3]]))?)
+}
+
 /// Returns the elements of an array of shape `(count,)`.
 pub fn elements<T: Element + Copy>(name: &str, value: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<T>> {
     let array = typed::<T>(name, value)?;

@@ -2,29 +2,33 @@
 
 use std::sync::Arc;
 
-use numpy::PyUntypedArrayMethods;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{
-    check_array, elements, fill, length, rows, shape, short_repr, type_name, typed, whole_numbers, writable, zeros,
+    check_array, elements, fill, length, rows, rows_of_rows, shape, short_repr, type_name, typed, vector, waypoints,
+    whole_numbers, writable, zeros,
 };
 use super::beam_model::BeamModel;
 use super::contact::contact_mode;
 use super::grid::OccupancyGrid;
 use super::limits::Limits;
+use super::motion_noise::MotionNoise;
 use super::number::Argument;
+use super::pose::PoseArgument;
 use super::scanner::LaserScanner;
 use super::shape::{FootprintArgument, Shape};
-use super::{Recipe, recipe, thread_count};
+use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{ContactMode, FleetOptions, Reset};
+use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Trajectory};
 
-/// Many robots that are stepped together, each alone in a world of its own.
+/// Many robots that are stepped together, each alone in a world of its own, or several in one.
 ///
-/// Each robot moves, touches walls and measures as a robot of a `Simulation`, byte by byte, whatever the other robots do and
-/// however many threads work. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
+/// Each robot moves, touches and measures as a robot of a `Simulation`, byte by byte, however many threads work. Robots that
+/// share a world see and touch each other; a robot does not depend on robots in other worlds. A command holds for a step, so it is like `velocity_timeout: 0`. Contact is looked for in time
 /// steps of 20 ms. Poses are in the map frame, with yaws in (-π, π].
 ///
 /// A robot has a seed. The noise of its scan i is that of `LaserScanner.scan_batch` with this seed and `first_index=i`; the
@@ -42,7 +46,16 @@ use crate::{ContactMode, FleetOptions, Reset};
 ///     slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
 ///     scanner: The scanner on each robot; None for no scans.
 ///     noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
-///     clearance: Least free distance around the footprint of a robot at a pose that is drawn [m].
+///     odometry_noise: Noise of the odometry between two steps: for all robots, or a sequence with one for each. None means
+///         exact odometry.
+///     world_of: (N,) integers. Robots with the same number share a world. None means a world for each robot, with its index as
+///         its number.
+///     obstacles: Tuples (Shape, trajectory) for an obstacle in each world, or (Shape, trajectory, world) for one world. A
+///         trajectory is a pose, or (K, 4) waypoints (time, x, y, yaw) [s, m, m, rad], interpolated linearly: the obstacle stands
+///         at the first one before its time, and at the last one after its time. The time is that of the world.
+///     clearance: Least free distance around the footprint of a robot at a pose that is drawn [m]. Obstacles and other robots do
+///         not count.
+///     clearance_limit: Distance up to which the clearance of each robot is measured after each step [m]; None to not measure it.
 ///
 /// Raises:
 ///     ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
@@ -69,6 +82,7 @@ use crate::{ContactMode, FleetOptions, Reset};
 pub struct Fleet {
     core: crate::Fleet,
     grids: Vec<Py<OccupancyGrid>>,
+    world_of: Vec<u64>,
 }
 
 /// What `Fleet.step` returns: one row for each robot. Pass it as `out=` to a later step to use its arrays again.
@@ -80,7 +94,11 @@ pub struct Fleet {
 ///     velocities: (N, 3) float64 in C order.
 ///     contacts: (N,) bool.
 ///     contact_points: (N, 2) float64 in C order.
+///     contact_obstacles: (N,) int64.
+///     contact_robots: (N,) int64.
+///     odometry: (N, 3) float64 in C order.
 ///     ranges: (N, beam_count) float32 in C order; None for steps without scans.
+///     clearances: (N,) float64; None for a fleet without `clearance_limit`.
 ///
 /// Raises:
 ///     ValueError: An array has another shape, or is not in C order.
@@ -102,27 +120,53 @@ pub struct FleetStep {
     velocities: Py<PyAny>,
     contacts: Py<PyAny>,
     contact_points: Py<PyAny>,
+    contact_obstacles: Py<PyAny>,
+    contact_robots: Py<PyAny>,
+    odometry: Py<PyAny>,
     ranges: Option<Py<PyAny>>,
+    clearances: Option<Py<PyAny>>,
 }
 
 #[pymethods]
 impl FleetStep {
     #[new]
-    #[pyo3(signature = (*, poses, velocities, contacts, contact_points, ranges = None))]
+    #[pyo3(signature = (
+        *,
+        poses,
+        velocities,
+        contacts,
+        contact_points,
+        contact_obstacles,
+        contact_robots,
+        odometry,
+        ranges = None,
+        clearances = None,
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn of_arrays(
         poses: &Bound<'_, PyAny>,
         velocities: &Bound<'_, PyAny>,
         contacts: &Bound<'_, PyAny>,
         contact_points: &Bound<'_, PyAny>,
+        contact_obstacles: &Bound<'_, PyAny>,
+        contact_robots: &Bound<'_, PyAny>,
+        odometry: &Bound<'_, PyAny>,
         ranges: Option<&Bound<'_, PyAny>>,
+        clearances: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let count = length(poses, 0);
         check_array::<f64>("poses", poses, &[count, 3])?;
         check_array::<f64>("velocities", velocities, &[count, 3])?;
         check_array::<bool>("contacts", contacts, &[count])?;
         check_array::<f64>("contact_points", contact_points, &[count, 2])?;
+        check_array::<i64>("contact_obstacles", contact_obstacles, &[count])?;
+        check_array::<i64>("contact_robots", contact_robots, &[count])?;
+        check_array::<f64>("odometry", odometry, &[count, 3])?;
         if let Some(ranges) = ranges {
             check_array::<f32>("ranges", ranges, &[count, length(ranges, 1)])?;
+        }
+        if let Some(clearances) = clearances {
+            check_array::<f64>("clearances", clearances, &[count])?;
         }
         let own = |array: &Bound<'_, PyAny>| array.clone().unbind();
         Ok(Self {
@@ -130,7 +174,11 @@ impl FleetStep {
             velocities: own(velocities),
             contacts: own(contacts),
             contact_points: own(contact_points),
+            contact_obstacles: own(contact_obstacles),
+            contact_robots: own(contact_robots),
+            odometry: own(odometry),
             ranges: ranges.map(own),
+            clearances: clearances.map(own),
         })
     }
 
@@ -158,6 +206,36 @@ impl FleetStep {
         self.contact_points.clone_ref(py)
     }
 
+    /// Index of the obstacle that each robot touched first in the step: (N,) int64, -1 for none.
+    #[getter]
+    fn contact_obstacles(&self, py: Python<'_>) -> Py<PyAny> {
+        self.contact_obstacles.clone_ref(py)
+    }
+
+    /// Index of the other robot that each robot touched first in the step: (N,) int64, -1 for none.
+    ///
+    /// A contact with neither an obstacle nor a robot is one with a wall.
+    #[getter]
+    fn contact_robots(&self, py: Python<'_>) -> Py<PyAny> {
+        self.contact_robots.clone_ref(py)
+    }
+
+    /// Pose that the odometry of each robot reports after the step: (N, 3) float64, rows (x, y, yaw) [m, m, rad].
+    ///
+    /// It is in the robot's odometry frame, which is that of its first pose. Without noise and slip, it is where the robot is.
+    #[getter]
+    fn odometry(&self, py: Python<'_>) -> Py<PyAny> {
+        self.odometry.clone_ref(py)
+    }
+
+    /// Distance of each footprint to the nearest wall, obstacle or robot after the step: (N,) float64 [m].
+    ///
+    /// It is `clearance_limit` of the fleet if there is nothing nearer. None without that limit, or without a footprint.
+    #[getter]
+    fn clearances(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.clearances.as_ref().map(|clearances| clearances.clone_ref(py))
+    }
+
     /// Scan of each robot after the step: (N, beam_count) float32 [m]; None without a scanner or with `scan=False`.
     #[getter]
     fn ranges(&self, py: Python<'_>) -> Option<Py<PyAny>> {
@@ -170,7 +248,11 @@ impl FleetStep {
         keywords.set_item("velocities", &self.velocities)?;
         keywords.set_item("contacts", &self.contacts)?;
         keywords.set_item("contact_points", &self.contact_points)?;
+        keywords.set_item("contact_obstacles", &self.contact_obstacles)?;
+        keywords.set_item("contact_robots", &self.contact_robots)?;
+        keywords.set_item("odometry", &self.odometry)?;
         keywords.set_item("ranges", &self.ranges)?;
+        keywords.set_item("clearances", &self.clearances)?;
         recipe::<Self>(py, PyTuple::empty(py), keywords)
     }
 
@@ -184,12 +266,16 @@ impl FleetStep {
 }
 
 impl FleetStep {
-    fn new(py: Python<'_>, count: usize, beam_count: Option<usize>) -> PyResult<Self> {
+    fn new(py: Python<'_>, count: usize, beam_count: Option<usize>, has_clearances: bool) -> PyResult<Self> {
         Ok(Self {
             poses: zeros::<f64>(py, &[count, 3])?.unbind(),
             velocities: zeros::<f64>(py, &[count, 3])?.unbind(),
             contacts: zeros::<bool>(py, &[count])?.unbind(),
             contact_points: zeros::<f64>(py, &[count, 2])?.unbind(),
+            contact_obstacles: zeros::<i64>(py, &[count])?.unbind(),
+            contact_robots: zeros::<i64>(py, &[count])?.unbind(),
+            odometry: zeros::<f64>(py, &[count, 3])?.unbind(),
+            clearances: has_clearances.then(|| zeros::<f64>(py, &[count])).transpose()?.map(Bound::unbind),
             ranges: beam_count.map(|beams| zeros::<f32>(py, &[count, beams])).transpose()?.map(Bound::unbind),
         })
     }
@@ -271,10 +357,15 @@ impl Fleet {
             slip = None,
             scanner = None,
             noise = None,
+            odometry_noise = None,
+            world_of = None,
+            obstacles = None,
             clearance = 0.0.into(),
+            clearance_limit = None,
         ),
         text_signature = "(grids, poses=None, *, seeds=None, grid_of=None, footprint=None, contact='stop', limits=None, \
-                          slip=None, scanner=None, noise=None, clearance=0.0)"
+                          slip=None, scanner=None, noise=None, odometry_noise=None, world_of=None, obstacles=(), \
+                          clearance=0.0, clearance_limit=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn new(
@@ -289,7 +380,11 @@ impl Fleet {
         slip: Option<&Bound<'_, PyAny>>,
         scanner: Option<&Bound<'_, PyAny>>,
         noise: Option<&Bound<'_, PyAny>>,
+        odometry_noise: Option<&Bound<'_, PyAny>>,
+        world_of: Option<&Bound<'_, PyAny>>,
+        obstacles: Option<&Bound<'_, PyAny>>,
         clearance: Argument<f64>,
+        clearance_limit: Option<Argument<f64>>,
     ) -> PyResult<Self> {
         let grids = grids_of(grids)?;
         let poses = poses.map(|poses| rows("poses", poses, None)).transpose()?;
@@ -330,6 +425,9 @@ impl Fleet {
         };
         let limits = one_or_each("limits", "Limits", limits, |value| Some(value.cast::<Limits>().ok()?.get().0))?;
         let noise = one_or_each("noise", "BeamModel", noise, |value| Some(value.cast::<BeamModel>().ok()?.get().0))?;
+        let odometry_noise = one_or_each("odometry_noise", "MotionNoise", odometry_noise, |value| {
+            Some(value.cast::<MotionNoise>().ok()?.get().0)
+        })?;
         let options = FleetOptions {
             footprint: footprint.map(|footprint| footprint.get().clone()),
             contact: contact_mode("contact", contact)?,
@@ -337,12 +435,19 @@ impl Fleet {
             slip,
             scanner,
             noise,
+            odometry_noise,
             clearance: clearance.named("clearance")?,
+            clearance_limit: clearance_limit.map(|limit| limit.named("clearance_limit")).transpose()?,
         };
+        let world_of = match world_of {
+            Some(world_of) => whole_numbers("world_of", world_of, Some(count))?,
+            None => (0..count as u64).collect(),
+        };
+        let obstacles = obstacles.map_or_else(|| Ok(Vec::new()), obstacles_of)?;
         let cores = grids.iter().map(|grid| grid.get().core()).collect();
         let poses: &[[f64; 3]] = poses.as_deref().unwrap_or(&[]);
-        let core = py.detach(|| crate::Fleet::new(cores, options, poses, &seeds, &grid_of))?;
-        Ok(Self { core, grids })
+        let core = py.detach(|| crate::Fleet::new(cores, options, poses, &seeds, &grid_of, &world_of, obstacles))?;
+        Ok(Self { core, grids, world_of })
     }
 
     /// Moves all robots for a duration, each at its command, and takes a scan of each at the end.
@@ -397,9 +502,11 @@ impl Fleet {
             return Err(PyValueError::new_err(text));
         }
         let beam_count = fleet.beam_count().filter(|_| scan);
+        let options = fleet.core.options();
+        let has_clearances = options.clearance_limit.is_some() && options.footprint.is_some();
         let out = match out {
             Some(out) => out,
-            None => Bound::new(py, FleetStep::new(py, count, beam_count)?)?,
+            None => Bound::new(py, FleetStep::new(py, count, beam_count, has_clearances)?)?,
         };
         let step = out.get();
         let mut poses = writable::<f64>(step.poses.bind(py), &[count, 3])?;
@@ -411,6 +518,17 @@ impl Fleet {
             (Some(_), None) => return Err(PyValueError::new_err("out must have ranges, got the result of a step without")),
             (None, _) => None,
         };
+        let mut obstacles = writable::<i64>(step.contact_obstacles.bind(py), &[count])?;
+        let mut robots = writable::<i64>(step.contact_robots.bind(py), &[count])?;
+        let mut odometry = writable::<f64>(step.odometry.bind(py), &[count, 3])?;
+        let mut clearances = match (has_clearances, &step.clearances) {
+            (true, Some(clearances)) => Some(writable::<f64>(clearances.bind(py), &[count])?),
+            (true, None) => return Err(PyValueError::new_err("out must have clearances, got the result of a step without")),
+            (false, _) => None,
+        };
+        let (obstacles, robots) = (obstacles.as_slice_mut()?, robots.as_slice_mut()?);
+        let odometry = odometry.as_slice_mut()?;
+        let clearances = clearances.as_mut().map(|clearances| clearances.as_slice_mut()).transpose()?;
         let (poses, velocities) = (poses.as_slice_mut()?, velocities.as_slice_mut()?);
         let (contacts, points) = (contacts.as_slice_mut()?, points.as_slice_mut()?);
         let ranges = ranges.as_mut().map(|ranges| ranges.as_slice_mut()).transpose()?;
@@ -422,8 +540,18 @@ impl Fleet {
                 (poses.as_chunks_mut().0, velocities.as_chunks_mut().0, points.as_chunks_mut().0);
             poses.iter_mut().zip(core.poses()).for_each(|(row, pose)| *row = pose.to_array());
             velocities.iter_mut().zip(core.velocities()).for_each(|(row, velocity)| *row = velocity.to_array());
-            for ((contact, point), touch) in contacts.iter_mut().zip(points).zip(core.touches()) {
-                (*contact, *point) = (touch.is_some(), touch.map_or([f64::NAN; 2], |touch| touch.point.to_array()));
+            odometry.as_chunks_mut().0.iter_mut().zip(core.odometry()).for_each(|(row, pose)| *row = pose.to_array());
+            if let Some(clearances) = clearances {
+                clearances.iter_mut().zip(core.clearances()).for_each(|(number, clearance)| *number = clearance);
+            }
+            for (robot, touch) in core.touches().enumerate() {
+                contacts[robot] = touch.is_some();
+                points[robot] = touch.map_or([f64::NAN; 2], |touch| touch.point.to_array());
+                (obstacles[robot], robots[robot]) = match touch.map(|touch| touch.what) {
+                    None | Some(Thing::Wall) => (-1, -1),
+                    Some(Thing::Obstacle(index)) => (index as i64, -1),
+                    Some(Thing::Robot(index)) => (-1, index as i64),
+                };
             }
             Ok::<(), crate::Error>(())
         })?;
@@ -477,8 +605,9 @@ impl Fleet {
         fill(slf.py(), out, &[chosen, beams], |readings| core.scan(&mask, threads, readings))
     }
 
-    /// Puts robots at poses, where they stand still at time 0.
+    /// Puts robots at poses, where they stand still.
     ///
+    /// The time of a world begins at 0 again, unless other robots stay in it.
     /// Poses that are not given are drawn from the free space of the robot's map, with the robot's seed: as by
     /// `OccupancyGrid.draw_free_poses` with the radius `footprint.reach + clearance`. If there is an error, nothing has changed.
     ///
@@ -626,6 +755,73 @@ impl Fleet {
         fill(slf.py(), out, &[count, 2], |seen: &mut [f64]| core.relative(&goals, seen.as_chunks_mut().0))
     }
 
+    /// Returns what would happen to one robot under many sequences of commands, for planners such as MPPI. The fleet stays as it is.
+    ///
+    /// Each sequence begins with the present state of the robot. It moves as by `step(..., scan=False)` with one command after
+    /// another. The other robots of its world go on at their last commands.
+    ///
+    /// Args:
+    ///     commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. Anything
+    ///         that NumPy can convert to float64 without loss. An array in C order is read in place, so no other thread may
+    ///         write to it during the call.
+    ///     duration: Duration of a command [s], at most 1e6.
+    ///     robot: Index of the robot.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///
+    /// Returns:
+    ///     The poses (K, T, 3) float64 in the map frame after each command [m, m, rad], and (K, T) bool, whether the robot
+    ///     touched something at each command.
+    ///
+    /// Raises:
+    ///     ValueError: A shape is wrong, a command is not finite or too large, the duration is not positive, or there is no such
+    ///         robot.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m. Which of two sequences of two commands touches it?
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> fleet = mrs.Fleet(grid, [(0.5, 0.5, 0.0)], footprint=mrs.Shape.disc(0.2))
+    ///     >>> slow, fast = (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)
+    ///     >>> poses, contacts = fleet.rollout([[slow, slow], [fast, fast]], 1.0)
+    ///     >>> poses[:, :, 0].round(3), contacts
+    ///     (array([[1. , 1.5],
+    ///            [1.5, 1.8]]), array([[False, False],
+    ///            [False,  True]]))
+    #[pyo3(signature = (commands, duration, *, robot = None, threads = None), text_signature = "($self, commands, duration, *, robot=0, threads=None)")]
+    fn rollout<'py>(
+        slf: &Bound<'py, Self>,
+        commands: &Bound<'py, PyAny>,
+        duration: Argument<f64>,
+        robot: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, threads, duration) = (slf.py(), thread_count(threads)?, duration.named("duration")?);
+        let robot = robot.map_or(Ok(0), |robot| whole_number("robot", robot, "at least 0"))?;
+        let (commands, [count, steps]) = rows_of_rows("commands", commands)?;
+        let mut fleet = borrowed(slf)?;
+        fleet.refresh(py)?;
+        let (poses, contacts) = (zeros::<f64>(py, &[count, steps, 3])?, zeros::<bool>(py, &[count, steps])?);
+        {
+            let mut poses = writable::<f64>(&poses, &[count, steps, 3])?;
+            let mut contacts = writable::<bool>(&contacts, &[count, steps])?;
+            let (poses, contacts) = (poses.as_slice_mut()?.as_chunks_mut().0, contacts.as_slice_mut()?);
+            let core = &fleet.core;
+            let commands: &[[f64; 3]] = &commands;
+            py.detach(|| {
+                let length = steps.max(1);
+                let pairs = poses.chunks_mut(length).zip(contacts.chunks_mut(length));
+                let mut rollouts: Vec<_> = pairs.map(|(poses, contacts)| Rollout { poses, contacts }).collect();
+                core.rollout(robot, commands, duration, threads, &mut rollouts)
+            })?;
+        }
+        Ok((poses, contacts))
+    }
+
     /// Poses of the robots now: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], a new array.
     #[getter]
     fn poses<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -648,7 +844,7 @@ impl Fleet {
         })
     }
 
-    /// Time of each robot since its last reset: (N,) float64 [s], a new array.
+    /// Time of the world of each robot: (N,) float64 [s], a new array.
     #[getter]
     fn times<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let fleet = borrowed(slf)?;
@@ -734,6 +930,38 @@ impl Fleet {
         Ok(Some(noise).filter(|noise| !noise.is_empty()))
     }
 
+    /// Noise of the odometry: one for all robots, or one for each; None for exact odometry.
+    #[getter]
+    fn odometry_noise(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<MotionNoise>>> {
+        let noise = borrowed(slf)?.core.options().odometry_noise.iter().copied().map(MotionNoise).collect::<Vec<_>>();
+        Ok(Some(noise).filter(|noise| !noise.is_empty()))
+    }
+
+    /// Number of the world of each robot: (N,) uint64, a new array.
+    #[getter]
+    fn world_of<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let world_of = borrowed(slf)?.world_of.clone();
+        Ok(vector(slf.py(), world_of).into_any())
+    }
+
+    /// The obstacles: a list of (Shape, waypoints, world), with (K, 4) float64 and the number of the world, or None for all.
+    #[getter]
+    fn obstacles<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<(Shape, Bound<'py, PyAny>, Option<u64>)>> {
+        let fleet = borrowed(slf)?;
+        let read = |obstacle: &FleetObstacle| {
+            let rows: Vec<[f64; 4]> = obstacle.trajectory.waypoints().collect();
+            let rows = Array2::from(rows).into_pyarray(slf.py()).into_any();
+            (Shape(obstacle.shape.clone()), rows, obstacle.world)
+        };
+        Ok(fleet.core.obstacles().iter().map(read).collect())
+    }
+
+    /// Distance up to which the clearance of the robots is measured after each step [m]; None to not measure it.
+    #[getter]
+    fn clearance_limit(slf: &Bound<'_, Self>) -> PyResult<Option<f64>> {
+        Ok(borrowed(slf)?.core.options().clearance_limit)
+    }
+
     /// Least free distance around the footprint of a robot at a pose that is drawn [m].
     #[getter]
     fn clearance(slf: &Bound<'_, Self>) -> PyResult<f64> {
@@ -758,7 +986,11 @@ impl Fleet {
         keywords.set_item("slip", Self::slip(slf)?)?;
         keywords.set_item("scanner", Self::scanner(slf)?)?;
         keywords.set_item("noise", Self::noise(slf)?)?;
+        keywords.set_item("odometry_noise", Self::odometry_noise(slf)?)?;
+        keywords.set_item("world_of", Self::world_of(slf)?)?;
+        keywords.set_item("obstacles", Self::obstacles(slf)?)?;
         keywords.set_item("clearance", Self::clearance(slf)?)?;
+        keywords.set_item("clearance_limit", Self::clearance_limit(slf)?)?;
         let positional = (Self::grids(slf)?, Self::poses(slf)?).into_pyobject(py)?;
         let (make, arguments) = recipe::<Self>(py, positional, keywords)?;
         Ok((make, arguments.into_pyobject(py)?.into_any(), state))
@@ -830,4 +1062,33 @@ fn one_or_each<T>(
 fn indices(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<usize>> {
     let numbers = whole_numbers(name, value, Some(count))?;
     Ok(numbers.into_iter().map(|number| usize::try_from(number).unwrap_or(usize::MAX)).collect())
+}
+
+/// Returns the obstacles of an argument: an iterable of `(Shape, trajectory)` or `(Shape, trajectory, world)`.
+fn obstacles_of(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<FleetObstacle>> {
+    let refused = |got: &Bound<'_, PyAny>| {
+        let needed = "obstacles must be (Shape, trajectory) or (Shape, trajectory, world), with a pose or waypoints";
+        PyTypeError::new_err(format!("{needed}, got {}", short_repr(got)))
+    };
+    let mut found = Vec::new();
+    for item in obstacles.len().and_then(|_| obstacles.try_iter()).map_err(|_| refused(obstacles))? {
+        let item = item?;
+        let (shape, trajectory, world) = match item.len().unwrap_or(0) {
+            2 => item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>().map(|(shape, trajectory)| (shape, trajectory, None)),
+            3 => item
+                .extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>()
+                .map(|(shape, trajectory, world)| (shape, trajectory, Some(world))),
+            _ => Err(refused(&item)),
+        }
+        .map_err(|_| refused(&item))?;
+        let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
+        let trajectory = match trajectory.extract::<PoseArgument>() {
+            Ok(pose) => Trajectory::standing(pose.0),
+            Err(_) => Trajectory::new(&waypoints("the waypoints of an obstacle", &trajectory)?)?,
+        };
+        let world = world.filter(|world| !world.is_none());
+        let world = world.map(|world| whole_number("the world of an obstacle", &world, "in 0..2**64 - 1")).transpose()?;
+        memory::push("the obstacles", &mut found, FleetObstacle { shape, trajectory, world })?;
+    }
+    Ok(found)
 }

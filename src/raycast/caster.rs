@@ -273,7 +273,7 @@ pub fn cast_rays<'a>(
     threads: Option<usize>,
     ranges: &mut [f32],
 ) -> Result<(), Error> {
-    let World { grid, obstacles } = world.into();
+    let World { grid, obstacles, .. } = world.into();
     Caster::new(grid, max_range, Kernel::chosen()?)?.cast_rays(obstacles, rays, threads, ranges)
 }
 

@@ -63,7 +63,7 @@ impl LaserScanner {
     ) -> Result<(), Error> {
         let grid = shots[0].world.grid;
         let caster = self.caster(shots[0].world)?;
-        let scans = shots.iter().map(|shot| (shot.map_from_base, shot.world.obstacles));
+        let scans = shots.iter().map(|shot| (shot.map_from_base, shot.world));
         if shots[0].noise.is_none() {
             return self.cast(caster, grid, scans, readings.map(|ranges| StoreRanges { max_range, ranges }));
         }

@@ -17,7 +17,7 @@ use crate::grid::OccupancyGrid;
 use crate::memory;
 use crate::mount::{Attitude, Mount};
 use crate::numeric::{GROUP, Group};
-use crate::obstacles::{Obstacles, View};
+use crate::obstacles::View;
 use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
@@ -229,12 +229,7 @@ impl LaserScanner {
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         let caster = self.caster(world)?;
         caster.prepare(None)?;
-        self.cast(
-            caster,
-            world.grid,
-            iter::once((map_from_base, world.obstacles)),
-            iter::once(StoreRanges { max_range, ranges }),
-        )
+        self.cast(caster, world.grid, iter::once((map_from_base, world)), iter::once(StoreRanges { max_range, ranges }))
     }
 
     /// Writes the readings \[m\] of one scan per pose to `readings`, with noise if `noise` is given.
@@ -271,7 +266,7 @@ impl LaserScanner {
         let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
-            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world.obstacles));
+            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world));
             let poses = poses.take(readings.len() / beam_count);
             let readings = readings.chunks_exact_mut(beam_count);
             if let Some(Noise { model, seed, first_index }) = &noise {
@@ -358,12 +353,12 @@ impl LaserScanner {
         Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?)
     }
 
-    /// Casts all beams from each pose, among the obstacles there, and sends the ranges of each scan to its own sink.
+    /// Casts all beams from each pose, among the obstacles of its world, and sends the ranges of each scan to its own sink.
     fn cast<'a>(
         &self,
         caster: Caster<'_>,
         grid: &OccupancyGrid,
-        scans: impl Iterator<Item = (Pose, &'a Obstacles)> + Clone,
+        scans: impl Iterator<Item = (Pose, World<'a>)> + Clone,
         sinks: impl Iterator<Item = impl Sink>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, options: ScannerOptions { beam_count, max_range, .. }, .. } = self;
@@ -376,10 +371,16 @@ impl LaserScanner {
         }
         debug_assert!(scans.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
         // Views are large. Without obstacles and slant, the array is neither filled nor moved.
-        let has_views = slant.is_some() || scans.clone().any(|(_, obstacles)| !obstacles.is_empty());
+        let has_views = slant.is_some() || scans.clone().any(|(_, world)| !world.obstacles.is_empty());
         let mut views = has_views.then_some([const { None }; Fans::MAX]);
-        for (view, (map_from_base, obstacles)) in views.iter_mut().flatten().zip(scans) {
-            let seen = View::new(obstacles, map_from_fan(map_from_base), self.horizontal, *beam_count, *max_range)?;
+        for (view, (map_from_base, world)) in views.iter_mut().flatten().zip(scans) {
+            let seen = View::new(
+                (world.obstacles, world.except),
+                map_from_fan(map_from_base),
+                self.horizontal,
+                *beam_count,
+                *max_range,
+            )?;
             *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();

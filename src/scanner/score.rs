@@ -112,7 +112,7 @@ impl LaserScanner {
         for_each_heavy_chunk(threads, scores, beams, at_a_time, |chunk, scores| {
             let first = chunk * at_a_time;
             let columns = scoring.columns(first, scores.len())?;
-            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world.obstacles)).take(scores.len());
+            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world)).take(scores.len());
             scanner.cast(caster, world.grid, poses, scoring.sinks(&columns, scores))
         })
     }

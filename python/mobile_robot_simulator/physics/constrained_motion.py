@@ -80,7 +80,8 @@ class ConstrainedMotion(Motion):
         self._preview: ConstrainedMotion | None = None
         self._preview_key = (time_ns, 0)
         self._reached: Pose | None = None
-        """Pose in the map frame after the last step; None until it is needed."""
+        """Pose in the map frame after the last step, if contact moved the robot there. Else that of the profile, once it is
+        needed; None before."""
         super().__init__(time_ns, timeout, map_from_own, start, limits, drive)
 
     def step(self, time_ns: int) -> None:
@@ -204,15 +205,15 @@ class ConstrainedMotion(Motion):
         profile = self._following(*self._request_at(start_ns)) if self.is_blocked else self._profile
         start, contact = self.pose_for_others(start_ns), None
         self._stepped_ns = end_ns
-        if grid is None or footprint is None:
-            self._reached = None
-        else:
+        self._reached = None
+        if grid is not None and footprint is not None:
             duration = (end_ns - start_ns) / NANOSECONDS
             twist = self._twist(profile, start, start_ns, end_ns)
             others = self._world.obstacles_for(self._body)
-            self._reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
+            reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
             if contact is not None:
-                step = _Step(start_ns, end_ns, duration, start, self._reached, twist)
+                self._reached = reached
+                step = _Step(start_ns, end_ns, duration, start, reached, twist)
                 self._record_contact(step, contact)
                 if self._mode != "report":
                     self.is_blocked = True

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import mobile_robot_simulator as mrs
+from simulations import hall
 
 BEAMS = 61
 NOISE = {"sigma_hit": 0.03, "lambda_short": 0.2, "z_hit": 0.85, "z_short": 0.05, "z_max": 0.05, "z_rand": 0.05}
@@ -43,21 +44,24 @@ def simulated(
     duration: float,
     seed: int,
     parameters: dict[str, Any],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32], list[Any]]:
-    """Returns the pose, the velocity and the scan after each command, and the contacts, of a `Simulation`."""
-    quiet = {"velocity_timeout": 0, "laser_frequency": 1.0 / duration, "laser_beam_count": BEAMS, **parameters}
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float32], list[Any]]:
+    """Returns pose, velocity, odometry and scan after each command, and the contacts, of a `Simulation`."""
+    rate = 1.0 / duration
+    rates = {"velocity_timeout": 0, "laser_frequency": rate, "publish_rate": rate}
+    quiet = {**rates, "laser_beam_count": BEAMS, **parameters}
     sim = mrs.Simulation(grid, parameters=quiet, seed=seed, start=start)
     scans: list[Any] = []
     sim.subscribe("/scan", mrs.messages.LaserScan, scans.append)
-    poses, velocities, Vector = [], [], mrs.messages.Vector3
+    poses, velocities, odometry, Vector = [], [], [], mrs.messages.Vector3
     for vx, vy, wz in commands.tolist():
         sim.publish("/cmd_vel", mrs.messages.Twist(linear=Vector(x=vx, y=vy), angular=Vector(z=wz)))
         sim.run_for(duration)
         poses.append(tuple(sim.robot.pose))
         velocities.append(sim.robot.velocity)
+        odometry.append(tuple(sim.robot.believed_pose))
     assert len(scans) == len(commands)
     ranges = np.array([scan.ranges for scan in scans], np.float32)
-    return np.array(poses), np.array(velocities), ranges, list(sim.robot.motion.contacts)
+    return np.array(poses), np.array(velocities), np.array(odometry), ranges, list(sim.robot.motion.contacts)
 
 
 CASES: dict[str, dict[str, Any]] = {
@@ -70,6 +74,8 @@ CASES: dict[str, dict[str, Any]] = {
     "disc, slide": {"robot_radius": 0.3, "contact": "slide"},
     "polygon, report": {"footprint": POLYGON, "contact": "report"},
     "disc, limits, slip": {"robot_radius": 0.3, "wheel_slip": 0.25, **LIMITS},
+    "drift": {"robot_radius": 0.3, "odometry_alphas": [0.02, 0.01, 0.01, 0.02, 0.001, 0.001], **LIMITS},
+    "drift and slip": {"odometry_alphas": [0.02, 0.01, 0.01, 0.02, 0.001, 0.001], "wheel_slip": 0.3},
     "slip": {"wheel_slip": 0.5},
     "no grip": {"robot_radius": 0.3, "wheel_slip": 1.0},
 }
@@ -90,6 +96,7 @@ def fleet_like(
         slip=parsed.wheel_slip,
         scanner=mrs.LaserScanner(beam_count=BEAMS),
         noise=mrs.BeamModel(**NOISE),
+        odometry_noise=parsed.motion_noise,
     )
 
 
@@ -100,13 +107,14 @@ def test_one_robot_equals_a_simulation(case: str, duration: float) -> None:
     for seed, start in enumerate(grid.draw_free_poses(4, radius=0.5, seed=5).tolist()):
         commands = commands_of(seed, duration)
         expected = simulated(grid, tuple(start), commands, duration, seed, {**parameters, **NOISE})
-        poses, velocities, scans, contacts = expected
+        poses, velocities, odometry, scans, contacts = expected
         fleet, was_touching, begun = fleet_like(grid, tuple(start), seed, parameters), False, []
         for index, command in enumerate(commands):
             step = fleet.step(command[np.newaxis], duration)
             where = f"{case}, drive {seed}, step {index}"
             assert step.poses.tobytes() == poses[index].tobytes(), where
             assert step.velocities.tobytes() == velocities[index].tobytes(), where
+            assert step.odometry.tobytes() == odometry[index].tobytes(), where
             assert fleet.scanner is not None and step.ranges is not None
             assert fleet.scanner.mark_invalid(step.ranges[0]).tobytes() == scans[index].tobytes(), where
             if step.contacts[0] and not was_touching:
@@ -116,3 +124,54 @@ def test_one_robot_equals_a_simulation(case: str, duration: float) -> None:
         touched += len(begun)
     can_touch = ("robot_radius" in parameters or "footprint" in parameters) and parameters.get("wheel_slip") != 1.0
     assert touched > 2 if can_touch else touched == 0
+
+
+STARTS = {"a": (2.0, 2.0, 0.5), "b": (3.5, 2.5, 2.0), "c": (3.0, 4.0, -1.0)}
+PILLAR = (mrs.Shape.disc(0.4), (4.5, 4.5, 0.0))
+CART = (mrs.Shape.rectangle(0.8, 0.5), [(0.5, 1.0, 5.0, 0.0), (4.0, 4.5, 1.5, 1.0), (9.0, 2.0, 3.0, 7.0)])
+
+
+@pytest.mark.parametrize("duration", [0.1, 0.033])
+@pytest.mark.parametrize("case", ["disc", "polygon, limits, slide", "polygon, report", "disc, limits, slip"])
+def test_robots_of_one_world_equal_those_of_a_simulation(case: str, duration: float) -> None:
+    grid, parameters = hall(6.0), CASES[case]
+    rates = {"velocity_timeout": 0, "laser_frequency": 1.0 / duration, "laser_beam_count": BEAMS}
+    sim = mrs.Simulation(grid, parameters={**rates, **parameters, **NOISE}, seed=4, robots=STARTS)
+    for shape, trajectory in (PILLAR, CART):
+        sim.add_obstacle(shape, trajectory)
+    scans: dict[str, list[Any]] = {name: [] for name in STARTS}
+    for name in STARTS:
+        sim.subscribe(f"/{name}/scan", mrs.messages.LaserScan, scans[name].append)
+    parsed = mrs.parameters.RobotParameters(**parameters)
+    fleet = mrs.Fleet(
+        grid,
+        list(STARTS.values()),
+        seeds=np.array([sim.robots[name].laser.parameters.seed for name in STARTS], np.uint64),
+        footprint=parsed.shape,
+        contact=parsed.contact,
+        limits=parsed.limits,
+        slip=parsed.wheel_slip,
+        scanner=mrs.LaserScanner(beam_count=BEAMS),
+        noise=mrs.BeamModel(**NOISE),
+        world_of=[5, 5, 5],
+        obstacles=[PILLAR, CART],
+    )
+    commands, Vector = [commands_of(robot, duration) for robot in range(3)], mrs.messages.Vector3
+    met: set[str] = set()
+    for index in range(len(commands[0])):
+        for robot, name in enumerate(STARTS):
+            vx, vy, wz = commands[robot][index].tolist()
+            sim.publish(f"/{name}/cmd_vel", mrs.messages.Twist(linear=Vector(x=vx, y=vy), angular=Vector(z=wz)))
+        sim.run_for(duration)
+        step = fleet.step([rows[index] for rows in commands], duration)
+        for robot, name in enumerate(STARTS):
+            where = f"{case}, robot {name}, step {index}"
+            assert step.poses[robot].tobytes() == np.array(tuple(sim.robots[name].pose)).tobytes(), where
+            assert step.velocities[robot].tobytes() == np.array(sim.robots[name].robot.velocity).tobytes(), where
+            assert fleet.scanner is not None and step.ranges is not None
+            ranges = fleet.scanner.mark_invalid(step.ranges[robot])
+            assert ranges.tobytes() == np.array(scans[name][index].ranges, np.float32).tobytes(), where
+            if step.contacts[robot]:
+                what = step.contact_obstacles[robot], step.contact_robots[robot]
+                met.add("robot" if what[1] >= 0 else "obstacle" if what[0] >= 0 else "wall")
+    assert met >= {"obstacle", "robot"}

@@ -26,7 +26,10 @@ def options() -> dict[str, Any]:
         "limits": mrs.Limits(acceleration=(1.0, 1.0, 3.0), deceleration=(2.0, 2.0, 6.0)),
         "scanner": mrs.LaserScanner(beam_count=90),
         "noise": mrs.BeamModel(sigma_hit=0.05, z_hit=0.9, z_rand=0.1),
+        "odometry_noise": mrs.MotionNoise(alpha1=0.02, alpha4=0.02, reference_step=0.1),
+        "obstacles": [(mrs.Shape.disc(0.3), (5.0, 5.0, 0.0)), (mrs.Shape.rectangle(1.0, 0.2), [(0, 2, 2, 0), (9, 6, 6, 6)])],
         "clearance": 0.05,
+        "clearance_limit": 2.0,
     }
 
 
@@ -39,9 +42,21 @@ def commands_of(step: int) -> NDArray[np.float64]:
     return np.random.default_rng(step).uniform((-0.2, -0.2, -1.5), (1.5, 0.2, 1.5), (COUNT, 3))
 
 
+ARRAYS = (
+    "poses",
+    "velocities",
+    "contacts",
+    "contact_points",
+    "contact_obstacles",
+    "contact_robots",
+    "odometry",
+    "ranges",
+    "clearances",
+)
+
+
 def content(step: mrs.FleetStep) -> list[NDArray[Any]]:
-    assert step.ranges is not None
-    return [step.poses, step.velocities, step.contacts, step.contact_points, step.ranges]
+    return [getattr(step, name) for name in ARRAYS]
 
 
 def bytes_of(step: mrs.FleetStep, robots: slice = slice(None)) -> list[bytes]:
@@ -73,7 +88,7 @@ def test_a_step_moves_as_the_parts_of_it_that_end_at_multiples_of_20_ms() -> Non
         assert once.ranges is None
 
 
-def test_scans_are_those_of_scan_batch() -> None:
+def test_scans_and_clearances_are_those_of_the_functions_for_them() -> None:
     fleet = fleet_of(slice(None))
     for index in range(3):
         step = fleet.step(commands_of(index), 0.1)
@@ -84,10 +99,27 @@ def test_scans_are_those_of_scan_batch() -> None:
                 noise=options()["noise"],
                 seed=100 + robot,
                 first_index=index,
+                obstacles=[at(obstacle, 0.1 * (index + 1)) for obstacle in options()["obstacles"]],
             )
             assert step.ranges is not None and scan.tobytes() == step.ranges[robot].tobytes()
+            obstacles = [at(obstacle, 0.1 * (index + 1)) for obstacle in options()["obstacles"]]
+            nearest = mrs.clearance(
+                MAPS[GRID_OF[robot]], options()["footprint"], step.poses[robot], limit=2.0, obstacles=obstacles
+            )
+            assert step.clearances is not None and step.clearances[robot] == nearest
     mask = np.arange(COUNT) % 7 == 0
     assert fleet.scan(mask).tobytes() == fleet_after(3).scan()[mask].tobytes()
+
+
+def at(obstacle: tuple[mrs.Shape, Any], time: float) -> tuple[mrs.Shape, tuple[float, ...]]:
+    """Returns an obstacle of the options with its pose at a time [s]."""
+    shape, trajectory = obstacle
+    rows = np.array(trajectory, np.float64)
+    if rows.ndim == 1:
+        return shape, tuple(rows)
+    (before, *start), (after, *end) = rows.tolist()
+    share = (time - before) / (after - before)
+    return shape, tuple(low + share * (high - low) for low, high in zip(start, end, strict=True))
 
 
 def fleet_after(steps: int) -> mrs.Fleet:
@@ -95,6 +127,63 @@ def fleet_after(steps: int) -> mrs.Fleet:
     for index in range(steps):
         fleet.step(commands_of(index), 0.1)
     return fleet
+
+
+def test_rollouts_are_steps() -> None:
+    fleet, commands = fleet_after(4), np.random.default_rng(5).uniform((0.2, -0.3, -1.0), (1.8, 0.3, 1.0), (7, 25, 3))
+    before = fleet.save().words.tobytes()
+    poses, contacts = fleet.rollout(commands, 0.15, robot=8)
+    assert fleet.save().words.tobytes() == before and contacts.any() and not contacts.all()
+    assert fleet.rollout(commands, 0.15, robot=8, threads=1)[0].tobytes() == poses.tobytes()
+    for row in range(7):
+        other = fleet_after(4)
+        for index in range(25):
+            step = other.step(np.tile(commands[row, index], (COUNT, 1)), 0.15, scan=False)
+            assert step.poses[8].tobytes() == poses[row, index].tobytes()
+            assert step.contacts[8] == contacts[row, index]
+
+
+def test_robots_that_share_a_world_touch_and_see_each_other() -> None:
+    ahead, back = (2.0, 4.0, 0.0), (5.0, 4.0, math.pi)
+    for world_of in ([7, 7, 1], [1, 2, 3]):
+        fleet = mrs.Fleet(
+            hall(8.0),
+            [ahead, back, ahead],
+            world_of=world_of,
+            footprint=mrs.Shape.disc(0.4),
+            scanner=mrs.LaserScanner(beam_count=1, max_range=20.0),
+        )
+        first = fleet.scan()[:, 0].tolist()
+        step = fleet.step([(1.0, 0.0, 0.0)] * 3, 1.4)
+        together = world_of[0] == world_of[1]
+        assert first == pytest.approx([2.6, 2.6, 5.9] if together else [5.9, 4.9, 5.9], abs=1e-6)
+        assert step.contacts.tolist() == [together, together, False]
+        assert step.contact_robots.tolist() == ([1, 0, -1] if together else [-1] * 3)
+        assert (step.contact_obstacles == -1).all()
+        gap = step.poses[1, 0] - step.poses[0, 0]
+        assert 0.8 <= gap < 0.8 + 1e-5 if together else gap < 0.3
+
+
+def test_an_obstacle_of_one_world_is_only_there() -> None:
+    obstacles = [(mrs.Shape.disc(0.5), (5.0, 4.0, 0.0), 4), (mrs.Shape.disc(0.5), (6.0, 4.0, 0.0))]
+    arguments = {"world_of": [4, 5], "obstacles": obstacles, "footprint": mrs.Shape.disc(0.5)}
+    fleet = mrs.Fleet(hall(8.0), [(2.0, 4.0, 0.0)] * 2, **arguments)
+    step = fleet.step([(1.0, 0.0, 0.0)] * 2, 5.0)
+    assert step.contact_obstacles.tolist() == [0, 1] and step.poses[:, 0].tolist() == pytest.approx([4.0, 5.0], abs=1e-5)
+
+
+def test_a_robot_in_a_shared_world_is_reset_into_its_time() -> None:
+    fleet = mrs.Fleet(hall(8.0), [(2.0, 2.0, 0.0), (2.0, 6.0, 0.0), (6.0, 6.0, 0.0)], world_of=[1, 1, 2])
+    fleet.step(np.zeros((3, 3)), 0.5)
+    fleet.reset([True, False, True])
+    assert fleet.times.tolist() == [0.5, 0.5, 0.0]
+    fleet.reset([True, True, False])
+    assert fleet.times.tolist() == [0.0, 0.0, 0.0]
+    state = fleet.save([True, False, False])
+    fleet.step(np.zeros((3, 3)), 0.5)
+    with pytest.raises(ValueError, match=r"must be at the same time, got 0\.5 s for robot 1 and 0 s"):
+        fleet.restore(state)
+    assert fleet.times.tolist() == [0.5, 0.5, 0.5]
 
 
 def test_true_ranges_without_noise_and_true_motion_without_a_footprint() -> None:
@@ -105,7 +194,8 @@ def test_true_ranges_without_noise_and_true_motion_without_a_footprint() -> None
     assert np.allclose(step.poses[:, :2], mrs.integrate_twist(start, commands_of(0), 0.5)[:, :2], atol=1e-12)
     assert np.array_equal(step.velocities, commands_of(0))
     for robot in range(5):
-        true = options()["scanner"].scan(MAPS[GRID_OF[robot]], step.poses[robot])
+        obstacles = [at(obstacle, 0.5) for obstacle in options()["obstacles"]]
+        true = options()["scanner"].scan(MAPS[GRID_OF[robot]], step.poses[robot], obstacles=obstacles)
         assert step.ranges is not None and true.tobytes() == step.ranges[robot].tobytes()
 
 
@@ -121,8 +211,7 @@ def test_contact_is_reported_where_it_is() -> None:
 def test_out_takes_the_results() -> None:
     fleet, again = fleet_of(slice(None)), fleet_of(slice(None))
     arrays = [np.full_like(array, 1) for array in content(fleet_of(slice(None)).step(commands_of(0), 0.1))]
-    names = ("poses", "velocities", "contacts", "contact_points", "ranges")
-    own = mrs.FleetStep(**dict(zip(names, arrays, strict=True)))
+    own = mrs.FleetStep(**dict(zip(ARRAYS, arrays, strict=True)))
     for index in range(2):
         assert fleet.step(commands_of(index), 0.1, out=own) is own
         assert [array.tobytes() for array in arrays] == bytes_of(again.step(commands_of(index), 0.1))
@@ -230,6 +319,13 @@ def test_changed_cells_are_met() -> None:
             ValueError,
             "the state must have 60 elements, got 2",
         ),
+        (
+            lambda fleet: fleet.rollout(np.where(np.arange(12).reshape(3, 4, 1) == 6, np.nan, np.zeros((3, 4, 3))), 0.1),
+            ValueError,
+            "command 2 of rollout 1 must be finite and at most 1000 on each axis, got [NaN, NaN, NaN]",
+        ),
+        (lambda fleet: fleet.rollout(np.zeros((3, 3)), 0.1), ValueError, "commands must have shape (K, T, 3), got (3, 3)"),
+        (lambda fleet: fleet.rollout(np.zeros((1, 3, 3)), 0.1, robot=60), ValueError, "the robot must be below 60, got 60"),
         (lambda fleet: fleet.relative(np.zeros((3, 2))), ValueError, "goals must have shape (60, 2), got (3, 2)"),
         (
             lambda fleet: mrs.FleetState(np.ones((1, 2), np.uint64)),
@@ -261,6 +357,18 @@ def test_wrong_calls_say_what_is_wrong_and_change_nothing(
         ({"seeds": [1, 2, 3], "slip": 2.0}, ValueError, "slip must be in 0..1, got 2"),
         ({"seeds": [1, 2, 3], "noise": mrs.BeamModel()}, ValueError, "noise needs a scanner, got scanner=None"),
         ({"seeds": [1, 2, 3], "clearance": 50.0}, ValueError, "no known free place for a disc of radius 50 m"),
+        (
+            {"seeds": [1, 2, 3], "world_of": [1, 1, 2]},
+            ValueError,
+            "robots that share a world must be on the same grid, got robots 0 and 1",
+        ),
+        ({"seeds": [1, 2, 3], "obstacles": 3}, TypeError, "obstacles must be (Shape, trajectory)"),
+        (
+            {"seeds": [1, 2, 3], "obstacles": [(mrs.Shape.disc(0.1), [(1, 0, 0, 0), (1, 0, 0, 0)])]},
+            ValueError,
+            "the times of waypoints must increase, got 1 after 1 in row 1",
+        ),
+        ({"seeds": [1, 2, 3], "clearance_limit": 0.0}, ValueError, "clearance_limit must be positive, got 0"),
         ({"seeds": [1, 2, 3], "contact": "bounce"}, ValueError, "contact must be 'stop', 'slide' or 'report', got 'bounce'"),
     ],
 )

@@ -1,0 +1,76 @@
+//! Rollouts: what would happen to one robot under many sequences of commands.
+
+use super::{Fleet, ROBOTS, check_commands, check_duration, scene};
+use crate::batch::for_each_heavy_chunk_watched;
+use crate::error::Error;
+use crate::interrupt::Watch;
+use crate::memory;
+
+/// The future of one robot under one sequence of commands.
+#[derive(Debug)]
+pub struct Rollout<'a> {
+    /// Gets the pose `[x, y, yaw]` in the map frame after each command \[m, rad\].
+    pub poses: &'a mut [[f64; 3]],
+    /// Gets whether the robot touched something at each command.
+    pub contacts: &'a mut [bool],
+}
+
+/// Work of one step, in beams.
+const WEIGHT: usize = 32;
+
+/// Number of sequences that one thread works on at a time.
+const CHUNK: usize = 16;
+
+impl Fleet {
+    /// Moves a robot from where it is by each of many sequences of commands, one command after another for `duration` seconds each.
+    /// The fleet does not change: each sequence begins with its present state. The other robots of its world go on at their last
+    /// commands.
+    ///
+    /// `commands` has the same number of commands for each rollout, one sequence after another. The results are those of
+    /// [`step`](Self::step) without scans.
+    ///
+    /// # Errors
+    /// - [`Error::NoRobot`]: there is no such robot.
+    /// - [`Error::Length`]: the number of commands is not that of the poses or contacts of all rollouts.
+    /// - Those of [`step`](Self::step).
+    pub fn rollout(
+        &self,
+        robot: usize,
+        commands: &[[f64; 3]],
+        duration: f64,
+        threads: Option<usize>,
+        rollouts: &mut [Rollout<'_>],
+    ) -> Result<(), Error> {
+        if robot >= self.len() {
+            return Err(Error::NoRobot { robot, count: self.len() });
+        }
+        let (duration_ns, steps) = (check_duration(duration)?, commands.len().checked_div(rollouts.len()).unwrap_or(0));
+        check_commands(commands, Some(steps))?;
+        for Rollout { poses, contacts } in &*rollouts {
+            for (name, value) in [("poses", poses.len()), ("contacts", contacts.len())] {
+                if value != steps {
+                    return Err(Error::Length { name, value, needed: steps });
+                }
+            }
+        }
+        let distances = self.distances()?;
+        let (watch, place) = (Watch::new(), self.worlds.place_of[robot]);
+        let world = self.worlds.worlds.iter().find(|world| world.robots.contains(&place)).expect("a world for each robot");
+        let (present, own) = (&self.members[world.robots.clone()], place - world.robots.start);
+        let scene = scene(&self.grids, &distances, &self.options, &self.worlds, world, present[own].grid, &watch);
+        let weight = WEIGHT * steps * present.len();
+        for_each_heavy_chunk_watched(&watch, threads, rollouts, weight, CHUNK, |chunk, rollouts| {
+            let mut members = memory::with_room(ROBOTS, present.len())?;
+            for (number, Rollout { poses, contacts }) in (chunk * CHUNK..).zip(rollouts) {
+                members.clear();
+                members.extend_from_slice(present);
+                let commands = &commands[number * steps..][..steps];
+                for ((&command, pose), contact) in commands.iter().zip(&mut **poses).zip(&mut **contacts) {
+                    scene.step(&mut members, |other| (other == robot).then(|| command.into()), duration_ns)?;
+                    (*pose, *contact) = (members[own].pose.to_array(), members[own].touch.is_some());
+                }
+            }
+            Ok(())
+        })
+    }
+}

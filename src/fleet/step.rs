@@ -1,0 +1,199 @@
+//! One step of a world: its robots move one after another, in time steps, as in the Python class `World`.
+
+use super::FleetOptions;
+use super::member::{Member, Thing};
+use super::robot::STEP_NS;
+use super::worlds::{FleetWorld, Worlds};
+use crate::contact::clearance;
+use crate::error::Error;
+use crate::free_area::Distances;
+use crate::grid::OccupancyGrid;
+use crate::interrupt::Watch;
+use crate::motion::{Twist, seconds};
+use crate::obstacles::Obstacles;
+use crate::world::World;
+
+/// What does not change during a step of a world.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    pub options: &'a FleetOptions,
+    pub worlds: &'a Worlds,
+    pub world: &'a FleetWorld,
+    pub grid: &'a OccupancyGrid,
+    /// Distances of the cells of the grid to its walls; `None` for robots that touch nothing.
+    pub distances: Option<&'a Distances>,
+    pub watch: &'a Watch,
+}
+
+/// What is around the robots of a world at one time: its obstacles, and after them its robots in their order.
+#[derive(Debug)]
+pub enum Around<'a> {
+    /// Obstacles that never move, around a robot that is alone.
+    Standing(&'a Obstacles),
+    Moving(Obstacles),
+}
+
+impl Scene<'_> {
+    /// Returns the indices of the robots of the world in the fleet.
+    fn robots(&self) -> &[usize] {
+        &self.worlds.order[self.world.robots.clone()]
+    }
+
+    /// Moves the robots of the world for a duration \[ns\], each at its command.
+    ///
+    /// # Errors
+    /// - [`Error::Number`]: a pose is not finite, or a robot is far too fast.
+    /// - [`Error::Memory`], [`Error::Interrupted`].
+    pub fn step(
+        &self,
+        members: &mut [Member],
+        command_of: impl Fn(usize) -> Option<Twist>,
+        duration_ns: i64,
+    ) -> Result<(), Error> {
+        let options = self.options;
+        for (member, &robot) in members.iter_mut().zip(self.robots()) {
+            let command = command_of(robot).unwrap_or_else(|| member.robot.requested());
+            member.robot.command(command, options.body(robot))?;
+            member.touch = None;
+        }
+        let end_ns = members[0].robot.time_ns() + duration_ns;
+        self.move_until(members, end_ns)?;
+        for (member, &robot) in members.iter_mut().zip(self.robots()) {
+            member.look(options.body(robot), options.odometry_noise_of(robot))?;
+        }
+        Ok(())
+    }
+
+    fn move_until(&self, members: &mut [Member], end_ns: i64) -> Result<(), Error> {
+        if let ([member], Some(standing)) = (&mut *members, &self.world.standing) {
+            return self.move_alone(member, self.robots()[0], standing, end_ns);
+        }
+        if self.options.footprint.is_none() {
+            members.iter_mut().for_each(|member| member.robot.pass(end_ns));
+            return Ok(());
+        }
+        let mut around = self.frozen(members)?;
+        while members[0].robot.time_ns() < end_ns {
+            let (next_ns, is_whole) = next_time(members[0].robot.time_ns(), end_ns);
+            if is_whole {
+                self.place_obstacles(&mut around, next_ns)?;
+            }
+            for place in 0..members.len() {
+                self.watch.check()?;
+                let (robot, index) = (self.robots()[place], self.world.obstacles.len() + place);
+                let body = self.options.body(robot);
+                let world = World { grid: self.grid, obstacles: &around, except: Some(index) };
+                let contact = members[place].robot.advance(next_ns, body, world)?;
+                if let Some(contact) = contact {
+                    members[place].note(contact, self.thing(contact.obstacle));
+                }
+                if is_whole {
+                    members[place].frozen = members[place].robot.pose_for_others(body)?;
+                    if let Some(footprint) = body.footprint {
+                        around.place(index, footprint, members[place].frozen)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves a robot that meets nothing but walls and obstacles that stand.
+    fn move_alone(&self, member: &mut Member, robot: usize, standing: &Obstacles, end_ns: i64) -> Result<(), Error> {
+        let body = self.options.body(robot);
+        if body.footprint.is_none() {
+            member.robot.pass(end_ns);
+            return Ok(());
+        }
+        let world = World::from((self.grid, standing));
+        if let Some(distances) = self.distances {
+            member.robot.skip(end_ns, member.pose, body, world, distances);
+        }
+        while member.robot.time_ns() < end_ns {
+            self.watch.check()?;
+            let (next_ns, _) = next_time(member.robot.time_ns(), end_ns);
+            if let Some(contact) = member.robot.advance(next_ns, body, world)? {
+                member.note(contact, self.thing(contact.obstacle));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns what the robots of the world can collide with from now on until the next multiple of the time step.
+    fn frozen(&self, members: &[Member]) -> Result<Obstacles, Error> {
+        let now_ns = members[0].robot.time_ns();
+        let mut around = self.worlds.at(&self.world.obstacles, seconds(now_ns - now_ns % STEP_NS))?;
+        if let Some(footprint) = &self.options.footprint {
+            for member in members {
+                around.place(around.len(), footprint, member.frozen)?;
+            }
+        }
+        Ok(around)
+    }
+
+    fn place_obstacles(&self, around: &mut Obstacles, time_ns: i64) -> Result<(), Error> {
+        for (place, &index) in self.world.obstacles.iter().enumerate() {
+            let obstacle = &self.worlds.obstacles[index];
+            around.place(place, &obstacle.shape, obstacle.trajectory.pose_at(seconds(time_ns)))?;
+        }
+        Ok(())
+    }
+
+    /// Returns what the obstacle with an index around the robots is; `None` stands for a wall.
+    fn thing(&self, index: Option<usize>) -> Thing {
+        let obstacles = &self.world.obstacles;
+        match index {
+            None => Thing::Wall,
+            Some(index) if index < obstacles.len() => Thing::Obstacle(obstacles[index]),
+            Some(index) => Thing::Robot(self.robots()[index - obstacles.len()]),
+        }
+    }
+
+    /// Returns what is around the robots of the world now.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn around(&self, members: &[Member]) -> Result<Around<'_>, Error> {
+        if let (1, Some(standing)) = (members.len(), &self.world.standing) {
+            return Ok(Around::Standing(standing));
+        }
+        let mut around = self.worlds.at(&self.world.obstacles, members[0].time())?;
+        if let Some(footprint) = &self.options.footprint {
+            for member in members {
+                around.place(around.len(), footprint, member.pose)?;
+            }
+        }
+        Ok(Around::Moving(around))
+    }
+
+    /// Returns the world of a robot of the fleet among what is around.
+    pub fn world_of<'a>(&'a self, robot: usize, around: &'a Around<'a>) -> World<'a> {
+        let place = self.worlds.place_of[robot] - self.world.robots.start;
+        match around {
+            Around::Standing(standing) => World::from((self.grid, *standing)),
+            Around::Moving(around) => {
+                World { grid: self.grid, obstacles: around, except: Some(self.world.obstacles.len() + place) }
+            }
+        }
+    }
+
+    /// Measures the distance from each robot of the world to the nearest thing, up to the limit of the options.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn measure_clearance(&self, members: &mut [Member]) -> Result<(), Error> {
+        let (Some(limit), Some(footprint)) = (self.options.clearance_limit, &self.options.footprint) else { return Ok(()) };
+        let around = self.around(members)?;
+        for (member, &robot) in members.iter_mut().zip(self.robots()) {
+            self.watch.check()?;
+            member.clearance = clearance(self.world_of(robot, &around), footprint, member.pose, limit)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the end of the time step after a time, at most `end_ns`, and whether it is a multiple of [`STEP_NS`].
+fn next_time(time_ns: i64, end_ns: i64) -> (i64, bool) {
+    let next_ns = (time_ns / STEP_NS + 1) * STEP_NS;
+    (next_ns.min(end_ns), next_ns <= end_ns)
+}
