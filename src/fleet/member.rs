@@ -96,7 +96,9 @@ impl Member {
             Thing::Obstacle(index) => [1, index as u64],
             Thing::Robot(index) => [2, index as u64],
         };
-        what.into_iter().for_each(|word| words.word(word));
+        for word in what {
+            words.word(word);
+        }
         words.option(Some([self.clearance]).filter(|[clearance]| clearance.is_finite()));
     }
 

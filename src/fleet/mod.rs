@@ -282,6 +282,11 @@ impl Fleet {
         if grids.len() != self.grids.len() {
             return Err(Error::Length { name: "grids", value: grids.len(), needed: self.grids.len() });
         }
+        for member in &mut self.members {
+            if !Arc::ptr_eq(&self.grids[member.grid], &grids[member.grid]) {
+                member.robot.look_again();
+            }
+        }
         self.grids = grids;
         Ok(())
     }
@@ -376,8 +381,8 @@ impl Fleet {
         let Self { grids, options, worlds, next, .. } = self;
         let scene_of = |world, members: &[Member]| scene(grids, &distances, options, worlds, world, members[0].grid, &watch);
         let mut rest = &mut next[..];
-        let mut crowds = memory::with_room(ROBOTS, worlds.worlds.len())?;
-        for world in &worlds.worlds {
+        let mut crowds = memory::with_room(ROBOTS, worlds.all.len())?;
+        for world in &worlds.all {
             let (members, others) = rest.split_at_mut(world.robots.len());
             rest = others;
             crowds.push((world, members));
@@ -442,7 +447,7 @@ impl Fleet {
         let radius = options.footprint.as_ref().map_or(0.0, Shape::reach) + options.clearance;
         let watch = Watch::new();
         let mut times = memory::filled(ROBOTS, 0, next.len())?;
-        for world in &worlds.worlds {
+        for world in &worlds.all {
             let is_new = worlds.order[world.robots.clone()].iter().all(|&robot| mask[robot]);
             times[world.robots.clone()].fill(if is_new { 0 } else { next[world.robots.start].robot.time_ns() });
         }
@@ -467,7 +472,7 @@ impl Fleet {
             };
             member.put(pose, times[place], options.body(robot))?;
         }
-        for world in &worlds.worlds {
+        for world in &worlds.all {
             let members = &mut next[world.robots.clone()];
             if worlds.order[world.robots.clone()].iter().any(|&robot| mask[robot]) {
                 for (member, &robot) in members.iter_mut().zip(&worlds.order[world.robots.clone()]) {
@@ -490,6 +495,9 @@ impl Fleet {
         for (robot, member) in self.in_order().enumerate().filter(|(robot, _)| mask[*robot]) {
             memory::push(ROBOTS, &mut robots, robot)?;
             memory::push(ROBOTS, &mut members, *member)?;
+        }
+        for member in &mut members {
+            member.robot.look_again();
         }
         Ok(FleetState { robots, members })
     }
@@ -559,9 +567,9 @@ impl Fleet {
         let Self { grids, options, worlds, next, .. } = self;
         let scanner = options.scanner.as_ref().expect("a scanner");
         let watch = Watch::new();
-        let mut scenes = memory::with_room(ROBOTS, worlds.worlds.len())?;
+        let mut scenes = memory::with_room(ROBOTS, worlds.all.len())?;
         let mut world_of = memory::filled(ROBOTS, 0, next.len())?;
-        for world in &worlds.worlds {
+        for world in &worlds.all {
             world_of[world.robots.clone()].fill(scenes.len());
             let members = &next[world.robots.clone()];
             scenes.push(scene(grids, &[], options, worlds, world, members[0].grid, &watch));
@@ -622,7 +630,7 @@ fn check_duration(duration: f64) -> Result<i64, Error> {
 
 /// Checks that the robots of each world are at the same time and on the same grid.
 fn check_crowds(worlds: &Worlds, members: &[Member]) -> Result<(), Error> {
-    for world in worlds.worlds.iter().filter(|world| world.robots.len() > 1) {
+    for world in worlds.all.iter().filter(|world| world.robots.len() > 1) {
         let (robots, members) = (&worlds.order[world.robots.clone()], &members[world.robots.clone()]);
         for (&robot, member) in robots.iter().zip(members) {
             if member.robot.time_ns() != members[0].robot.time_ns() {

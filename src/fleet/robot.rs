@@ -57,6 +57,9 @@ pub struct Robot {
     wheels: Option<Pose>,
     /// Pose in the odometry frame at the present, if it has been computed.
     here: Option<Pose>,
+    /// The contact of the last time step and its duration \[ns\], if the robot stands pressed against something. The next step of the
+    /// same duration has the same contact, as long as the command and the world do not change.
+    stuck: Option<(Contact, i64)>,
 }
 
 /// A time step with contact. Poses are in the map frame.
@@ -87,6 +90,7 @@ impl Robot {
             reached: None,
             wheels: (body.grip != 1.0).then_some(Pose::default()),
             here: None,
+            stuck: None,
         })
     }
 
@@ -118,6 +122,7 @@ impl Robot {
             reached: words.option()?.map(Pose::from),
             wheels: words.option()?.map(Pose::from),
             here: words.option()?.map(Pose::from),
+            stuck: None,
         })
     }
 
@@ -215,12 +220,30 @@ impl Robot {
     /// # Errors
     /// [`Error::Number`]: a number is not finite.
     pub fn command(&mut self, velocity: Twist, body: Body<'_>) -> Result<(), Error> {
-        self.requested = velocity;
+        if velocity != self.requested {
+            (self.requested, self.stuck) = (velocity, None);
+        }
         if self.is_blocked || (velocity == self.profile.command && self.time_ns < self.profile.until_ns) {
             return Ok(());
         }
         let profile = self.following(self.time_ns, body)?;
         self.begin(profile, None, body)
+    }
+
+    /// Forgets what the robot is pressed against, because its world may be another one from now on.
+    pub fn look_again(&mut self) {
+        self.stuck = None;
+    }
+
+    /// Takes a time step that ends at a time \[ns\] and in which nothing changes: the robot stands pressed against something, in a
+    /// world that stands. Returns its contact, or `None` if it has to be moved.
+    pub fn stay(&mut self, end_ns: i64) -> Option<Contact> {
+        let (contact, duration_ns) = self.stuck?;
+        if end_ns - self.time_ns != duration_ns {
+            return None;
+        }
+        self.time_ns = end_ns;
+        Some(contact)
     }
 
     /// Moves the robot to a time \[ns\] at most [`STEP_NS`] after the present. Returns its first contact on the way.
@@ -236,7 +259,7 @@ impl Robot {
         };
         let profile = if self.is_blocked { self.following(start_ns, body)? } else { self.profile };
         let start = self.pose_for_others(body)?;
-        self.here = None;
+        (self.here, self.stuck) = (None, None);
         let duration = seconds(end_ns - start_ns);
         let twist = self.twist(&profile, start, (start_ns, end_ns), body)?;
         let (reached, contact) = advance(world, footprint, start, twist, duration, body.mode)?;
@@ -328,8 +351,9 @@ impl Robot {
         } else if step.reached == step.start {
             let is_moving = self.profile.velocity_at(step.start_ns)? != Twist::default();
             if is_moving || self.profile.limits.is_some() {
-                self.begin(Profile::standing(step.start_ns, None), None, body)?;
+                return self.begin(Profile::standing(step.start_ns, None), None, body);
             }
+            self.stuck = Some((contact, step.end_ns - step.start_ns));
             Ok(())
         } else {
             // The robot slides along the contact, or drives out of an obstacle that moved onto it.

@@ -55,7 +55,8 @@ impl Fleet {
         }
         let distances = self.distances()?;
         let (watch, place) = (Watch::new(), self.worlds.place_of[robot]);
-        let world = self.worlds.worlds.iter().find(|world| world.robots.contains(&place)).expect("a world for each robot");
+        let number = self.worlds.all.partition_point(|world| world.robots.end <= place);
+        let world = &self.worlds.all[number];
         let (present, own) = (&self.members[world.robots.clone()], place - world.robots.start);
         let scene = scene(&self.grids, &distances, &self.options, &self.worlds, world, present[own].grid, &watch);
         let weight = WEIGHT * steps * present.len();

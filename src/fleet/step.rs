@@ -69,7 +69,9 @@ impl Scene<'_> {
             return self.move_alone(member, self.robots()[0], standing, end_ns);
         }
         if self.options.footprint.is_none() {
-            members.iter_mut().for_each(|member| member.robot.pass(end_ns));
+            for member in members {
+                member.robot.pass(end_ns);
+            }
             return Ok(());
         }
         let mut around = self.frozen(members)?;
@@ -78,19 +80,19 @@ impl Scene<'_> {
             if is_whole {
                 self.place_obstacles(&mut around, next_ns)?;
             }
-            for place in 0..members.len() {
+            for (place, (member, &robot)) in members.iter_mut().zip(self.robots()).enumerate() {
                 self.watch.check()?;
-                let (robot, index) = (self.robots()[place], self.world.obstacles.len() + place);
+                let index = self.world.obstacles.len() + place;
                 let body = self.options.body(robot);
                 let world = World { grid: self.grid, obstacles: &around, except: Some(index) };
-                let contact = members[place].robot.advance(next_ns, body, world)?;
+                let contact = member.robot.advance(next_ns, body, world)?;
                 if let Some(contact) = contact {
-                    members[place].note(contact, self.thing(contact.obstacle));
+                    member.note(contact, self.thing(contact.obstacle));
                 }
                 if is_whole {
-                    members[place].frozen = members[place].robot.pose_for_others(body)?;
+                    member.frozen = member.robot.pose_for_others(body)?;
                     if let Some(footprint) = body.footprint {
-                        around.place(index, footprint, members[place].frozen)?;
+                        around.place(index, footprint, member.frozen)?;
                     }
                 }
             }
@@ -112,7 +114,11 @@ impl Scene<'_> {
         while member.robot.time_ns() < end_ns {
             self.watch.check()?;
             let (next_ns, _) = next_time(member.robot.time_ns(), end_ns);
-            if let Some(contact) = member.robot.advance(next_ns, body, world)? {
+            let contact = match member.robot.stay(next_ns) {
+                Some(contact) => Some(contact),
+                None => member.robot.advance(next_ns, body, world)?,
+            };
+            if let Some(contact) = contact {
                 member.note(contact, self.thing(contact.obstacle));
             }
         }

@@ -39,7 +39,7 @@ pub struct Worlds {
     /// Place of each robot in `order`.
     pub place_of: Vec<usize>,
     /// The worlds, by their numbers.
-    pub worlds: Vec<FleetWorld>,
+    pub all: Vec<FleetWorld>,
     pub obstacles: Vec<FleetObstacle>,
 }
 
@@ -54,7 +54,7 @@ impl Worlds {
         order.sort_by_key(|&robot| world_of[robot]);
         let mut place_of = memory::filled(ROBOTS, 0, count)?;
         order.iter().enumerate().for_each(|(place, &robot)| place_of[robot] = place);
-        let mut found = Self { order, place_of, worlds: Vec::new(), obstacles };
+        let mut found = Self { order, place_of, all: Vec::new(), obstacles };
         let is_in_each = found.obstacles.iter().all(|obstacle| obstacle.world.is_none());
         let mut first = 0;
         while first < count {
@@ -62,7 +62,7 @@ impl Worlds {
             let robots = found.order[first..].iter().take_while(|&&robot| world_of[robot] == number).count();
             let robots = first..first + robots;
             first = robots.end;
-            let world = match found.worlds.last() {
+            let world = match found.all.last() {
                 Some(world) if is_in_each => FleetWorld { robots, ..world.clone() },
                 _ => {
                     let of_world = |obstacle: &FleetObstacle| obstacle.world.is_none_or(|world| world == number);
@@ -73,7 +73,7 @@ impl Worlds {
                     FleetWorld { robots, obstacles, standing }
                 }
             };
-            memory::push(ROBOTS, &mut found.worlds, world)?;
+            memory::push(ROBOTS, &mut found.all, world)?;
         }
         Ok(found)
     }

@@ -43,6 +43,7 @@ impl Trajectory {
     }
 
     /// Returns the waypoints `[time, x, y, yaw]` \[s, m, m, rad\].
+    #[must_use]
     pub fn waypoints(&self) -> impl ExactSizeIterator<Item = [f64; 4]> {
         self.waypoints.iter().map(|&(time, Pose { position, yaw })| [time, position.x, position.y, yaw])
     }

@@ -946,7 +946,7 @@ impl Fleet {
 
     /// The obstacles: a list of (Shape, waypoints, world), with (K, 4) float64 and the number of the world, or None for all.
     #[getter]
-    fn obstacles<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<(Shape, Bound<'py, PyAny>, Option<u64>)>> {
+    fn obstacles<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<ObstacleTuple<'py>>> {
         let fleet = borrowed(slf)?;
         let read = |obstacle: &FleetObstacle| {
             let rows: Vec<[f64; 4]> = obstacle.trajectory.waypoints().collect();
@@ -1018,6 +1018,9 @@ impl Fleet {
         mask.map_or_else(|| Ok(vec![true; count]), |mask| elements("mask", mask, Some(count)))
     }
 }
+
+/// An obstacle with its waypoints and the number of its world.
+type ObstacleTuple<'py> = (Shape, Bound<'py, PyAny>, Option<u64>);
 
 /// Returns the fleet for one call.
 fn borrowed<'py>(fleet: &Bound<'py, Fleet>) -> PyResult<PyRefMut<'py, Fleet>> {

@@ -285,6 +285,20 @@ def test_changed_cells_are_met() -> None:
     assert step.ranges is not None and step.ranges[0, 0] == pytest.approx(0.2, abs=1e-6)
 
 
+def test_a_robot_that_is_pressed_against_a_wall_moves_on_when_the_wall_is_gone() -> None:
+    grid = hall(8.0)
+    fleet = mrs.Fleet(grid, [(6.0, 4.0, 0.0)], footprint=mrs.Shape.disc(0.5))
+    ahead = [(1.0, 0.0, 0.0)]
+    assert fleet.step(ahead, 3.0).contacts[0] and fleet.step(ahead, 1.0).contacts[0]
+    state = fleet.save()
+    assert fleet.step(ahead, 1.0).poses[0, 0] == pytest.approx(7.4, abs=1e-5)
+    grid.set_cells(0, 79, np.zeros((80, 1), np.int8))
+    assert fleet.step(ahead, 1.0).poses[0, 0] == pytest.approx(8.4, abs=1e-5)
+    fleet.restore(state)
+    step = fleet.step(ahead, 1.0)
+    assert step.poses[0, 0] == pytest.approx(8.4, abs=1e-5) and not step.contacts[0]
+
+
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
