@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from . import recording as recording
     from . import requirements as requirements
     from . import ros as ros
+    from . import scenarios as scenarios
     from . import simulation as simulation
     from . import testing as testing
     from .maps import floor_plan, load_map, save_map
@@ -108,6 +109,7 @@ _SUBMODULES = (
     "recording",
     "requirements",
     "ros",
+    "scenarios",
     "simulation",
     "testing",
 )

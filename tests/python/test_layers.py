@@ -41,6 +41,7 @@ ROOMS = (
     "faults",
     "requirements",
     "drivers",
+    "scenarios",
     "benchmarks",
     "recording",
     "foxglove",

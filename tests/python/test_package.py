@@ -80,6 +80,7 @@ SUBMODULES = [
     "recording",
     "requirements",
     "ros",
+    "scenarios",
     "simulation",
     "testing",
 ]

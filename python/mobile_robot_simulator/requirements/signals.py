@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,8 @@ class Signal:
     Args:
         name: Name in messages.
         unit: Unit of the values, such as "m/s".
-        measure: Returns the value at each sample of a trace, (N,) float64. It must not be NaN.
+        measure: Returns the value at each sample of a trace, (N,) float64. It must not be NaN. For searches with several
+            processes it must be a function of a module.
 
     Example:
         >>> from mobile_robot_simulator.requirements import Signal
@@ -79,7 +81,7 @@ def distance_to(x: float, y: float) -> Signal:
         ValueError: A coordinate is not finite.
     """
     _check_finite(x=x, y=y)
-    return Signal(f"distance_to({x:g}, {y:g})", "m", lambda trace: _distances(trace, x, y))
+    return Signal(f"distance_to({x:g}, {y:g})", "m", partial(_distances, x=x, y=y))
 
 
 def inside(x_min: float, y_min: float, x_max: float, y_max: float) -> Signal:
@@ -102,11 +104,11 @@ def inside(x_min: float, y_min: float, x_max: float, y_max: float) -> Signal:
     if not (x_min < x_max and y_min < y_max):
         raise ValueError(f"the rectangle must not be empty, got x {x_min} to {x_max} and y {y_min} to {y_max}")
 
-    def measure(trace: Trace) -> NDArray[np.float64]:
-        x, y = trace.poses[:, 0], trace.poses[:, 1]
-        return np.minimum(np.minimum(x - x_min, x_max - x), np.minimum(y - y_min, y_max - y))
-
-    return Signal(f"inside({x_min:g}, {y_min:g}, {x_max:g}, {y_max:g})", "m", measure)
+    return Signal(
+        f"inside({x_min:g}, {y_min:g}, {x_max:g}, {y_max:g})",
+        "m",
+        partial(_depths, x_min=x_min, y_min=y_min, x_max=x_max, y_max=y_max),
+    )
 
 
 def _check_finite(**values: float) -> None:
@@ -120,10 +122,27 @@ def _distances(trace: Trace, x: float, y: float) -> NDArray[np.float64]:
     return np.hypot(trace.poses[:, 0] - x, trace.poses[:, 1] - y)
 
 
+def _depths(trace: Trace, x_min: float, y_min: float, x_max: float, y_max: float) -> NDArray[np.float64]:
+    x, y = trace.poses[:, 0], trace.poses[:, 1]
+    return np.minimum(np.minimum(x - x_min, x_max - x), np.minimum(y - y_min, y_max - y))
+
+
 def _goal_distances(trace: Trace) -> NDArray[np.float64]:
     if trace.goal is None:
         raise ValueError("goal_distance needs a goal: set Simulation.goal, or use distance_to(x, y)")
     return _distances(trace, trace.goal[0], trace.goal[1])
+
+
+def _clearances(trace: Trace) -> NDArray[np.float64]:
+    return trace.clearances
+
+
+def _turn_rates(trace: Trace) -> NDArray[np.float64]:
+    return np.abs(trace.velocities[:, 2])
+
+
+def _times_to_contact(trace: Trace) -> NDArray[np.float64]:
+    return trace.truth.times_to_contact(trace.times)
 
 
 def _speeds(trace: Trace) -> NDArray[np.float64]:
@@ -147,7 +166,7 @@ def _jerks(trace: Trace) -> NDArray[np.float64]:
     return np.hypot(rates[:, 0], rates[:, 1])
 
 
-clearance = Signal("clearance", "m", lambda trace: trace.clearances)
+clearance = Signal("clearance", "m", _clearances)
 """Distance from the footprint to the nearest wall, obstacle or robot [m], at most 10 m. See `GroundTruth.clearances`."""
 
 goal_distance = Signal("goal_distance", "m", _goal_distances)
@@ -156,7 +175,7 @@ goal_distance = Signal("goal_distance", "m", _goal_distances)
 speed = Signal("speed", "m/s", _speeds)
 """Linear speed [m/s]."""
 
-turn_rate = Signal("turn_rate", "rad/s", lambda trace: np.abs(trace.velocities[:, 2]))
+turn_rate = Signal("turn_rate", "rad/s", _turn_rates)
 """Absolute turn rate [rad/s]."""
 
 acceleration = Signal("acceleration", "m/s^2", _accelerations)
@@ -168,5 +187,5 @@ A jump of the velocity, of a robot without acceleration limits, counts as a chan
 jerk = Signal("jerk", "m/s^3", _jerks)
 """Absolute change of the acceleration since the sample before, per second [m/s^3], as for `acceleration`; first 0."""
 
-time_to_contact = Signal("time_to_contact", "s", lambda trace: trace.truth.times_to_contact(trace.times))
+time_to_contact = Signal("time_to_contact", "s", _times_to_contact)
 """Time until the robot touches something if it keeps its velocity [s], at most 10 s. See `GroundTruth.times_to_contact`."""

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches, assert_scan_close
     from .rclpy_shim import stand_in
     from .requirement_assertions import assert_always, assert_holds
+    from .strategies import faults, poses, worlds
 
 __all__ = [
     "assert_always",
@@ -19,13 +20,19 @@ __all__ = [
     "assert_rate",
     "assert_reaches",
     "assert_scan_close",
+    "faults",
+    "poses",
     "stand_in",
+    "worlds",
 ]
 
 _MODULES = {
     "assert_always": "requirement_assertions",
     "assert_holds": "requirement_assertions",
+    "faults": "strategies",
+    "poses": "strategies",
     "stand_in": "rclpy_shim",
+    "worlds": "strategies",
 }
 """Modules of the names that are not in `assertions`."""
 

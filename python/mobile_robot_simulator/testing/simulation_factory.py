@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .._core import OccupancyGrid
     from ..physics.obstacles import PoseLike
     from ..recording.deferred import DeferredRecorder
+    from ..scenarios.world import World
     from ..simulation.simulation import Simulation
 
 KEYWORDS = ("map", "parameters", "seed", "start", "robots", "size", "resolution")
@@ -66,7 +67,7 @@ class SimulationFactory:
 
     def __call__(
         self,
-        map: OccupancyGrid | str | Path | None = None,
+        map: OccupancyGrid | str | Path | World | None = None,
         *,
         parameters: Mapping[str, Any] | None = None,
         seed: int | None = None,
@@ -77,7 +78,8 @@ class SimulationFactory:
         """Makes a simulation. Arguments that are not passed are taken from the test's markers.
 
         Args:
-            map: Kind of a floor plan, map file, or grid; default: a generated office.
+            map: Kind of a floor plan, map file, or grid; default: a generated office. A `World` has everything, so that
+                no other argument can be given and markers have no effect.
             parameters: Values of the nodes' parameters by name, in addition to those of the markers.
             seed: Seed of the noise, of a generated floor plan and of random start poses.
             start: Start pose of the robot (x [m], y [m], yaw [rad]); default: random, in free space.
@@ -89,8 +91,16 @@ class SimulationFactory:
             ValueError: `size` or `resolution` is given for a map that is not generated, or `Simulation` refuses an argument.
             FileNotFoundError: The map is neither a kind of floor plan nor an existing file.
         """
+        from ..scenarios.world import World
         from ..simulation.simulation import Simulation
 
+        if isinstance(map, World):
+            if plan or any(value is not None for value in (parameters, seed, start, robots)):
+                raise ValueError("a World has all settings of the simulation: no other argument can be given")
+            simulation = map.simulation()
+            self._own_seeds.append(map.seed)
+            self._keep_messages(simulation)
+            return simulation
         settings = self._settings
         if seed is None:
             seed = settings["seed"]

@@ -1,0 +1,142 @@
+"""Ranges: what may differ between the worlds of a space, with units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from ..faults.reading import FAULTS
+from ..parameters import unknown_name
+from ..quoting import quoted
+from ..simulation.arguments import check_at_least_0, check_numbers
+
+__all__ = ["Dimension", "FaultRange", "Free", "Moving", "Range"]
+
+DIGITS = 3
+"""Digits after the point to which drawn numbers are rounded, so that worlds are easy to read."""
+
+
+class Dimension(NamedTuple):
+    """One number that is drawn for a world."""
+
+    name: str
+    """What it is, such as "obstacle 1 radius"."""
+
+    low: float
+    """Smallest value."""
+
+    high: float
+    """Largest value."""
+
+    unit: str
+    """Unit; empty for counts, indices and shares."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """A number between two limits, rounded to 3 digits after the point.
+
+    Args:
+        low: Smallest value. Tests shrink towards 0 if it is in the range, else towards this limit.
+        high: Largest value.
+        unit: Unit of both.
+
+    Raises:
+        ValueError: A limit is not finite, or the smaller one is larger than the other.
+        TypeError: A limit is not a number.
+    """
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        """Checks the limits."""
+        check_numbers(low=self.low, high=self.high)
+        if not -math.inf < self.low <= self.high < math.inf:
+            raise ValueError(f"a range must have two finite limits, the smaller first, got {self.low} and {self.high}")
+
+
+FULL_TURN = Range(-3.141, 3.141, "rad")
+
+
+@dataclass(frozen=True)
+class Free:
+    """A position in free space, on a lattice of 0.25 m.
+
+    Args:
+        radius: Radius of the free space around it [m].
+        yaw: Heading; used for starts only.
+
+    Raises:
+        ValueError: The radius is negative or not finite.
+    """
+
+    radius: float = 0.5
+    yaw: Range = FULL_TURN
+
+    def __post_init__(self) -> None:
+        """Checks the radius."""
+        check_at_least_0(radius=self.radius)
+
+
+@dataclass(frozen=True)
+class Moving:
+    """Obstacles: discs anywhere in free space that stand or move in straight lines.
+
+    Args:
+        at_most: Largest number of obstacles; there can be fewer, down to `at_least`.
+        at_least: Smallest number. An obstacle that would be too near to the start is left out, so there can be fewer still.
+        radius: Radius of each.
+        speed: Speed of each.
+        from_start: Smallest distance from the start to the edge of an obstacle [m].
+
+    Raises:
+        ValueError: A number is negative, or `at_least` is larger than `at_most`.
+    """
+
+    at_most: int
+    at_least: int = 0
+    radius: Range = Range(0.1, 0.3, "m")
+    speed: Range = Range(0.0, 0.0, "m/s")
+    from_start: float = 0.6
+
+    def __post_init__(self) -> None:
+        """Checks the numbers."""
+        check_at_least_0(at_least=self.at_least, from_start=self.from_start, radius=self.radius.low, speed=self.speed.low)
+        if not self.at_least <= self.at_most <= 1000:
+            raise ValueError(f"at_most must be {self.at_least} to 1000, got {quoted(self.at_most)}")
+
+
+@dataclass(frozen=True)
+class FaultRange:
+    """A fault that a world can have: a class of `mobile_robot_simulator.faults` and its arguments.
+
+    Args:
+        kind: Name of the class, such as "Blackout".
+        arguments: Arguments by name. Each is a value, or a `Range` of values.
+        duration: Range from which `end` follows: `start` + duration [s]. None: no `end`.
+        chance: Share of the worlds that have the fault.
+
+    Raises:
+        ValueError: The class is unknown, or the share is not in 0..1.
+
+    Example:
+        >>> from mobile_robot_simulator.scenarios import FaultRange, Range
+        >>> fault = FaultRange("Blackout", {"topic": "/scan", "start": Range(0, 20, "s")}, duration=Range(1, 5, "s"))
+    """
+
+    kind: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    duration: Range | None = None
+    chance: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Checks the class and the share."""
+        if self.kind not in FAULTS:
+            raise ValueError(unknown_name(self.kind, FAULTS, kind="fault"))
+        check_numbers(chance=self.chance)
+        if not 0.0 <= self.chance <= 1.0:
+            raise ValueError(f"the chance must be in 0..1, got {quoted(self.chance)}")
