@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from . import benchmarks as benchmarks
     from . import bus as bus
     from . import compare as compare
+    from . import falsification as falsification
     from . import faults as faults
     from . import foxglove as foxglove
     from . import learning as learning
@@ -94,6 +95,7 @@ _SUBMODULES = (
     "benchmarks",
     "bus",
     "compare",
+    "falsification",
     "faults",
     "foxglove",
     "learning",

@@ -65,6 +65,7 @@ SUBMODULES = [
     "benchmarks",
     "bus",
     "compare",
+    "falsification",
     "faults",
     "foxglove",
     "learning",

@@ -1,7 +1,8 @@
 """Benchmarks: tasks of published benchmarks as simulations, with their score."""
 
 from .barn import barn_task
+from .control_loop import Controller, ControlLoop, Observation
 from .task import Task
-from .trials import Observation, Trial, Trials, run_tasks
+from .trials import Trial, Trials, run_tasks
 
-__all__ = ["Observation", "Task", "Trial", "Trials", "barn_task", "run_tasks"]
+__all__ = ["ControlLoop", "Controller", "Observation", "Task", "Trial", "Trials", "barn_task", "run_tasks"]

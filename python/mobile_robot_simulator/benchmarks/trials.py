@@ -4,43 +4,19 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from .._core import Pose
-from ..messages import LaserScan, Odometry, Twist, Vector3
+from .control_loop import STEP, Controller, ControlLoop
 from .task import Task
 
-__all__ = ["Controller", "Observation", "Trial", "Trials", "run_tasks"]
-
-STEP = 0.1
-"""Time between two commands [s], after which contact and arrival are checked, as in the BARN challenge."""
+__all__ = ["Trial", "Trials", "run_tasks"]
 
 STARTED = 0.1
 """Distance from the start at which the clock starts [m], as in the BARN challenge."""
-
-
-class Observation(NamedTuple):
-    """What a controller knows."""
-
-    time: float
-    """Time since the start [s]."""
-
-    scan: LaserScan
-    """The last scan."""
-
-    odometry: Odometry
-    """The last odometry. Its frame is the pose of the robot at the start."""
-
-    goal: tuple[float, float]
-    """Goal (x, y) in the frame of the robot, x forward, by odometry [m]."""
-
-
-Controller = Callable[[Observation], tuple[float, float]]
-"""Returns the command for the next `STEP`: forward velocity [m/s] and turn rate [rad/s]."""
 
 
 class Trial(NamedTuple):
@@ -123,11 +99,8 @@ def run_tasks(tasks: Iterable[Task], controller: Callable[[], Controller], *, se
 
 
 def _run(task: Task, *, controller: Callable[[], Controller], seed: int) -> Trial:
-    simulation, control = task.simulation(seed), controller()
-    robot = simulation.robot.parameters
-    laser = simulation.laser.parameters
-    # The odometry has a frame of its own, in which the start need not be 0.
-    map_from_odom: Pose | None = None
+    simulation = task.simulation(seed)
+    loop = ControlLoop(simulation, controller(), task.goal, name=task.name)
     began: float | None = None
     steps = 0
     while True:
@@ -143,25 +116,4 @@ def _run(task: Task, *, controller: Callable[[], Controller], seed: int) -> Tria
             return Trial(task.name, "succeeded", taken, task.score(taken))
         if taken >= task.time_limit - 1e-9:
             return Trial(task.name, "timeout", taken, 0.0)
-        scan, odometry = simulation.latest(laser.laser_topic), simulation.latest(robot.odometry_topic)
-        odom_from_base = _pose(odometry)
-        if map_from_odom is None:
-            map_from_odom = task.start * odom_from_base.inverse()
-        goal = (map_from_odom * odom_from_base).inverse() * Pose(*task.goal)
-        command = control(Observation(time, scan, odometry, (goal.x, goal.y)))
-        simulation.publish(robot.velocity_topic, _twist(task.name, command))
-
-
-def _pose(odometry: Odometry) -> Pose:
-    position, rotation = odometry.pose.pose.position, odometry.pose.pose.orientation
-    return Pose.from_quaternion(position.x, position.y, qx=rotation.x, qy=rotation.y, qz=rotation.z, qw=rotation.w)
-
-
-def _twist(task: str, command: Sequence[float]) -> Twist:
-    try:
-        speed, turn_rate = map(float, command)
-    except (TypeError, ValueError):
-        raise ValueError(f"{task}: a command must be two numbers (speed, turn rate), got {command!r}") from None
-    if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-        raise ValueError(f"{task}: a command must be finite, got {command!r}")
-    return Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate))
+        loop.command()

@@ -12,6 +12,7 @@ from .audit import audit
 from .compare import compare
 from .console import console, error_console, text_of, warnings_as_notes
 from .convert import convert
+from .falsify import falsify
 from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
 from .info import info
@@ -33,6 +34,7 @@ app.command(cls=Command)(live)
 app.command(cls=Command)(recover)
 app.command(cls=Command)(audit)
 app.command(cls=Command)(compare)
+app.command(cls=Command)(falsify)
 app.command(cls=Command)(scan)
 app.command(cls=Command)(info)
 app.command(cls=Command)(parameters)

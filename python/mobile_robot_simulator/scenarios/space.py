@@ -56,6 +56,7 @@ class Space:
         faults: Faults that a world can have.
         parameters: Parameters of the nodes by name. Each is a value, or a `Range` of values.
         duration: Longest duration of a drive [s].
+        tolerance: Distance from the goal at which the robot has arrived [m].
         is_noisy: False if all worlds have the noise of seed 0; else they have 1,000 different seeds.
 
     Raises:
@@ -80,13 +81,14 @@ class Space:
     faults: Sequence[FaultRange] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     duration: float = 30.0
+    tolerance: float = 0.3
     is_noisy: bool = True
 
     def __post_init__(self) -> None:
         """Checks the maps and the duration."""
         if not self.maps or not all(isinstance(map, WorldMap) for map in self.maps):
             raise ValueError(f"maps must be one or more of WorldMap, got {quoted(self.maps)}")
-        check_at_least_0(duration=self.duration)
+        check_at_least_0(duration=self.duration, tolerance=self.tolerance)
         if not self.duration:
             raise ValueError("the duration must be positive, got 0 s")
 
@@ -135,6 +137,7 @@ class Space:
                 for name, value in self.parameters.items()
             },
             duration=self.duration,
+            tolerance=self.tolerance,
             seed=choices.index("seed", SEEDS) if self.is_noisy else 0,
         )
 

@@ -51,6 +51,7 @@ class World:
         faults: Faults as texts that `--fault` takes, such as "Drop('/scan', probability=0.1)".
         parameters: Parameters of the nodes by name.
         duration: Longest duration of the drive [s].
+        tolerance: The robot has arrived when its origin is at most so far from the goal [m].
         seed: Seed of the noise.
 
     Example:
@@ -69,6 +70,7 @@ class World:
     faults: tuple[str, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     duration: float = 30.0
+    tolerance: float = 0.3
     seed: int = 0
 
     @property
@@ -115,7 +117,7 @@ class World:
         """
         try:
             values = json.loads(text)
-            numbers = [*values["start"], *(values["goal"] or ()), values["duration"]]
+            numbers = [*values["start"], *(values["goal"] or ()), values["duration"], values["tolerance"]]
             world = World(
                 map=WorldMap(**{**values["map"], "size": tuple(values["map"]["size"])}),
                 start=tuple(values["start"]),
@@ -124,6 +126,7 @@ class World:
                 faults=tuple(values["faults"]),
                 parameters=dict(values["parameters"]),
                 duration=values["duration"],
+                tolerance=values["tolerance"],
                 seed=values["seed"],
             )
             if not all(math.isfinite(number) for number in numbers):

@@ -1,0 +1,126 @@
+"""Counterexample: what is saved repeats the drive byte by byte, with the command and with the test."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mobile_robot_simulator as mrs
+from falsification.crossing import SPACE, Halting, controller, requirement
+from mobile_robot_simulator.falsification import Counterexample, falsify
+
+HERE = Path(__file__).parent
+CASE = """
+from mobile_robot_simulator.requirements import always, clearance
+from mobile_robot_simulator.scenarios import Moving, Space, WorldMap
+
+
+def controller(sim):
+    return lambda seen: (0.5, 0.0)
+
+
+requirement = always(clearance > 0.0)
+space = Space(
+    [WorldMap("room", size=(6.0, 6.0), resolution=0.1)],
+    start=(1.0, 3.0, 0.0),
+    goal=None,
+    obstacles=Moving(4),
+    parameters={"robot_radius": 0.25, "laser_beam_count": 11},
+    duration=3.0,
+)
+"""
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(mrs.__file__).parents[1])}
+
+
+@pytest.fixture
+def saved(tmp_path):
+    return falsify(controller, SPACE, requirement, 200, corpus=tmp_path).counterexample
+
+
+def run(folder, *command):
+    return subprocess.run(
+        [sys.executable, "-m", *command], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300
+    )
+
+
+def test_the_folder_has_everything(saved):
+    names = {path.name for path in saved.folder.iterdir()}
+    assert names == {"counterexample.json", "drive.png", "recording", f"test_counterexample_{saved.world.name}.py"}
+    assert (saved.folder / "drive.png").read_bytes().startswith(b"\x89PNG")
+    assert (saved.folder / "recording" / "recording.mcap").stat().st_size > 1000
+    assert Counterexample.load(saved.folder / "counterexample.json") == saved
+
+
+def test_it_repeats_byte_by_byte(saved):
+    drive, is_same = saved.repeat(controller, requirement)
+    assert is_same and drive.failed and drive.robustness == saved.robustness
+    drive, is_same = saved.repeat(Halting, requirement)
+    assert not is_same and not drive.failed
+
+
+def test_the_recording_is_the_same_when_it_is_found_again(saved, tmp_path_factory):
+    again = falsify(controller, SPACE, requirement, 200, corpus=tmp_path_factory.mktemp("again")).counterexample
+    files = [path / "recording" / "recording.mcap" for path in (saved.folder, again.folder)]
+    assert files[0].read_bytes() == files[1].read_bytes() and saved.digest == again.digest
+
+
+@pytest.mark.slow
+def test_the_command_and_the_test_repeat_the_drive(tmp_path):
+    (tmp_path / "straight_case.py").write_text(CASE)
+    found = run(tmp_path, "mobile_robot_simulator", "falsify", "straight_case.py", "--processes", "2")
+    assert found.returncode == 2, found.stdout + found.stderr
+    command = found.stdout.splitlines()[-1].removeprefix("repeat with: mobile-robot-simulator ")
+    again = run(tmp_path, "mobile_robot_simulator", *shlex.split(command))
+    assert again.returncode == 2 and "the same bytes as when it was found" in again.stdout, again.stdout + again.stderr
+    known = run(tmp_path, "mobile_robot_simulator", "falsify", "straight_case.py")
+    assert known.returncode == 2 and "1 known counterexamples still fail" in known.stdout
+    test = ("pytest", "-q", "-p", "no:cacheprovider", "counterexamples")
+    failed = run(tmp_path, *test)
+    assert failed.returncode == 1 and "the same bytes as when it was found" in failed.stdout, failed.stdout
+    (tmp_path / "straight_case.py").write_text(CASE.replace("0.5, 0.0)", "0.0, 0.0)"))
+    repaired = run(tmp_path, *test)
+    assert repaired.returncode == 0, repaired.stdout + repaired.stderr
+
+
+def test_a_controller_without_a_file_gets_no_test(tmp_path):
+    def unnamed(sim):
+        return lambda seen: (0.5, 0.0)
+
+    found = falsify(unnamed, SPACE, requirement, 200, corpus=tmp_path)
+    assert found.counterexample.case is None and found.counterexample.command == ""
+    assert [note.partition(":")[0] for note in found.notes] == ["no test"]
+    with pytest.raises(ValueError, match="names no file with a controller"):
+        found.counterexample.check()
+
+
+def test_a_controller_that_does_not_repeat_is_noticed(tmp_path):
+    calls = []
+
+    def forgetful(sim):
+        calls.append(sim)
+        return lambda seen: (0.5 if len(calls) < 3 else 0.4, 0.0)
+
+    found = falsify(forgetful, SPACE, ~requirement, 1, corpus=tmp_path, is_shrunk=False)
+    assert found.failed
+    found = falsify(forgetful, SPACE, ~requirement, 1, corpus=tmp_path / "new", is_shrunk=False)
+    assert not any("does not repeat" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", "null"])
+def test_what_is_no_counterexample_is_refused(tmp_path, text, saved):
+    file = tmp_path / "counterexample.json"
+    file.write_text(text)
+    with pytest.raises(ValueError, match=r"counterexample\.json: not a counterexample: "):
+        Counterexample.load(file)
+    values = json.loads((saved.folder / "counterexample.json").read_text())
+    file.write_text(json.dumps({**values, "world": {}}))
+    with pytest.raises(ValueError, match="not a world"):
+        Counterexample.load(file)
+    with pytest.raises(FileNotFoundError):
+        Counterexample.load(tmp_path / "missing.json")
