@@ -91,7 +91,8 @@ def copied(value: T) -> T:
         kind = type(value)
         copy = object.__new__(kind)
         for name in _field_names(kind):  # type: ignore[arg-type]
-            setattr(copy, name, copied(getattr(value, name)))
+            item = getattr(value, name)
+            setattr(copy, name, item if type(item) in _PLAIN else copied(item))
         return copy
     if isinstance(value, np.ndarray):
         return value.copy() if value.flags.writeable else value
@@ -109,7 +110,14 @@ def check_fields(message: Message) -> None:
         ValueError: An array has more than one dimension, or a covariance has not 36 numbers.
     """
     for name, kind in _field_kinds(type(message)).items():  # type: ignore[arg-type]
-        value, where = getattr(message, name), f"{type(message).__name__}.{name}"
+        value = getattr(message, name)
+        if type(value) is kind:  # most fields; what follows says what is wrong with the others
+            if kind in _PLAIN:
+                continue
+            if isinstance(value, Message):
+                check_fields(value)
+                continue
+        where = f"{type(message).__name__}.{name}"
         if kind is np.ndarray:
             _check_numbers(value, where, _length(type(message), name))  # type: ignore[arg-type]
         elif get_origin(kind) is list:
@@ -143,6 +151,9 @@ def _need(is_met: bool, where: str, needed: str, value: object) -> None:
     if not is_met:
         raise TypeError(f"{where} must be {needed}, got {quoted(value)}")
 
+
+_PLAIN = frozenset({float, int, bool, str})
+"""Types of fields that cannot change and hold nothing else."""
 
 _ACCEPTED: dict[type, type] = {float: Real, int: Integral}
 """Types of accepted values, for fields of numbers: NumPy's numbers are not floats or ints."""

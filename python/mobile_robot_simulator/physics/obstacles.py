@@ -59,6 +59,7 @@ class Obstacle(Handle):
         self._pose_at = _pose_function(trajectory)
         self._motion: Motion | None = None
         """How the obstacle has moved since it was moved for the first time."""
+        self._standing = (shape, self._pose_at.pose) if isinstance(self._pose_at, _Standing) else None
 
     def __repr__(self) -> str:
         return f"Obstacle({self.name!r}, {self.shape!r})"
@@ -85,6 +86,24 @@ class Obstacle(Handle):
         except TypeError as error:
             message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
             raise TypeError(message) from error
+
+    @property
+    def stands(self) -> bool:
+        """True if the obstacle has one pose and was never moved."""
+        return self._standing is not None and self._motion is None
+
+    def placed(self, time_ns: int) -> tuple[Shape, Pose]:
+        """Returns the shape and the pose in the map frame at a time; always the same tuple if the obstacle stands.
+
+        Args:
+            time_ns: The time [ns].
+
+        Raises:
+            Exception: Those of `pose`.
+        """
+        if self._standing is not None and self._motion is None:
+            return self._standing
+        return self.shape, self.pose(time_ns)
 
     def course(self, times_ns: NDArray[np.int64]) -> Course:
         """Returns where the obstacle is at several times: those of `pose`.

@@ -119,6 +119,10 @@ class World(Handle):
         """Number of calls of `changed`."""
         self._frozen: list[tuple[Body | Obstacle, Placed]] = []
         """Each obstacle and robot with the shape and pose that others can collide with during the current step."""
+        self._moving: list[tuple[int, Obstacle]] = []
+        """Obstacles that do not stand, each with its index in `_frozen`."""
+        self._others: dict[Body, list[Placed]] = {}
+        """Results of `obstacles_for` as long as they hold."""
         self._stepped: list[Body] = []
         """Robots that advance in time steps."""
         self._index_of: dict[Body, int] = {}
@@ -153,10 +157,13 @@ class World(Handle):
     def place(self, obstacle: Obstacle) -> None:
         """Adds an obstacle."""
         self.now_ns()
-        placed = obstacle.shape, obstacle.pose(self._stepped_ns)
+        placed = obstacle.placed(self._stepped_ns)
         # Only what is new is computed, so that many obstacles can be added.
         self._frozen.insert(len(self.obstacles), (obstacle, placed))
+        self._others = {}
         self._index_of = {other: index + 1 for other, index in self._index_of.items()}
+        if not obstacle.stands:
+            self._moving.append((len(self.obstacles), obstacle))
         self.obstacles.append(obstacle)
         self.placed += 1
         self._latest = None
@@ -210,7 +217,9 @@ class World(Handle):
 
     def obstacles_for(self, body: Body) -> list[Placed]:
         """Obstacles and other robots that a robot can collide with during the current step."""
-        return [placed for other, placed in self._frozen if other is not body]
+        if (others := self._others.get(body)) is None:
+            others = self._others[body] = [placed for other, placed in self._frozen if other is not body]
+        return others
 
     def obstacle_name(self, body: Body, index: int | None) -> str:
         """Name of the thing at an index of `obstacles_for`; None stands for a wall."""
@@ -260,6 +269,10 @@ class World(Handle):
         everybody = self._everybody(time_ns, lambda body: body.motion.map_pose_at(time_ns))
         return [placed for other, placed in everybody if other is not body]
 
+    def stands_around(self, body: Body) -> bool:
+        """True if all obstacles stand and no other robot has a footprint, so that nothing around the robot ever moves."""
+        return not self._moving and all(other is body or other.footprint is None for other in self._bodies)
+
     def around_during(self, body: Body, times_ns: NDArray[np.int64]) -> list[Passing]:
         """Obstacles and other robots that are here now, and where they were at several times in the past.
 
@@ -296,8 +309,10 @@ class World(Handle):
         try:
             while now - self._stepped_ns >= STEP_NS:
                 self._stepped_ns += STEP_NS - self._stepped_ns % STEP_NS
-                for index, obstacle in enumerate(self.obstacles):
-                    self._frozen[index] = obstacle, (obstacle.shape, obstacle.pose(self._stepped_ns))
+                if self._moving:
+                    self._others = {}
+                for index, obstacle in self._moving:
+                    self._frozen[index] = obstacle, obstacle.placed(self._stepped_ns)
                 for body in self._stepped:
                     motion = body.motion
                     motion.step(self._stepped_ns)
@@ -305,17 +320,21 @@ class World(Handle):
                         index = self._index_of[body]
                         shape, _ = self._frozen[index][1]
                         self._frozen[index] = body, (shape, motion.pose_for_others(self._stepped_ns))
+                        if len(self._bodies) > 1:
+                            self._others = {}
         finally:
             self._stepping = False
 
     def _freeze(self) -> None:
         self._stepped = [body for body in self._bodies if body.motion.is_stepped]
+        self._moving = [(index, obstacle) for index, obstacle in enumerate(self.obstacles) if not obstacle.stands]
         self._frozen = self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns))
+        self._others = {}
         self._index_of = {other: index for index, (other, _) in enumerate(self._frozen) if not isinstance(other, Obstacle)}
 
     def _everybody(self, time_ns: int, pose_of: Callable[[Body], Pose]) -> list[tuple[Body | Obstacle, Placed]]:
         everybody: list[tuple[Body | Obstacle, Placed]] = [
-            (obstacle, (obstacle.shape, obstacle.pose(time_ns))) for obstacle in self.obstacles
+            (obstacle, obstacle.placed(time_ns)) for obstacle in self.obstacles
         ]
         everybody += [(body, (body.footprint, pose_of(body))) for body in self._bodies if body.footprint is not None]
         return everybody

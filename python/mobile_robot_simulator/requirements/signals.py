@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..quoting import quoted
 from ..simulation.arguments import check_numbers
 from .formula import Comparison
-from .trace import Trace
+from .trace import REACH, Trace
 
 __all__ = [
     "Signal",
@@ -38,6 +38,7 @@ class Signal:
         unit: Unit of the values, such as "m/s".
         measure: Returns the value at each sample of a trace, (N,) float64. It must not be NaN. For searches with several
             processes it must be a function of a module.
+        most: Upper limit of the values; limits of requirements must be below it.
 
     Example:
         >>> from mobile_robot_simulator.requirements import Signal
@@ -49,6 +50,7 @@ class Signal:
     name: str
     unit: str
     measure: Callable[[Trace], NDArray[np.float64]]
+    most: float = math.inf
 
     def __repr__(self) -> str:
         return self.name
@@ -66,6 +68,10 @@ class Signal:
         check_numbers(limit=limit)
         if not math.isfinite(limit):
             raise ValueError(f"the limit of {self.name} must be finite, got {quoted(limit)}")
+        if limit >= self.most:
+            raise ValueError(
+                f"{self.name} is measured up to {self.most:g} {self.unit}, so its limit must be less, got {limit}"
+            )
         return Comparison(self.name, self.unit, self.measure, float(limit), is_above)
 
 
@@ -166,8 +172,8 @@ def _jerks(trace: Trace) -> NDArray[np.float64]:
     return np.hypot(rates[:, 0], rates[:, 1])
 
 
-clearance = Signal("clearance", "m", _clearances)
-"""Distance from the footprint to the nearest wall, obstacle or robot [m], at most 10 m. See `GroundTruth.clearances`."""
+clearance = Signal("clearance", "m", _clearances, most=REACH)
+"""Distance from the footprint to the nearest wall, obstacle or robot [m], at most 1.5 m. See `GroundTruth.clearances`."""
 
 goal_distance = Signal("goal_distance", "m", _goal_distances)
 """Distance from the robot's origin to `Simulation.goal` [m]."""
@@ -187,5 +193,5 @@ A jump of the velocity, of a robot without acceleration limits, counts as a chan
 jerk = Signal("jerk", "m/s^3", _jerks)
 """Absolute change of the acceleration since the sample before, per second [m/s^3], as for `acceleration`; first 0."""
 
-time_to_contact = Signal("time_to_contact", "s", _times_to_contact)
+time_to_contact = Signal("time_to_contact", "s", _times_to_contact, most=10.0)
 """Time until the robot touches something if it keeps its velocity [s], at most 10 s. See `GroundTruth.times_to_contact`."""

@@ -20,6 +20,9 @@ PERIOD = 0.1
 TOUCHING = 1e-6
 """Distance before a wall or an obstacle at which `advance` stops a robot [m]."""
 
+REACH = 1.5
+"""Upper limit of clearances [m]. In empty space, their cost grows with its square."""
+
 MAX_SAMPLES = 1_000_000
 
 
@@ -71,11 +74,11 @@ class Trace:
 
     @cached_property
     def clearances(self) -> NDArray[np.float64]:
-        """(N,) float64, distances from the footprint to the nearest wall, obstacle or robot [m], at most 10 m.
+        """(N,) float64, distances from the footprint to the nearest wall, obstacle or robot [m], at most `REACH`.
 
         A distance is 0 while the robot touches something, and in the first sample after a contact began.
         """
-        clearances = self.truth.clearances(np.column_stack((self.times, self.poses)))
+        clearances = self.truth.clearances(np.column_stack((self.times, self.poses)), REACH)
         clearances[clearances <= TOUCHING] = 0.0
         began = np.searchsorted(self.times, self.truth.contact_times)
         clearances[began[began < len(clearances)]] = 0.0

@@ -120,8 +120,11 @@ class GroundTruth(Handle):
         grid = self._world.grid
         if grid is None:
             return np.full(len(path), limit)
+        if self._world.stands_around(self._robot):
+            others = self._world.around_at(self._robot, self._world.now_ns())
+            return clearance_batch(grid, self._footprint, path[:, 1:], limit=limit, obstacles=others)
         around = [self._world.around_at(self._robot, round(time * NANOSECONDS)) for time in path[:, 0]]
-        # One call for all points in a row with the same surroundings: for the whole path if nothing moves but the robot.
+        # One call for all points in a row with the same surroundings.
         parts, start = [], 0
         for others, group in groupby(around):
             end = start + len(list(group))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from simulations import drive, pair
+from simulations import drive, hall, pair
 
 
 def test_robots_see_and_touch_each_other():
@@ -102,3 +102,25 @@ def test_robots_that_get_a_footprint_one_after_another_touch_each_other():
     first, second = sim.robots.values()
     assert second.pose.x - first.pose.x == pytest.approx(0.5, abs=0.02)
     assert first.pose.x == pytest.approx(7.0, abs=0.3) and second.truth.contacts
+
+
+def test_clearances_of_the_past_take_each_obstacle_where_it_was():
+    """A standing obstacle at 3 m, then a second one that is moved: each clearance equals that of its own surroundings."""
+    sim = mrs.Simulation(hall(), parameters={"robot_radius": 0.2, "velocity_timeout": 0}, start=(5.0, 5.0, 0.0))
+    sim.add_obstacle(mrs.Shape.disc(0.5), (8.7, 5.0, 0.0))
+    drive(sim, 0.5)
+    sim.run_for(2.0)
+    assert sim.truth.clearances(sim.truth.path)[[0, -1]] == pytest.approx([3.0, 2.0])
+    assert sim.robot.motion.is_stepped and not sim.truth.contacts
+    sim.add_obstacle(mrs.Shape.disc(0.5), (6.0, 6.7, 0.0), name="second")
+    assert sim.truth.clearances(sim.truth.path)[-1] == pytest.approx(1.0)
+    sim.move_obstacle("second", (9.0, 9.0, 0.0))
+    sim.run_for(1.0)
+    path = sim.truth.path
+    found = sim.truth.clearances(path)
+    assert found[path[:, 0] == 2.0][-1] == pytest.approx(2.0)
+    assert found[path[:, 0] < 2.0][-1] == pytest.approx(np.hypot(*(path[path[:, 0] < 2.0][-1][1:3] - [6.0, 6.7])) - 0.7)
+    assert found[-1] == pytest.approx(1.5)
+    sim.move_obstacle("second", (7.5, 5.0, 0.0))
+    sim.run_for(2.0)
+    assert [contact.what for contact in sim.truth.contacts] == ["obstacle second"]

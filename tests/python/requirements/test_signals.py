@@ -61,14 +61,14 @@ def test_the_velocity_after_a_jump_counts():
 
 def test_clearance_and_time_to_contact():
     """The wall is at 19.9 m, and the robot has a radius of 0.4 m."""
-    sim = simulation(start=(15.5, 10.0, 0.0), robot_radius=0.4)
-    drive(sim, 1.0)
+    sim = simulation(start=(17.7, 10.0, 0.0), robot_radius=0.4)
+    drive(sim, 0.5)
     sim.run_for(2.0)
     drive(sim, 0.0)
     sim.run_for(1.0)
     trace = Trace(sim, period=1.0)
-    assert clearance.measure(trace) == pytest.approx([4.0, 3.0, 2.0, 2.0])
-    assert time_to_contact.measure(trace) == pytest.approx([4.0, 3.0, 10.0, 10.0], abs=1e-5)
+    assert clearance.measure(trace) == pytest.approx([1.5, 1.3, 0.8, 0.8])
+    assert time_to_contact.measure(trace) == pytest.approx([3.6, 2.6, 10.0, 10.0], abs=1e-5)
     assert sim.truth.times_to_contact([0.0], horizon=3.5) == [3.5]
     with pytest.raises(ValueError, match="horizon must be positive and finite, got 0"):
         sim.truth.times_to_contact([0.0], horizon=0)
@@ -83,6 +83,11 @@ def test_time_to_contact_with_a_moving_obstacle_takes_it_where_it_is():
 
 
 def test_limits_are_checked():
+    for condition in (lambda: clearance > 1.5, lambda: clearance < 4.0):
+        with pytest.raises(ValueError, match=r"clearance is measured up to 1\.5 m, so its limit must be less, got"):
+            condition()
+    with pytest.raises(ValueError, match="time_to_contact is measured up to 10 s"):
+        time_to_contact > 10.0  # noqa: B015
     with pytest.raises(ValueError, match="limit of speed must be finite, got inf"):
         speed < math.inf  # noqa: B015
     with pytest.raises(TypeError, match="limit must be a number"):
