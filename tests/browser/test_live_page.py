@@ -190,7 +190,7 @@ def test_two_viewers_see_the_same_and_one_holds_the_controls(live, visit, room):
     one.wait("parts.now.robots[''].velocity[0] === 0")
     two.wait("parts.now.robots[''].pose[0] > 2.3 && parts.now.robots[''].velocity[0] === 0")
     assert one.pose() == two.pose()
-    assert "2 viewers" in two.test("viewers").inner_text()
+    assert "2 viewers" in two.test("viewers").inner_text() and "another holds" in two.test("viewers").inner_text()
     two.tab.keyboard.press("ArrowLeft")
     two.tab.get_by_text("another viewer holds the controls").wait_for()
     assert one.pose()[2] == 0.0
@@ -330,3 +330,15 @@ def test_a_page_watches_a_script_and_stops_its_time(live, visit):
     assert page.get("parts.now.time") == stopped
     page.test("pause").click()
     page.wait(f"parts.now.time > {stopped} + 0.2")
+
+
+def test_the_page_fits_a_phone(live, visit, room):
+    page = visit(live(room, *START).url, viewport={"width": 412, "height": 820}, has_touch=True)
+    left, right = page.at(0.0, 3.0)[0], page.at(8.0, 3.0)[0]
+    assert 0 < left < right <= 412 and right - left > 250
+    box = page.test("pad").bounding_box()
+    page.tab.mouse.move(box["x"] + 74, box["y"] + 74)
+    page.tab.mouse.down()
+    page.tab.mouse.move(box["x"] + 74, box["y"] + 10, steps=4)
+    page.wait("parts.now.robots[''].pose[0] > 2.2")
+    page.tab.mouse.up()

@@ -44,10 +44,17 @@ class Viewer:
     notes: list[str] = field(default_factory=list)
     answers: list[dict[str, Any]] = field(default_factory=list)
 
-    def take(self, frame: Frame, holds: bool, viewers: int) -> str | None:
-        """Returns the message that brings the page to a frame, or None if nothing has changed."""
+    def take(self, frame: Frame, holder: str | None, viewers: int) -> str | None:
+        """Returns the message that brings the page to a frame, or None if nothing has changed.
+
+        Args:
+            frame: The frame.
+            holder: Name of the viewer who holds the controls, or None.
+            viewers: Number of viewers.
+        """
         parts = dict(frame.parts)
-        parts["viewers"] = b'{"count":%d,"holds":%s}' % (viewers, b"true" if holds else b"false")
+        controls = {"count": viewers, "holds": holder == self.name, "free": holder is None}
+        parts["viewers"] = json.dumps(controls).encode()
         changed = {name: part for name, part in parts.items() if self.sent.get(name) != part}
         gone = [name for name in self.sent if name not in parts]
         texts = [f'"{name}":{part.decode()}' for name, part in changed.items()]
@@ -191,7 +198,7 @@ class Hub:
         """Returns what to send to a page now, or None if there is nothing or the page is behind."""
         if self.frame is None or viewer.waiting >= AHEAD:
             return None
-        return viewer.take(self.frame, self._holder == viewer.name, len(self._viewers))
+        return viewer.take(self.frame, self._holder, len(self._viewers))
 
     def _put(self, wanted: Input) -> Future[Any]:
         result: Future[Any] = Future()

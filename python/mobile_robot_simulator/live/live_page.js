@@ -1,5 +1,5 @@
 // The page of a live view.
-import { Camera, drawScene, FaultsPanel, isTyping, KeepPanel, Link, LOOKS, lookName, MapImage, Pad, ParametersPanel, saveFile, Steering, Tools, TOOLS, VelocityPlot } from "live";
+import { Camera, drawScene, FaultsPanel, isTyping, KeepPanel, Link, LOOKS, lookName, MapImage, Pad, ParametersPanel, saveFile, Steering, styled, Tools, TOOLS, VelocityPlot } from "live";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50];
 const LAYERS = { points: "Scan", area: "Seen area", path: "Path", odometry: "What odometry believes", contacts: "Contacts", velocity: "Velocity of obstacles" };
@@ -42,7 +42,7 @@ export default {
 
     <div v-if="hint" class="live-hint" data-test="hint">{{ hint }}</div>
     <div v-if="!open" class="live-lost" data-test="lost"><q-spinner v-if="began" /> {{ began ? "The connection is lost. This page connects again as soon as the simulator runs." : "Connecting" }}</div>
-    <div v-if="open && viewers.count > 1" class="live-viewers" data-test="viewers">{{ viewers.count }} viewers · {{ viewers.holds ? "you hold the controls" : "another holds the controls, or nobody" }} <q-btn v-if="!viewers.holds" dense outline no-caps size="sm" label="Take the controls" @click="link().send({ kind: 'take_controls' })" data-test="take-controls" /></div>
+    <div v-if="open && viewers.count > 1" class="live-viewers" data-test="viewers">{{ viewers.count }} viewers · {{ viewers.holds ? "you hold the controls" : viewers.free ? "nobody holds the controls" : "another holds the controls" }} <q-btn v-if="!viewers.holds && !viewers.free" dense outline no-caps size="sm" label="Take the controls" @click="link().send({ kind: 'take_controls' })" data-test="take-controls" /></div>
 
     <div class="live-corner">
       <div class="live-plot"><div class="live-legend"><span><i class="live-v"></i>speed {{ shown.v }} m/s</span><span><i class="live-w"></i>turn {{ shown.w }} rad/s</span></div><canvas ref="plot"></canvas></div>
@@ -83,7 +83,7 @@ export default {
     </q-card-section><q-card-actions align="right"><q-btn flat no-caps label="Close" v-close-popup /></q-card-actions></q-card></q-dialog>
   </div>`,
   data: () => ({
-    open: false, began: false, session: null, settings: null, choices: null, viewers: { count: 1, holds: true }, replay: null, at: 0, scrub: null, robots: [], robot: "",
+    open: false, began: false, session: null, settings: null, choices: null, viewers: { count: 1, holds: true, free: true }, replay: null, at: 0, scrub: null, robots: [], robot: "",
     shown: { time: "0.00", rate: "1", cursor: "", v: "0.00", w: "0.00" }, bar: { pixels: 100, text: "" },
     tool: "look", tools: TOOLS, titles: LAYERS, layers: Object.fromEntries(Object.keys(LAYERS).map((name) => [name, true])),
     panel: innerWidth > 1100, tab: "parameters", help: false, follows: false, top: 0.8, notes: [], seed: "", seedError: "",
@@ -136,9 +136,9 @@ export default {
       if (this.open) this.redraw(true);
     },
     async loadMap(map) {
-      this.cells = await this.link().cells();
+      [this.cells] = await Promise.all([this.link().cells(), styled]);
       this.paint();
-      if (!this.framed) { this.framed = true; this.fit(); }
+      if (!this.framed) { this.framed = true; this.resize(); this.fit(); }
       this.redraw();
     },
     paint() { if (this.cells) this.mapImage = new MapImage(this.link().parts.map, this.cells, LOOKS[lookName()]); },

@@ -66,8 +66,11 @@ def test_a_page_gets_what_has_changed_and_no_more_than_it_draws():
         hub.show(Frame({"now": b"1", "map": b"2"}, {"": trail}))
         first = json.loads(hub.message_for(viewer))
         assert first == {
-            "now": 1, "map": 2, "viewers": {"count": 1, "holds": False}, "trail:": {"first": 0, "points": [[0.0] * 4]}
-        }  # fmt: skip
+            "now": 1,
+            "map": 2,
+            "viewers": {"count": 1, "holds": False, "free": True},
+            "trail:": {"first": 0, "points": [[0.0] * 4]},
+        }
         assert hub.message_for(viewer) is None
         trail.points.append(None)
         hub.show(Frame({"now": b"3"}, {"": trail}))

@@ -14,4 +14,6 @@ export { VelocityPlot } from "live/velocity_plot.js";
 
 const style = document.createElement("link");
 Object.assign(style, { rel: "stylesheet", href: new URL("live.css", import.meta.url).href });
+/** Resolves when the style is there. Before, nothing on the page has its size. */
+export const styled = new Promise((resolve) => style.addEventListener("load", resolve));
 document.head.append(style);
