@@ -215,6 +215,8 @@ def good() -> dict[str, Any]:
         "footprint": mrs.Shape.disc(0.1),
         "grids": None,
         **dict.fromkeys(("seeds", "grid_of", "mask", "limits", "slip", "scanner"), None),
+        **dict.fromkeys(("odometry_noise", "world_of", "clearance_limit"), None),
+        "robot": 1,
         "contact": "stop",
         "clearance": 0.1,
         "commands": np.full((2, 3), 0.5),
@@ -226,6 +228,9 @@ def good() -> dict[str, Any]:
         **dict.fromkeys(("velocities",), np.zeros((2, 3))),
         "contacts": np.zeros(2, bool),
         "contact_points": np.zeros((2, 2)),
+        **dict.fromkeys(("contact_obstacles", "contact_robots"), np.zeros(2, np.int64)),
+        "odometry": np.zeros((2, 3)),
+        "clearances": None,
     }
 
 
@@ -259,6 +264,7 @@ def instances() -> list[Any]:
 
 OF_ITS_OWN = {
     "Fleet": {"grids": grid(), "noise": None},
+    "Fleet.rollout": {"commands": np.full((2, 4, 3), 0.5)},
     "FleetStep": {"ranges": np.zeros((2, 5), np.float32)},
 }
 """Good values of parameters that mean something else elsewhere."""
