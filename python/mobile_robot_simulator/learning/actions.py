@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ..quoting import quoted
 
 
-def checked_actions(actions: Any, shape: tuple[int, ...], name: str | None = "environment") -> NDArray[np.float64]:
-    """Returns actions as float64.
+def checked_actions(actions: Any, shape: tuple[int, ...], name: str | None = "environment") -> NDArray[Any]:
+    """Returns actions as an array.
 
     Args:
         actions: Actions (N, A), one row for each environment.
@@ -28,9 +28,8 @@ def checked_actions(actions: Any, shape: tuple[int, ...], name: str | None = "en
     if array.shape != shape:
         got, needed = (array.shape, shape) if name else (array.shape[1:], shape[1:])
         raise ValueError(f"actions must have shape {needed}, got {got}")
-    finite = np.isfinite(array).all(axis=1)
-    if not finite.all():
-        row = int(finite.argmin())
+    if not (finite := np.isfinite(array)).all():
+        row = int(finite.all(axis=1).argmin())
         where = f" for {name} {row}" if name else ""
         raise ValueError(f"actions must be finite, got {array[row].tolist()}{where}")
-    return array.astype(np.float64)
+    return array
