@@ -31,6 +31,16 @@ def test_the_particle_filter_finds_the_robot(tmp_path, seed):
     assert picture.stat().st_size > 10_000
 
 
+def test_a_policy_learns_and_the_same_seed_gives_the_same_one(tmp_path):
+    script, picture = ROOT / "examples/learning/evolution.py", tmp_path / "learning.png"
+    command = [sys.executable, script, "--generations", "5", "--out", picture]
+    one, other = (subprocess.run(command, capture_output=True, text=True, timeout=300, check=True).stdout for _ in range(2))
+    assert one == other
+    shares = [float(line.split()[2].rstrip("%")) for line in one.splitlines()]
+    assert len(shares) == 6 and max(shares[3:]) > 3.0 * shares[0] and max(shares[3:]) > 20.0
+    assert picture.stat().st_size > 10_000
+
+
 def test_the_documentation_shows_the_report_of_the_failure(tmp_path):
     example = shutil.copytree(ROOT / "examples/testing", tmp_path / "example")
     command = [sys.executable, "-m", "pytest", "tests/test_on_purpose.py", "--basetemp", str(tmp_path / "base")]
