@@ -2,7 +2,18 @@
 
 from .barn import barn_task
 from .control_loop import Controller, ControlLoop, Observation
+from .movingai import movingai_task
 from .task import Task
 from .trials import Trial, Trials, run_tasks
 
-__all__ = ["ControlLoop", "Controller", "Observation", "Task", "Trial", "Trials", "barn_task", "run_tasks"]
+__all__ = [
+    "ControlLoop",
+    "Controller",
+    "Observation",
+    "Task",
+    "Trial",
+    "Trials",
+    "barn_task",
+    "movingai_task",
+    "run_tasks",
+]
