@@ -1592,6 +1592,33 @@ class LaserScanner:
             >>> laser.mark_invalid(np.array([0.01, 2.0, 30.0], np.float32)).tolist()
             [-inf, 2.0, inf]
         """
+    def quantize(self, readings: NDArray[np.float32], step: float) -> NDArray[np.float32]:
+        """Returns a copy of readings rounded to multiples of a power of two, so that they compress well.
+
+        The readings become multiples of the largest power of two that is at most `step`, which float32 holds exactly: with a step
+        of 0.001, multiples of 1/1024 m. So a reading changes by at most half of `step`. Readings of `max_range` and above,
+        infinities and NaN stay as they are. A reading below `max_range` stays below it: where its nearest multiple would not, it
+        becomes the largest multiple that is, and changes by less than `step`.
+
+        Args:
+            readings: float32 of any shape [m].
+            step: Largest step between two readings [m], 1e-6 to 1.
+
+        Returns:
+            float32 of the same shape [m], a new array.
+
+        Raises:
+            ValueError: `step` is out of range.
+            TypeError: The array is not float32.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> laser = mrs.LaserScanner(max_range=8.1)
+            >>> laser.quantize(np.array([1.1, 8.05, 8.1], np.float32), 0.3).tolist()
+            [1.0, 8.0, 8.100000381469727]
+        """
+
     def end_points(self, pose: _PoseLike, readings: ArrayLike) -> NDArray[np.float64]:
         """Returns the points in the map frame, seen from above, where the valid beams of one scan ended.
 

@@ -77,6 +77,12 @@ pub enum NoReturn {
 /// Distance of [`NoReturn::BelowMax`] from the maximum range \[m\].
 const BELOW_MAX: f32 = 0.1;
 
+/// Number that is added to another, and subtracted again, to round it to a whole number, ties to even.
+const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// Count of quanta from which on a float32 is a whole number of them.
+const LARGEST_COUNT: f64 = (1 << 24) as f64;
+
 /// A planar laser scanner whose beams are spread evenly over its field of view.
 ///
 /// ```text
@@ -313,6 +319,46 @@ impl LaserScanner {
                 *reading = missing;
             }
         }
+    }
+
+    /// Rounds readings \[m\], in place, so that they compress well: to the nearest multiple of `quantum`, the largest power of
+    /// two that is at most `step`.
+    ///
+    /// Multiples of a power of two are exact in float32, so a reading changes by at most `quantum / 2`. Readings of `max_range`
+    /// and above, which are beams without a return, stay as they are, and so do infinities and NaN. A reading below
+    /// `max_range` stays below it: where its nearest multiple would not, it becomes the largest multiple that is, and changes
+    /// by less than `quantum`.
+    ///
+    /// Returns `quantum` \[m\].
+    ///
+    /// ```
+    /// use mobile_robot_simulator::{LaserScanner, ScannerOptions};
+    ///
+    /// let options = ScannerOptions { max_range: 8.1, ..ScannerOptions::default() };
+    /// let mut readings = [1.1, 8.05, 8.1];
+    /// assert_eq!(LaserScanner::new(options)?.quantize(&mut readings, 0.3)?, 0.25);
+    /// assert_eq!(readings, [1.0, 8.0, 8.1]);
+    /// # Ok::<(), mobile_robot_simulator::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Number`]: `step` is not in 1e-6..1.
+    pub fn quantize(&self, readings: &mut [f32], step: f64) -> Result<f64, Error> {
+        check_number("step", step, "in 1e-6..1 m", |step| (1e-6..=1.0).contains(&step))?;
+        // The power of two is the exponent of `step`, without its fraction.
+        let quantum = f64::from_bits(step.to_bits() & 0x7ff0_0000_0000_0000);
+        let max = self.options.max_range as f32;
+        let last = ((f64::from(max) / quantum).ceil() - 1.0) * quantum;
+        for reading in readings {
+            let count = f64::from(*reading) / quantum;
+            // Adding it leaves no bits for a fraction, so the sum is rounded to a whole number.
+            let rounded = ((count + WHOLE) - WHOLE) * quantum;
+            // A float32 with a larger count has no fraction.
+            if count.abs() < LARGEST_COUNT && *reading < max {
+                *reading = rounded.min(last) as f32;
+            }
+        }
+        Ok(quantum)
     }
 
     /// Returns the end points, seen from above, `[x, y]` \[m\] in the map frame of the valid returns of a scan taken from `map_from_base`.

@@ -162,6 +162,7 @@ def good() -> dict[str, Any]:
         "scan_duration": 0.25,
         "temper": 0.25,
         "max_distance": 2.5,
+        "step": 0.25,
         "ranges": ranges,
         "beams": [1, 3],
         "times": np.array([0.0, 0.5]),

@@ -560,6 +560,25 @@ def test_every_memory_layout_is_marked_correctly() -> None:
         assert np.array_equal(laser.mark_invalid(view), laser.mark_invalid(readings))
 
 
+def test_quantized_readings_are_the_nearest_multiples_of_a_power_of_two() -> None:
+    laser = mrs.LaserScanner(max_range=30.0003)
+    top = np.float32(30.0003)
+    below = np.nextafter(top, np.float32(0))
+    readings = np.random.default_rng(1).uniform(0.0, 30.0, 100_000).astype(np.float32)
+    readings = np.concatenate([readings, np.array([0.0, 30.0, below, top, 40.0, np.inf, -np.inf, np.nan], np.float32)])
+    found = laser.quantize(readings, 0.001)
+    expected = [float(x) if not abs(x) < top else min(round(float(x) * 1024), 30 * 1024) / 1024 for x in readings]
+    assert found.dtype == np.float32 and np.array_equal(found, expected, equal_nan=True)
+    assert np.abs(found[:100_001] - readings[:100_001].astype(np.float64)).max() <= 0.5 / 1024
+    assert np.array_equal(laser.quantize(found, 0.001), found, equal_nan=True)
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, 1e-7, 1.5, math.nan, math.inf])
+def test_a_step_that_is_out_of_range(step: float) -> None:
+    with pytest.raises(ValueError, match=r"step must be in 1e-6..1 m, got"):
+        mrs.LaserScanner().quantize(np.zeros(3, np.float32), step)
+
+
 def test_end_points_are_at_the_ends_of_the_beams(post: mrs.OccupancyGrid) -> None:
     laser = mrs.LaserScanner(fov=PI, beam_count=3, max_range=9.0, mount=(0.5, 0.0, 0.0))
     ranges = laser.scan(post, (2.5, 0.0, PI / 2))
