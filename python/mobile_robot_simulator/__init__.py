@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from . import benchmarks as benchmarks
     from . import bus as bus
     from . import compare as compare
+    from . import datasets as datasets
     from . import falsification as falsification
     from . import faults as faults
     from . import foxglove as foxglove
@@ -95,6 +96,7 @@ _SUBMODULES = (
     "benchmarks",
     "bus",
     "compare",
+    "datasets",
     "falsification",
     "faults",
     "foxglove",

@@ -65,6 +65,7 @@ SUBMODULES = [
     "benchmarks",
     "bus",
     "compare",
+    "datasets",
     "falsification",
     "faults",
     "foxglove",

@@ -9,7 +9,16 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -90,3 +99,31 @@ def stage_bar() -> Iterator[Callable[[str, float], None]]:
             bar.update(stages[stage], completed=share)
 
         yield advance
+
+
+@contextmanager
+def dataset_bar() -> Iterator[Callable[[int, int], None]]:
+    """Shows a progress bar for scans that are made, with their rate and the time left, while the context is open.
+
+    Yields:
+        A function that takes the number of scans that are made, and their total. The rate counts from its first call.
+    """
+    columns = (TextColumn("scans"), BarColumn(), TextColumn("{task.completed:.0f}/{task.total:.0f}"), _Rate())
+    hidden = not error_console.is_terminal
+    with Progress(*columns, TimeRemainingColumn(), console=error_console, transient=True, disable=hidden) as bar:
+        tasks: list[TaskID] = []
+
+        def advance(scans: int, total: int) -> None:
+            if not tasks:
+                tasks.append(bar.add_task("", total=total, completed=scans))
+            bar.update(tasks[0], completed=scans)
+
+        yield advance
+
+
+class _Rate(ProgressColumn):
+    """Scans per second."""
+
+    def render(self, task: Task) -> Text:
+        """Returns the rate as text."""
+        return Text("" if task.speed is None else f"{task.speed:.0f} scans/s")

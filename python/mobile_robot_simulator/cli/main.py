@@ -12,6 +12,7 @@ from .audit import audit
 from .compare import compare
 from .console import console, error_console, text_of, warnings_as_notes
 from .convert import convert
+from .dataset import dataset
 from .falsify import falsify
 from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
@@ -39,6 +40,7 @@ app.command(cls=Command)(scan)
 app.command(cls=Command)(info)
 app.command(cls=Command)(parameters)
 app.command(cls=Command)(convert)
+app.command(cls=Command)(dataset)
 app.command("floor-plan", cls=Command)(generate_floor_plan)
 app.command(cls=Command, context_settings=PASSED_ON)(ros1)
 app.command(cls=Command, context_settings=PASSED_ON)(ros2)

@@ -1,0 +1,27 @@
+"""Data sets of scans that can be made again: from a plan to a store, its verification, and its reader.
+
+Making and opening a store needs the extra `datasets`. `stream` needs none.
+"""
+
+from .generation import Estimate, Progress, Report, estimate, generate
+from .plan import Plan, load_plan
+from .reader import Dataset, Split, open
+from .stream import stream
+from .verification import Difference, Verified, verify
+
+__all__ = [
+    "Dataset",
+    "Difference",
+    "Estimate",
+    "Plan",
+    "Progress",
+    "Report",
+    "Split",
+    "Verified",
+    "estimate",
+    "generate",
+    "load_plan",
+    "open",
+    "stream",
+    "verify",
+]

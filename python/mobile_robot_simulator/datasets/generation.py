@@ -1,0 +1,199 @@
+"""Generation: makes a data set, or goes on with one that was not completed."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from .engines import MadeShard, made, make_on_threads
+from .formats import format_of
+from .job import Job, job_of
+from .map_pool import MapPool
+from .plan import Plan, load_plan
+from .scenes import columns_of
+from .workspace import Workspace
+
+__all__ = ["Estimate", "Progress", "Report", "estimate", "generate"]
+
+
+class Progress(NamedTuple):
+    """How far a data set is made."""
+
+    scans: int
+    """Number of scans that are on disk."""
+
+    total: int
+    """Number of scans of the data set."""
+
+    shards: int
+    """Number of shards that are on disk."""
+
+    total_shards: int
+    """Number of shards of the data set."""
+
+
+class Report(NamedTuple):
+    """A data set that is complete."""
+
+    path: Path
+    """Its folder."""
+
+    scans: int
+    """Number of its scans."""
+
+    shards: int
+    """Number of its shards."""
+
+    made: int
+    """Number of shards that this call made. The others were there."""
+
+    seconds: float
+    """Time that this call took [s]."""
+
+
+class Estimate(NamedTuple):
+    """What a data set will be, from its first shard."""
+
+    scans: dict[str, int]
+    """Number of scans of each split."""
+
+    maps: dict[str, int]
+    """Number of maps of each split."""
+
+    shards: int
+    """Number of shards."""
+
+    raw_bytes: int
+    """Size of all numbers without compression [bytes]."""
+
+    stored_bytes: int
+    """Size of the files [bytes], if all shards compress like the first."""
+
+    seconds: float
+    """Time on this machine [s], if all shards take as long as the first and the disk does not slow it down."""
+
+
+def generate(
+    plan: Plan | str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str],
+    threads: int | None = None,
+    engine: Literal["threads"] = "threads",
+    progress: Callable[[Progress], None] = lambda _: None,
+) -> Report:
+    """Makes a data set in a folder. If the folder has a part of it, only what is missing is made.
+
+    The finished folder has the same bytes, however often the work was killed and started again, and for any number of
+    threads. A shard appears as a whole or not at all. Until all shards are there, the folder is not a store that can be
+    opened. Memory does not grow with the number of scans.
+
+    Args:
+        plan: The plan, or its YAML file.
+        out: Folder of the data set. A new one is made; one that exists must be empty or have a part of this data set.
+        threads: Number of threads; None means one per core.
+        engine: What makes the shards: "threads" of this process.
+        progress: Called when a shard is written, and at the start.
+
+    Returns:
+        What was made.
+
+    Raises:
+        ImportError: The extra `datasets` is not installed.
+        OSError: A file cannot be read or written, the folder has other files, or another process makes this data set.
+        ValueError: The plan is invalid, the folder has data of another plan, or a scene is not possible.
+
+    Example:
+        >>> import tempfile
+        >>> from mobile_robot_simulator import datasets
+        >>> maps = [{"floor_plan": "office", "seeds": [1, 4]}]
+        >>> plan = datasets.Plan(count=1000, maps=maps, splits={"train": 3, "test": 1})
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     report = datasets.generate(plan, out=folder)
+        >>> report.scans, report.shards
+        (1000, 2)
+    """
+    began = time.perf_counter()
+    if threads is not None and not 1 <= threads <= 1024:
+        raise ValueError(f"threads must be in 1..1024, got {threads}")
+    if engine != "threads":
+        raise ValueError(f"engine must be 'threads', got {engine!r}")
+    plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
+    store, folder = format_of(plan.format), Path(out)
+    job = job_of(plan, store.versions())
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(20, "the place of a data set must be a folder", str(folder))
+    workspace = Workspace(folder, store.COMPLETE)
+    with workspace.locked():
+        was_complete = workspace.is_complete
+        workspace.begin(job, store.identity_of(folder) if was_complete else None)
+        if was_complete:
+            workspace.clean()
+            progress(Progress(plan.count, plan.count, len(job.shards), len(job.shards)))
+            return Report(folder, plan.count, len(job.shards), 0, time.perf_counter() - began)
+        missing = [shard for shard in job.shards if workspace.record_of(shard) is None]
+        scans, shards = plan.count - sum(shard.count for shard in missing), len(job.shards) - len(missing)
+        progress(Progress(scans, plan.count, shards, len(job.shards)))
+
+        def write(result: MadeShard) -> None:
+            workspace.add(result.shard, result.files, result.record)
+
+        for shard in make_on_threads(job, missing, write, threads):
+            scans, shards = scans + shard.count, shards + 1
+            progress(Progress(scans, plan.count, shards, len(job.shards)))
+        _finish(job, workspace)
+    return Report(folder, plan.count, len(job.shards), len(missing), time.perf_counter() - began)
+
+
+def _finish(job: Job, workspace: Workspace) -> None:
+    records: list[dict[str, Any]] = []
+    digests: dict[str, str] = {}
+    for shard in job.shards:
+        record = workspace.record_of(shard)
+        if record is None:
+            raise OSError(f"shard {shard.name} is no longer there; start again to make it anew")
+        records.append(record)
+        digests |= record["maps"]
+    # A map that no scene needed has no digest if it is a floor plan.
+    maps = [
+        {"name": source.name, "split": split, "sha256": digests.get(f"{index}", source.digest)}
+        for index, (split, source) in enumerate(job.maps)
+    ]
+    workspace.finish(format_of(job.plan.format).final_files(job, records, maps))
+
+
+def estimate(plan: Plan | str | os.PathLike[str], *, threads: int | None = None) -> Estimate:
+    """Returns what a data set will be. Makes its first shard, and writes nothing.
+
+    Args:
+        plan: The plan, or its YAML file.
+        threads: Number of threads; None means one per core.
+
+    Raises:
+        ImportError: The extra `datasets` is not installed.
+        OSError: A file cannot be read.
+        ValueError: The plan is invalid, or a scene is not possible.
+    """
+    plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
+    job = job_of(plan, format_of(plan.format).versions())
+    began = time.perf_counter()
+    first = made(job, job.shards[0], MapPool())
+    taken = time.perf_counter() - began
+    share = plan.count / first.shard.count
+    row = sum(_bytes(column.shape, column.dtype) for column in columns_of(plan).values())
+    return Estimate(
+        dict(job.counts),
+        {split: len(sources) for split, sources in job.sources.items()},
+        len(job.shards),
+        plan.count * row,
+        round(share * sum(map(len, first.files.values()))),
+        share * taken / min(threads or os.cpu_count() or 1, len(job.shards)),
+    )
+
+
+def _bytes(shape: tuple[int, ...], dtype: str) -> int:
+    import numpy as np
+
+    return int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize

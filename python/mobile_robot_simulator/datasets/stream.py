@@ -1,0 +1,80 @@
+"""Stream: endless batches of scans for training without a disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .job import job_of
+from .map_pool import KEPT, MapPool
+from .plan import Plan, load_plan
+
+__all__ = ["stream"]
+
+
+def stream(
+    plan: Plan | str | os.PathLike[str],
+    batch_size: int,
+    *,
+    split: str | None = None,
+    worker: int = 0,
+    start: int = 0,
+    kept: int = KEPT,
+) -> Iterator[dict[str, NDArray[Any]]]:
+    """Returns endless batches of scans, made while they are read.
+
+    Batch i of a worker depends only on the plan with its seed, the split, the worker and i. So several workers give
+    different batches, and a run can go on from any batch. A batch consists of scenes of `scans_per_scene` scans, each with a
+    map of the split that is drawn at random; for batches with many maps, let the plan have small scenes. `count` of the plan
+    has no effect.
+
+    Args:
+        plan: The plan, or its YAML file. Its poses must not be those of a file.
+        batch_size: Number of scans in a batch.
+        split: Split whose maps are used. None means the first.
+        worker: Number of the worker, such as that of a data loader.
+        start: Number of the first batch.
+        kept: Number of maps that stay in memory. If the split has more, those not used for longest are loaded anew.
+
+    Yields:
+        The rows of each array by name, as in a data set; `scene` counts the scenes of the worker.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: The plan is invalid, a number is negative, or there is no such split.
+
+    Example:
+        >>> from mobile_robot_simulator import datasets
+        >>> plan = datasets.Plan(count=1, maps=[{"floor_plan": "office"}], scans_per_scene=16, scans_per_shard=16)
+        >>> batches = datasets.stream(plan, 32, worker=3)
+        >>> next(batches)["ranges"].shape
+        (32, 541)
+    """
+    plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
+    for name, value, least in (("batch_size", batch_size, 1), ("worker", worker, 0), ("start", start, 0), ("kept", kept, 1)):
+        if value < least:
+            raise ValueError(f"{name} must be at least {least}, got {value}")
+    if plan.poses.kind == "file":
+        raise ValueError("an endless stream must draw its poses, got a plan with poses of a file")
+    split = next(iter(plan.splits)) if split is None else split
+    if split not in plan.splits:
+        raise ValueError(f"split must be one of {', '.join(plan.splits)}, got {split!r}")
+    return _batches(plan, batch_size, split, worker, start, kept)
+
+
+def _batches(
+    plan: Plan, batch_size: int, split: str, worker: int, start: int, kept: int
+) -> Iterator[dict[str, NDArray[Any]]]:
+    # A stream needs no scans in every split.
+    job, pool = job_of(plan.model_copy(update={"count": 2**40})), MapPool(kept)
+    scenes, index = -(-batch_size // plan.scans_per_scene), start
+    while True:
+        sizes = [min(plan.scans_per_scene, batch_size - n * plan.scans_per_scene) for n in range(scenes)]
+        parts = [job.endless_scene(split, worker, index * scenes + n, size, pool) for n, size in enumerate(sizes)]
+        yield {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        index += 1

@@ -1,0 +1,140 @@
+"""Zarr: a data set as a Zarr v3 store with sharding. A group for each split, an array for each column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import BloscCodec
+from zarr.storage import LocalStore, MemoryStore
+
+from .formats import formats
+from .job import Arrays, Job, Shard
+from .plan import Plan
+from .scenes import Column, columns_of
+
+__all__ = [
+    "COMPLETE",
+    "attributes_of",
+    "final_files",
+    "identity_of",
+    "open_split",
+    "read_shard",
+    "records_of",
+    "shard_files",
+    "versions",
+]
+
+COMPLETE = formats()["zarr"]
+"""File that is written last. A folder without it is not a Zarr store."""
+
+
+def versions() -> dict[str, str]:
+    """Returns the versions of the packages that write the files."""
+    return {name: version(name) for name in ("zarr", "numcodecs")}
+
+
+def shard_files(plan: Plan, shard: Shard, arrays: Arrays) -> dict[str, bytes]:
+    """Returns the files of a shard, by their path in the store."""
+    files = {}
+    for name, array in arrays.items():
+        column = Column(array.shape[1:], array.dtype.name, {})
+        content: dict[str, Any] = {}
+        made = _create(MemoryStore(content), "", plan, column, shard.count, {})
+        made[...] = array
+        (encoded,) = [data for key, data in content.items() if not key.endswith("zarr.json")]
+        files[f"{shard.split}/{name}/c.{'.'.join(map(str, [shard.index, *[0] * len(column.shape)]))}"] = encoded.to_bytes()
+    return files
+
+
+def final_files(job: Job, records: Iterable[Mapping[str, Any]], maps: list[dict[str, Any]]) -> dict[str, bytes]:
+    """Returns the files that make a folder with all shards a Zarr store; the last of them is `COMPLETE`.
+
+    Args:
+        job: The job.
+        records: What is known about each shard, in the order of the shards. It becomes an attribute of its split.
+        maps: Name, split and digest of each map.
+    """
+    content: dict[str, Any] = {}
+    store, by_split = MemoryStore(content), {split: [] for split in job.counts}  # type: ignore[var-annotated]
+    for record in records:
+        by_split[record["split"]].append({key: value for key, value in record.items() if key not in ("split", "sizes")})
+    attributes = {"format_version": 1, "made_from": job.identity, "maps": maps}
+    zarr.create_group(store, attributes=attributes)
+    for split, total in job.counts.items():
+        zarr.create_group(store, path=split, attributes={"shards": by_split[split]})
+        for name, column in columns_of(job.plan).items():
+            _create(store, f"{split}/{name}", job.plan, column, total, column.attributes)
+    ordered = sorted(content, key=lambda path: (path == COMPLETE, path))
+    return {path: content[path].to_bytes() for path in ordered}
+
+
+def attributes_of(folder: Path) -> dict[str, Any]:
+    """Returns the attributes of a store."""
+    return zarr.open_group(LocalStore(folder, read_only=True), mode="r").attrs.asdict()
+
+
+def open_split(folder: Path, split: str) -> zarr.Group:
+    """Returns the group of a split, for reading."""
+    return zarr.open_group(LocalStore(folder, read_only=True), path=split, mode="r")
+
+
+def identity_of(folder: Path) -> dict[str, Any]:
+    """Returns what a complete store was made from: plan, maps and versions.
+
+    Raises:
+        ValueError: The folder is no data set.
+    """
+    attributes = attributes_of(folder)
+    if "made_from" not in attributes:
+        raise ValueError(f"{folder}: this Zarr store is not a data set of this package, or is damaged")
+    return dict(attributes["made_from"])
+
+
+def records_of(folder: Path, split: str) -> list[dict[str, Any]]:
+    """Returns what is known about each shard of a split: first scan, count, seed, digests."""
+    shards: Any = open_split(folder, split).attrs["shards"]
+    return list(shards)
+
+
+def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
+    """Returns the arrays of a shard of a complete store.
+
+    Raises:
+        ValueError: A file is damaged.
+    """
+    rows = slice(shard.first, shard.first + shard.count)
+    group = zarr.open_group(LocalStore(folder, read_only=True), mode="r")
+    result = {}
+    for name in columns_of(job.plan):
+        try:
+            result[name] = np.asarray(group[f"{shard.split}/{name}"][rows])  # type: ignore[index]
+        except (ValueError, RuntimeError, OSError, KeyError) as error:
+            raise ValueError(f"{name} cannot be read: {error}") from error
+    return result
+
+
+def _create(
+    store: MemoryStore, path: str, plan: Plan, column: Column, length: int, attributes: dict[str, Any]
+) -> zarr.Array[Any]:
+    compressor = BloscCodec(cname="zstd", clevel=1, shuffle="bitshuffle") if plan.compression == "zstd" else None
+    rest = column.shape
+    return zarr.create_array(
+        store,
+        name=path or None,
+        shape=(length, *rest),
+        chunks=(plan.scans_per_chunk, *rest),
+        shards=(plan.scans_per_shard, *rest),
+        dtype=column.dtype,
+        compressors=compressor,
+        attributes=attributes,
+        dimension_names=["scan", *[f"dim_{index}" for index in range(len(rest))]],
+        chunk_key_encoding={"name": "default", "separator": "."},
+        # Otherwise a chunk of zeros would have no file.
+        config={"write_empty_chunks": True},
+    )

@@ -1,0 +1,34 @@
+"""Small plans for tests, and what a folder contains."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from mobile_robot_simulator.datasets import Plan, Split
+
+SMALL: dict[str, Any] = {
+    "seed": 5,
+    "count": 200,
+    "maps": [{"floor_plan": "maze", "seeds": [1, 3], "size": [10, 8], "resolution": 0.1}],
+    "scanner": {"beam_count": 31, "max_range": 6.0},
+    "noise": {"sigma_hit": [0.01, 0.05]},
+    "splits": {"train": 2, "test": 1},
+    "scans_per_scene": 8,
+    "scans_per_shard": 32,
+}
+
+
+def small(**changes: Any) -> Plan:
+    return Plan(**{**SMALL, **changes})
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    """The bytes of all files by their path in the folder."""
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def load(split: Split, worker: int, results: object) -> None:
+    """The loop of a worker of a data loader. Here, because a spawned process imports it."""
+    shuffled = [batch["ranges"].tobytes() for batch in split.batches(16, seed=1, worker=worker, workers=2)]
+    results.put((worker, shuffled, [split[index]["ranges"].tobytes() for index in range(worker, 40, 2)]))  # type: ignore[attr-defined]

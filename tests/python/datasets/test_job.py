@@ -1,0 +1,76 @@
+"""job: shards cover the scans, and a shard depends on nothing but the plan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mobile_robot_simulator as mrs
+from datasets.small_plans import small
+from mobile_robot_simulator.datasets.job import Stopped, job_of
+from mobile_robot_simulator.datasets.map_pool import MapPool
+
+
+def test_shards_cover_the_scans_of_each_split() -> None:
+    job = job_of(small())
+    assert job.counts == {"train": 133, "test": 67}
+    for split, total in job.counts.items():
+        shards = [shard for shard in job.shards if shard.split == split]
+        assert [shard.index for shard in shards] == list(range(len(shards)))
+        assert [n for shard in shards for n in range(shard.first, shard.first + shard.count)] == list(range(total))
+    assert [shard.count for shard in job.shards] == [32, 32, 32, 32, 5, 32, 32, 3]
+    assert job.shards[5].name == "test-000000"
+
+
+def test_the_scans_do_not_depend_on_the_size_of_shards() -> None:
+    pool, parts = MapPool(), []
+    for size in (32, 64, 8):
+        job = job_of(small(scans_per_shard=size))
+        parts.append([job.make(shard, pool)[0] for shard in job.shards])
+    for name in parts[0][0]:
+        whole = [np.concatenate([part[name] for part in each]) for each in parts]
+        assert np.array_equal(whole[0], whole[1]) and np.array_equal(whole[0], whole[2])
+
+
+def test_scenes_are_shared_among_the_maps_and_each_has_its_own_poses() -> None:
+    job, pool = job_of(small()), MapPool()
+    made = [job.make(shard, pool) for shard in job.shards]
+    maps = np.concatenate([arrays["map"] for arrays, _ in made])
+    assert set(maps[:133]) == {0, 1} and set(maps[133:]) == {2} and abs(int((maps == 0).sum()) - 67) < 8
+    poses = np.concatenate([arrays["poses"] for arrays, _ in made])
+    assert len(np.unique(poses, axis=0)) == 200
+    scenes = np.concatenate([arrays["scene"] for arrays, _ in made])
+    assert np.array_equal(scenes, [*(n // 8 for n in range(133)), *(n // 8 for n in range(67))])
+    laser = mrs.LaserScanner(beam_count=31, max_range=6.0)
+    for index, (_, source) in enumerate(job.maps):
+        rows = np.flatnonzero(maps == index)
+        true = laser.scan_batch(source.load(), poses[rows])
+        ranges = np.concatenate([arrays["ranges"] for arrays, _ in made])[rows]
+        assert np.median(np.abs(ranges - true)) < 0.05
+
+
+def test_work_is_given_up_when_asked() -> None:
+    job, asked = job_of(small()), []
+
+    def is_stopped() -> bool:
+        asked.append(1)
+        return len(asked) == 3
+
+    with pytest.raises(Stopped):
+        job.make(job.shards[0], MapPool(), is_stopped)
+
+
+def test_fewer_scans_than_splits() -> None:
+    with pytest.raises(ValueError, match="count must give each split at least one scan, got 1 for train, test"):
+        job_of(small(count=1))
+
+
+def test_fewer_poses_than_scans_or_more_maps_than_one(tmp_path: Path) -> None:
+    np.save(tmp_path / "poses.npy", np.zeros((7, 3)))
+    plan = small(poses={"kind": "file", "file": "poses.npy"}, splits={"train": 1}, folder=tmp_path)
+    with pytest.raises(ValueError, match="poses of a file need one map, got 3"):
+        job_of(plan)
+    with pytest.raises(ValueError, match=r"poses.npy: there must be a pose for each of 200 scans, got 7"):
+        job_of(small(**{**plan.content, "maps": [{"floor_plan": "maze"}], "folder": tmp_path}))

@@ -1,0 +1,86 @@
+"""plan: every wrong value is an error that says what is needed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from datasets.small_plans import small
+from mobile_robot_simulator.datasets import Plan, load_plan
+
+WRONG: list[tuple[dict[str, Any], str]] = [
+    ({"count": 0}, "count must be greater than or equal to 1, got 0"),
+    ({"count": True}, "count must be a number, got True"),
+    ({"seed": -1}, "seed must be in 0..2**64 - 1, got -1"),
+    ({"maps": []}, "maps must have at least 1 item"),
+    ({"maps": [{}]}, "maps[0]: each entry of maps must have either files or floor_plan"),
+    (
+        {"maps": [{"floor_plan": "ofice"}]},
+        "floor_plan must be one of office, corridor, maze, cave, warehouse, got 'ofice'; did you",
+    ),
+    ({"noise": {"sigma_hit": [0.2, 0.1]}}, "noise.sigma_hit must be [low, high] with low at most high, got"),
+    (
+        {"noise": {"sigma_hit": "much"}},
+        "noise.sigma_hit must be a number, or two numbers [low, high] to draw from, got 'much'",
+    ),
+    ({"noise": {"sigma": 0.1}}, "unknown name in the plan: noise.sigma; did you mean sigma_hit?"),
+    ({"noise": {"z_hit": 0, "z_max": 0}}, "noise: "),
+    ({"scanner": {"fov": 270.0}}, "scanner: "),
+    ({"scanner": {"mount": [0, 1]}}, "scanner: mount must have 3 or 6 numbers, got 2"),
+    ({"splits": {}}, "splits must have at least one split, got none"),
+    ({"splits": {"../x": 1}}, "splits.../x"),
+    ({"splits": {"train": 0}}, "splits.train must be greater than 0, got 0"),
+    ({"labels": ["colour"]}, "labels[0] must be"),
+    ({"labels": ["twists", "twists"]}, "labels must differ"),
+    ({"labels": ["goals"]}, "only drives have goals"),
+    ({"labels": ["beam_poses"]}, "beam_poses need a scanner with a scan_duration above 0"),
+    ({"scans_per_scene": 3}, "scans_per_shard must be a multiple of scans_per_scene, got 32 and 3"),
+    ({"poses": {"kind": "file"}}, "poses must have a file if kind is file"),
+    ({"poses": {"kind": "drives"}}, "poses must have a policy such as package.module:name, got ''"),
+    ({"quantization": 2.0}, "quantization must be less than or equal to 1, got 2.0"),
+    ({"cuont": 3}, "unknown name in the plan: cuont; did you mean count?"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), WRONG, ids=lambda value: str(value)[:40])
+def test_a_wrong_value(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        small(**changes)
+    assert message in str(error.value)
+
+
+def test_a_missing_name() -> None:
+    with pytest.raises(ValueError, match=r"^count is required; maps is required$"):
+        Plan()
+
+
+def test_a_file_is_read_with_its_folder(tmp_path: Path) -> None:
+    file = tmp_path / "plan.yaml"
+    file.write_text("count: 10\nmaps: [{files: 'a/*.yaml'}]\nnoise: {sigma_hit: 0.1}\n")
+    plan = load_plan(file)
+    assert plan.folder == tmp_path and plan.noise is not None and plan.noise.sigma_hit == (0.1, 0.1)
+    assert plan.maps[0].files == ("a/*.yaml",)
+    assert Plan(**plan.content).content == plan.content and "folder" not in plan.content
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("- 1", "a plan must be a mapping of names to values, got [1]"),
+        ("count: [", "not valid YAML"),
+        ("folder: /x", "folder"),
+    ],
+)
+def test_a_file_that_is_no_plan(text: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "plan.yaml"
+    file.write_text(text)
+    with pytest.raises(ValueError) as error:
+        load_plan(file)
+    assert str(file) in str(error.value) and message in str(error.value)
+
+
+@pytest.mark.parametrize(("shard", "scene", "chunk"), [(4096, 256, 512), (32, 8, 32), (1000, 10, 500), (1021, 1021, 1)])
+def test_chunks_divide_a_shard(shard: int, scene: int, chunk: int) -> None:
+    assert small(scans_per_shard=shard, scans_per_scene=scene).scans_per_chunk == chunk

@@ -1,0 +1,116 @@
+"""reader: every scan comes once, in an order that the seed decides, also in forked and spawned workers."""
+
+from __future__ import annotations
+
+import copy
+import multiprocessing
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("zarr", reason="the extra `datasets` is not installed, or has no Zarr for this Python")
+
+import zarr
+
+from datasets.small_plans import load, small
+from mobile_robot_simulator.datasets import Dataset, generate, open
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("reader") / "data"
+    generate(small(), out=out)
+    return open(out)
+
+
+def test_arrays_rows_and_plan(data: Dataset) -> None:
+    assert {name: len(split) for name, split in data.items()} == {"train": 133, "test": 67} and data.plan == small()
+    train = data["train"]
+    assert sorted(train.arrays) == ["drawn", "map", "poses", "ranges", "scene"]
+    assert isinstance(train.arrays["ranges"], zarr.Array)
+    row = train[-1]
+    assert row["ranges"].shape == (31,) and np.array_equal(row["poses"], train.arrays["poses"][132]) and row["scene"] == 16
+    assert repr(train) == "Split('train', 133 scans, drawn, map, poses, ranges, scene)"
+    for index in (133, -134):
+        with pytest.raises(IndexError, match=r"a scan must be in 0..132, got"):
+            train[index]
+
+
+def test_batches_in_order(data: Dataset) -> None:
+    train = data["train"]
+    batches = list(train.batches(50))
+    assert [len(batch["ranges"]) for batch in batches] == [50, 50, 33]
+    for name, array in train.arrays.items():
+        assert np.array_equal(np.concatenate([batch[name] for batch in batches]), array[:])
+    assert {*next(train.batches(5, columns=["poses"]))} == {"poses"}
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3, 9])
+def test_shuffled_batches_have_every_scan_once(workers: int, data: Dataset) -> None:
+    train = data["train"]
+    poses = [
+        batch["poses"] for worker in range(workers) for batch in train.batches(7, seed=3, worker=worker, workers=workers)
+    ]
+    found, whole = np.concatenate(poses), train.arrays["poses"][:]
+    assert not np.array_equal(found, whole)
+    assert np.array_equal(found[np.lexsort(found.T)], whole[np.lexsort(whole.T)])
+
+
+def test_the_seed_decides_the_order(data: Dataset) -> None:
+    def order(seed: int) -> list[float]:
+        return [float(x) for batch in data["train"].batches(10, seed=seed) for x in batch["poses"][:, 0]]
+
+    assert order(1) == order(1) != order(2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"size": 0}, "size must be at least 1, got 0"),
+        ({"size": 1, "worker": 2, "workers": 2}, r"worker must be in 0..workers - 1, got 2 of 2"),
+    ],
+)
+def test_numbers_out_of_range(arguments: dict[str, int], message: str, data: Dataset) -> None:
+    with pytest.raises(ValueError, match=message):
+        data["train"].batches(**arguments)
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
+@pytest.mark.parametrize("start_method", [m for m in ("fork", "spawn") if m in multiprocessing.get_all_start_methods()])
+def test_workers_read_what_their_parent_reads(start_method: str, data: Dataset) -> None:
+    train, context = data["train"], multiprocessing.get_context(start_method)
+    expected = {
+        worker: (
+            [batch["ranges"].tobytes() for batch in train.batches(16, seed=1, worker=worker, workers=2)],
+            [train[index]["ranges"].tobytes() for index in range(worker, 40, 2)],
+        )
+        for worker in range(2)
+    }
+    results = context.Queue()
+    workers = [context.Process(target=load, args=(train, worker, results), daemon=True) for worker in range(2)]
+    for process in workers:
+        process.start()
+    found = {worker: (shuffled, rows) for worker, shuffled, rows in (results.get(timeout=60) for _ in workers)}
+    for process in workers:
+        process.join(60)
+        assert process.exitcode == 0
+    assert found == expected
+
+
+def test_copies_read_the_same(data: Dataset) -> None:
+    train = data["train"]
+    for other in (pickle.loads(pickle.dumps(train)), copy.copy(train), copy.deepcopy(train)):
+        assert np.array_equal(other.arrays["ranges"][:], train.arrays["ranges"][:])
+    assert len(pickle.dumps(train)) < 1000
+
+
+def test_a_data_set_that_is_not_complete(tmp_path: Path) -> None:
+    def stop(progress: object) -> None:
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        generate(small(), out=tmp_path, progress=stop)
+    with pytest.raises(ValueError, match="the data set is not complete; give the command that makes it again"):
+        open(tmp_path)

@@ -1,0 +1,70 @@
+"""verification: a byte that changes in a file, and a map that changes, are found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("zarr", reason="the extra `datasets` is not installed, or has no Zarr for this Python")
+
+import zarr
+
+import mobile_robot_simulator as mrs
+from datasets.small_plans import small
+from mobile_robot_simulator.datasets import generate, verify
+
+
+def test_a_data_set_that_is_as_it_was_made(tmp_path: Path) -> None:
+    generate(small(), out=tmp_path)
+    seen: list[tuple[int, int]] = []
+    assert verify(tmp_path, progress=lambda done, total: seen.append((done, total))) == (8, [], [])
+    assert seen == [(done, 8) for done in range(9)]
+    assert verify(tmp_path, sample=3) == (3, [], [])
+    assert verify(tmp_path, sample=99) == (8, [], [])
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd"])
+def test_a_byte_that_changes(compression: str, tmp_path: Path) -> None:
+    generate(small(compression=compression), out=tmp_path)
+    file = tmp_path / "train/ranges/c.3.0"
+    data = bytearray(file.read_bytes())
+    data[len(data) // 3] ^= 1
+    file.write_bytes(data)
+    ((shard, problem),) = verify(tmp_path).differences
+    assert shard == "train-000003" and "ranges" in problem
+
+
+def test_a_file_that_is_missing(tmp_path: Path) -> None:
+    generate(small(), out=tmp_path)
+    (tmp_path / "test/poses/c.1.0").unlink()
+    assert verify(tmp_path).differences == [("test-000001", "stored numbers do not have their digest: poses")]
+
+
+def test_a_map_that_changes(tmp_path: Path) -> None:
+    def save(seed: int) -> None:
+        mrs.save_map(mrs.floor_plan("maze", seed=seed, size=(10.0, 8.0), resolution=0.1), tmp_path / "map.yaml")
+
+    save(1)
+    generate(small(maps=[{"files": "map.yaml"}], splits={"train": 1}, folder=tmp_path), out=tmp_path / "data")
+    assert verify(tmp_path / "data", folder=tmp_path).differences == []
+    save(2)
+    found = verify(tmp_path / "data", folder=tmp_path, sample=2)
+    assert found.notes == ["map.yaml: the map is not what it was"]
+    assert all(
+        problem.startswith("made again, other numbers come out: ") and "ranges" in problem
+        for _, problem in found.differences
+    )
+    assert len({shard for shard, _ in found.differences}) == 2
+
+
+def test_a_folder_that_is_no_data_set(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="no such folder"):
+        verify(tmp_path / "missing")
+    with pytest.raises(ValueError, match=r"must be the folder of a data set, got none of zarr.json"):
+        verify(tmp_path)
+    zarr.create_group(tmp_path / "other")
+    with pytest.raises(ValueError, match="this Zarr store is not a data set of this package"):
+        verify(tmp_path / "other")
+    with pytest.raises(ValueError, match="sample must be at least 1, got 0"):
+        verify(tmp_path, sample=0)
