@@ -25,6 +25,9 @@ pub enum Error {
         /// Its domain.
         needed: &'static str,
     },
+    /// A tilted scanner where only one that measures in the plane can be used.
+    #[error("the scanner must not be tilted: its beams meet walls of any height at angles in space")]
+    Tilted,
     /// Ends of a field of beams that are equal, or more than a full turn apart.
     #[error("angle_max must differ from angle_min by at most 2π, got {} and {}", shown(*angle_max), shown(*angle_min))]
     Angles {

@@ -96,6 +96,6 @@ pub use motion::{
 pub use mount::Mount;
 pub use obstacles::{MovingObstacle, Obstacles, Trajectory};
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
-pub use scanner::{Courses, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
+pub use scanner::{Courses, Hit, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
 pub use world::World;

@@ -1592,6 +1592,49 @@ class LaserScanner:
             >>> laser.mark_invalid(np.array([0.01, 2.0, 30.0], np.float32)).tolist()
             [-inf, 2.0, inf]
         """
+    def hits(
+        self,
+        grid: OccupancyGrid,
+        poses: ArrayLike,
+        *,
+        obstacles: _Obstacles = (),
+        threads: int | None = None,
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Returns what each beam of a batch of scans meets, and at which angle.
+
+        It is the surface whose distance is the range of `scan_batch` without noise. The normal of a blocking cell is that of the
+        side through which the beam enters it, so a slanting wall has the normals of its steps. A beam takes some hundred
+        nanoseconds, longer than a range.
+
+        Args:
+            grid: Map.
+            poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Or (N, beam_count, 3): the robot at
+                the time of each beam, such as `beam_poses` returns.
+            obstacles: Pairs (Shape, pose) that the beams also hit, with poses in the map frame.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+
+        Returns:
+            Two arrays (N, beam_count): the surfaces, int32, which are -1 without a return, 0 for a wall and k + 1 for obstacle k;
+                and the angles between the beams and the normals of the surfaces, float32, 0 to π/2 [rad], NaN if there is no
+                surface or the laser is inside of it.
+
+        Raises:
+            ValueError: The scanner is tilted, a shape is wrong, a pose is not finite, or `threads` is out of range.
+            TypeError: An argument has the wrong type or dtype.
+            OSError: The threads could not be started.
+
+        Examples:
+            The only wall covers x from 2 m to 3 m:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+            >>> mrs.LaserScanner(beam_count=1).hits(grid, [(0.5, 0.5, 0.25), (0.5, 0.5, 3.0)])
+            (array([[ 0],
+                   [-1]], dtype=int32), array([[0.25],
+                   [ nan]], dtype=float32))
+        """
+
     def quantize(self, readings: NDArray[np.float32], step: float) -> NDArray[np.float32]:
         """Returns a copy of readings rounded to multiples of a power of two, so that they compress well.
 

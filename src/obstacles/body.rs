@@ -75,6 +75,19 @@ impl Body {
         }
     }
 
+    /// Returns the outward normal at the place of the outline that is nearest to a point on it: a unit vector.
+    pub fn normal_near(&self, point: DVec2) -> DVec2 {
+        if self.radius > 0.0 {
+            return (point - self.corners[0]).normalize_or(DVec2::X);
+        }
+        let distance = |(start, end): (DVec2, DVec2)| {
+            let along = (end - start) * ((point - start).dot(end - start) / (end - start).length_squared()).clamp(0.0, 1.0);
+            point.distance_squared(start + along)
+        };
+        let nearest = self.edges().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or(DVec2::X, |(start, end)| -(end - start).perp().normalize_or(DVec2::X))
+    }
+
     /// Iterates over the edges as (start, end). A disc gives one edge, which starts and ends at its centre.
     pub fn edges(&self) -> impl Iterator<Item = (DVec2, DVec2)> + Clone {
         edges(&self.corners)

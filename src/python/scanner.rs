@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{check_out, fill, rows, shape, short_repr, typed, vector};
+use super::arrays::{check_out, fill, rows, rows_or_beam_rows, shape, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
 use super::grid::GridArgument;
 use super::likelihood_field::ModelArgument;
@@ -17,7 +17,7 @@ use super::random_stream::SeedArgument;
 use super::sweep::SweepArguments;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{BeamLayout, Courses, Mount, NoReturn, Noise, Readings, ScannerOptions, Score};
+use crate::{BeamLayout, Courses, Hit, Mount, NoReturn, Noise, Readings, ScannerOptions, Score};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -554,6 +554,68 @@ impl LaserScanner {
         fill(py, None, &[poses.len(), self.beam_count(), 3], |numbers: &mut [f64]| {
             self.0.beam_poses(courses, scan_duration, numbers.as_chunks_mut().0)
         })
+    }
+
+    /// Returns what each beam of a batch of scans meets, and at which angle.
+    ///
+    /// It is the surface whose distance is the range of `scan_batch` without noise. The normal of a blocking cell is that of the
+    /// side through which the beam enters it, so a slanting wall has the normals of its steps. A beam takes some hundred
+    /// nanoseconds, longer than a range.
+    ///
+    /// Args:
+    ///     grid: Map.
+    ///     poses: (N, 3), one row (x, y, yaw) per scan: the robot in the map frame [m, m, rad]. Or (N, beam_count, 3): the robot at
+    ///         the time of each beam, such as `beam_poses` returns.
+    ///     obstacles: Pairs (Shape, pose) that the beams also hit, with poses in the map frame.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///
+    /// Returns:
+    ///     Two arrays (N, beam_count): the surfaces, int32, which are -1 without a return, 0 for a wall and k + 1 for obstacle k;
+    ///         and the angles between the beams and the normals of the surfaces, float32, 0 to π/2 [rad], NaN if there is no
+    ///         surface or the laser is inside of it.
+    ///
+    /// Raises:
+    ///     ValueError: The scanner is tilted, a shape is wrong, a pose is not finite, or `threads` is out of range.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///     OSError: The threads could not be started.
+    ///
+    /// Examples:
+    ///     The only wall covers x from 2 m to 3 m:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> mrs.LaserScanner(beam_count=1).hits(grid, [(0.5, 0.5, 0.25), (0.5, 0.5, 3.0)])
+    ///     (array([[ 0],
+    ///            [-1]], dtype=int32), array([[0.25],
+    ///            [ nan]], dtype=float32))
+    #[pyo3(
+        text_signature = "($self, grid, poses, *, obstacles=(), threads=None)",
+        signature = (grid, poses, *, obstacles = ObstaclesArgument::none(), threads = None)
+    )]
+    fn hits<'py>(
+        &self,
+        py: Python<'py>,
+        grid: GridArgument<'py>,
+        poses: &Bound<'py, PyAny>,
+        obstacles: ObstaclesArgument,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (grid, threads, beams) = (grid.get().core(), thread_count(threads)?, self.beam_count());
+        let (poses, has_beams) = rows_or_beam_rows("poses", poses, beams, None)?;
+        let scans = if has_beams { poses.len() / beams } else { poses.len() };
+        let mut hits = memory::filled("the hits", Hit::default(), scans * beams)?;
+        let rows: &[[f64; 3]] = &poses;
+        py.detach(|| self.0.hits((&*grid, &obstacles.0), rows, threads, &mut hits))?;
+        let surfaces = fill(py, None, &[scans, beams], |surfaces| {
+            surfaces.iter_mut().zip(&hits).for_each(|(surface, hit): (&mut i32, _)| *surface = hit.surface);
+            Ok(())
+        })?;
+        let incidences = fill(py, None, &[scans, beams], |incidences| {
+            incidences.iter_mut().zip(&hits).for_each(|(incidence, hit): (&mut f32, _)| *incidence = hit.incidence);
+            Ok(())
+        })?;
+        Ok((surfaces, incidences))
     }
 
     /// Returns a copy of readings in which invalid ones are marked as in a `LaserScan` message (REP-117).

@@ -6,6 +6,7 @@
 mod block;
 mod caster;
 mod fans;
+mod hit;
 mod kernel;
 mod ray;
 mod rays;
@@ -19,6 +20,7 @@ mod traversal;
 
 pub use caster::{Caster, cast_rays};
 pub(crate) use fans::{Fans, Start};
+pub(crate) use hit::hit_of;
 pub use kernel::{KERNEL_VARIABLE, Kernel};
 use ray::Ray;
 pub(crate) use sink::{Sink, StoreRanges, store};

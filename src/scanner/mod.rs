@@ -1,6 +1,7 @@
 //! Laser scanners: single scans and batches of scans.
 
 mod each;
+mod hits;
 mod score;
 mod sinks;
 mod sweep;
@@ -24,6 +25,7 @@ use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::world::World;
 pub(crate) use each::Shot;
+pub use hits::Hit;
 pub use score::{Readings, Score};
 use sinks::{Beyond, Noisy, SinkPerScan};
 pub use sweep::{Courses, Sweeps};
