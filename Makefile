@@ -7,6 +7,7 @@
 # make test          lints, documentation and all tests
 # make fuzz          runs the long random tests, for some minutes
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
+# make test-ray      tests data sets on a real Ray cluster of this machine; installs Ray (from PyPI) on the first run
 # make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
 # make test-live     tests the live view in Chromium (from Debian, as root or with sudo)
 # make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
@@ -27,7 +28,7 @@ export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ros test-live wheel lock clean
+.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ray test-ros test-live wheel lock clean
 
 build: .venv/release
 
@@ -101,6 +102,12 @@ docs: build
 	$(BIN)/mkdocs build --quiet --strict
 	$(BIN)/python docs/tools/check_reference.py
 
+test-ray: wheel
+	test -x .venv-ray/bin/pip || $(PYTHON) -m venv --clear .venv-ray
+	.venv-ray/bin/pip install --quiet --upgrade --force-reinstall --no-deps dist/*.whl
+	.venv-ray/bin/pip install --quiet "$$(echo dist/*.whl)[ray,parquet]" pytest hypothesis
+	.venv-ray/bin/python -m pytest -q tests/ray $(PYTEST_ARGS)
+
 test-ros: wheel
 	tests/ros/run dist/*.whl
 
@@ -114,8 +121,8 @@ wheel: .venv/tools
 
 lock: .venv/tools
 	$(BIN)/python -m pip install --quiet uv
-	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --all-extras --group dev pyproject.toml \
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --group dev pyproject.toml \
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv .venv-browser .venv-ros1 .venv-ros2 target dist demo site $(CORE)
+	rm -rf .venv .venv-browser .venv-ray .venv-ros1 .venv-ros2 target dist demo site $(CORE)

@@ -12,9 +12,14 @@ import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
-def write_files(contents: Mapping[Path, bytes]) -> None:
+def write_files(contents: Mapping[Path, bytes | NDArray[np.uint8]]) -> None:
     """Writes files that belong together: completes all of them, then moves them to their places, in order.
 
     Existing files are replaced, each in one step. A symbolic link stays, and the file that it points to is replaced. If the
@@ -37,7 +42,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
                 beside = tempfile.TemporaryDirectory(prefix=".new-", dir=place.parent, ignore_cleanup_errors=True)
                 draft = Path(drafts.enter_context(beside)) / place.name
                 with draft.open("wb") as file:
-                    file.write(data)
+                    file.write(data if isinstance(data, bytes) else data.data)
                     file.flush()
                     os.fsync(file.fileno())  # Some network drives report only here that they are full.
             except OSError as error:

@@ -181,6 +181,7 @@ TESTED_ELSEWHERE = {
     "live/page.py": "tests/browser looks at the page in a real browser",
     "live/server.py": "live/test_view.py talks to it, and tests/browser with a real browser",
     "datasets/engines.py": "datasets/test_generation.py compares what they make",
+    "datasets/ray_engine.py": "needs Ray: tests/ray",
     "datasets/formats.py": "datasets/test_reader.py opens what is no data set",
     "maps/floor_plans": "maps/test_floor_plans.py checks the plans that its modules draw together",
     "maps/cell_map.py": "maps/test_formats.py gives good and bad sizes of cells",

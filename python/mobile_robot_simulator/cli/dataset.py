@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +23,13 @@ DIFFERS = 3
 VERIFY = "verify"
 
 
+class Engine(str, Enum):
+    """What makes the scans."""
+
+    threads = "threads"
+    ray = "ray"
+
+
 def dataset(
     plan: Annotated[
         str, typer.Argument(metavar="PLAN|verify", help="YAML file of the plan; or the word verify, to verify a data set.")
@@ -30,6 +38,12 @@ def dataset(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of the data set.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print numbers, sizes and time, and write nothing.")] = False,
     threads: Annotated[int | None, typer.Option(help="Number of threads. Without it, one per core.")] = None,
+    engine: Annotated[
+        Engine, typer.Option(help="What makes the scans: threads, or the workers of a Ray cluster.")
+    ] = Engine.threads,
+    address: Annotated[
+        str | None, typer.Option(help="Address of the Ray cluster, such as auto. Without it, one starts on this machine.")
+    ] = None,
     sample: Annotated[
         int | None, typer.Option(help="Verify only so many shards, chosen at random. Without it, all are verified.")
     ] = None,
@@ -58,7 +72,7 @@ def dataset(
     from ..datasets import generate
 
     with _shown(as_json=as_json) as show:
-        report = generate(Path(plan), out=out, threads=threads, progress=show)
+        report = generate(Path(plan), out=out, threads=threads, engine=engine.value, address=address, progress=show)
     if as_json:
         _event("complete", path=str(report.path), scans=report.scans, made=report.made, seconds=round(report.seconds, 3))
         return

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
-from .job import Job, Shard, digests_of
+from .job import Files, Job, Shard, digests_of
 from .map_pool import MapPool
 
 __all__ = ["MadeShard", "made", "make_on_threads"]
@@ -18,7 +18,7 @@ class MadeShard(NamedTuple):
     """A shard as it is written."""
 
     shard: Shard
-    files: dict[str, bytes]
+    files: Files
     record: dict[str, Any]
     """What is known about the shard, as JSON has it."""
 

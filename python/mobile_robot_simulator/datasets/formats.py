@@ -11,20 +11,21 @@ __all__ = ["format_of", "formats"]
 
 def formats() -> dict[str, str]:
     """Returns the formats by name, and the file of each that is there when a data set is complete."""
-    return {"zarr": "zarr.json"}
+    return {"zarr": "zarr.json", "parquet": "dataset.json"}
 
 
 def format_of(name: str) -> Any:
     """Returns the module that writes and reads a format.
 
     Raises:
-        ImportError: The extra `datasets` is not installed, or this Python is too old for the format.
+        ImportError: The extra `datasets` or `parquet` is not installed, or this Python is too old for the format.
     """
     try:
         return import_module(f"{__package__}.{name}_store")
     except ImportError as error:
         if name == "zarr" and sys.version_info < (3, 11):
             raise ImportError(
-                f"Zarr v3 needs Python 3.11 or later, this is {sys.version.split()[0]}; give another format, such as parquet"
+                f"Zarr v3 needs Python 3.11 or later, this is {sys.version.split()[0]}; give format: parquet"
             ) from error
-        raise ImportError(f"data sets need pip install 'mobile-robot-simulator[datasets]': {error}") from error
+        extra = {"zarr": "datasets"}.get(name, name)
+        raise ImportError(f"{name} needs pip install 'mobile-robot-simulator[{extra}]': {error}") from error

@@ -81,7 +81,8 @@ def generate(
     *,
     out: str | os.PathLike[str],
     threads: int | None = None,
-    engine: Literal["threads"] = "threads",
+    engine: Literal["threads", "ray"] = "threads",
+    address: str | None = None,
     progress: Callable[[Progress], None] = lambda _: None,
 ) -> Report:
     """Makes a data set in a folder. If the folder has a part of it, only what is missing is made.
@@ -94,14 +95,17 @@ def generate(
         plan: The plan, or its YAML file.
         out: Folder of the data set. A new one is made; one that exists must be empty or have a part of this data set.
         threads: Number of threads; None means one per core.
-        engine: What makes the shards: "threads" of this process.
+        engine: What makes the shards: "threads" of this process, or the workers of a "ray" cluster, which needs the extra
+            `ray`. The workers need this package in the same version, and map files at the same paths.
+        address: Address of the Ray cluster, as for `ray.init`. None starts one on this machine, unless this process is
+            connected to one.
         progress: Called when a shard is written, and at the start.
 
     Returns:
         What was made.
 
     Raises:
-        ImportError: The extra `datasets` is not installed.
+        ImportError: The extra `datasets` is not installed, or that of the engine or the format.
         OSError: A file cannot be read or written, the folder has other files, or another process makes this data set.
         ValueError: The plan is invalid, the folder has data of another plan, or a scene is not possible.
 
@@ -118,8 +122,12 @@ def generate(
     began = time.perf_counter()
     if threads is not None and not 1 <= threads <= 1024:
         raise ValueError(f"threads must be in 1..1024, got {threads}")
-    if engine != "threads":
-        raise ValueError(f"engine must be 'threads', got {engine!r}")
+    if engine not in ("threads", "ray"):
+        raise ValueError(f"engine must be 'threads' or 'ray', got {engine!r}")
+    if engine == "threads" and address is not None:
+        raise ValueError(f"only the engine ray has an address, got {address!r}")
+    if engine == "ray" and threads is not None:
+        raise ValueError(f"the engine ray takes the CPUs of its cluster, got threads={threads}")
     plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
     store, folder = format_of(plan.format), Path(out)
     job = job_of(plan, store.versions())
@@ -140,7 +148,13 @@ def generate(
         def write(result: MadeShard) -> None:
             workspace.add(result.shard, result.files, result.record)
 
-        for shard in make_on_threads(job, missing, write, threads):
+        if engine == "ray":
+            from .ray_engine import make_on_ray
+
+            written = make_on_ray(job, missing, write, address)
+        else:
+            written = make_on_threads(job, missing, write, threads)
+        for shard in written:
             scans, shards = scans + shard.count, shards + 1
             progress(Progress(scans, plan.count, shards, len(job.shards)))
         _finish(job, workspace)

@@ -17,9 +17,12 @@ from .map_pool import MapPool, MapSource, shares, sources_by_split
 from .plan import Plan
 from .scenes import columns_of, fill_scene, poses_of_file
 
-__all__ = ["Arrays", "Job", "Shard", "Stopped", "digests_of", "job_of"]
+__all__ = ["Arrays", "Files", "Job", "Shard", "Stopped", "digests_of", "job_of", "versions_of"]
 
 Arrays = Mapping[str, NDArray[Any]]
+
+Files = Mapping[str, bytes | NDArray[np.uint8]]
+"""Contents of files by their path in the folder of a data set."""
 
 
 class Stopped(Exception):
@@ -101,7 +104,7 @@ class Job:
             Stopped: The work was given up.
         """
         plan = self.plan
-        arrays = {name: np.zeros((shard.count, *column.shape), column.dtype) for name, column in columns_of(plan).items()}
+        arrays = {name: np.empty((shard.count, *column.shape), column.dtype) for name, column in columns_of(plan).items()}
 
         def check() -> None:
             if is_stopped():
@@ -173,5 +176,9 @@ def job_of(plan: Plan, versions: Mapping[str, str] | None = None) -> Job:
         if len(poses) < plan.count:
             raise ValueError(f"{plan.poses.file}: there must be a pose for each of {plan.count} scans, got {len(poses)}")
         digest = hashlib.sha256(np.ascontiguousarray(poses).data).hexdigest()
-    written_by = {"mobile_robot_simulator": __version__, **(versions or {})}
-    return Job(plan, sources, dict(zip(plan.splits, counts, strict=True)), written_by, digest)
+    return Job(plan, sources, dict(zip(plan.splits, counts, strict=True)), versions_of(versions or {}), digest)
+
+
+def versions_of(others: Mapping[str, str]) -> dict[str, str]:
+    """Returns the version of this package with those of the packages that write the files."""
+    return {"mobile_robot_simulator": __version__, **others}

@@ -189,10 +189,10 @@ class Poses(Part):
         return self
 
 
-LABELS = ("true_ranges", "twists", "beam_poses", "goals")
+LABELS = ("true_ranges", "twists", "beam_poses", "goals", "surfaces", "incidences")
 """Labels that a plan may ask for. Poses, maps, scenes and what was drawn for a scene are always there."""
 
-Labels = tuple[Literal["true_ranges", "twists", "beam_poses", "goals"], ...]
+Labels = tuple[Literal["true_ranges", "twists", "beam_poses", "goals", "surfaces", "incidences"], ...]
 
 
 class Plan(BaseModel):
@@ -220,7 +220,7 @@ class Plan(BaseModel):
     )
     scans_per_scene: PositiveCount = Field(256, description="number of scans with the same map, noise and obstacles")
     scans_per_shard: PositiveCount = Field(4096, description="number of scans in a file")
-    format: Literal["zarr"] = "zarr"
+    format: Literal["zarr", "parquet"] = Field("zarr", description="format of the files")
     compression: Literal["none", "zstd"] = Field("zstd", description="compression of the files")
     quantization: Annotated[Number, Field(ge=1e-6, le=1.0)] | None = Field(
         None, description="largest step between two ranges [m], for better compression; see LaserScanner.quantize"

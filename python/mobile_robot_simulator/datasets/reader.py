@@ -141,9 +141,11 @@ def open(path: str | os.PathLike[str]) -> Dataset:
         OSError: The folder does not exist.
         ValueError: The folder is no complete data set.
     """
+    identity, _ = identity_of(Path(path))
+    if identity["plan"]["format"] != "zarr":
+        raise ValueError(f"{path}: only data sets in Zarr are opened here; open the Parquet files with pyarrow or datasets")
     from .zarr_store import attributes_of
 
-    identity_of(Path(path))
     return Dataset(Path(path), attributes_of(Path(path)))
 
 

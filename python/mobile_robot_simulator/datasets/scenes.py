@@ -61,6 +61,12 @@ def columns_of(plan: Plan) -> dict[str, Column]:
         "goals": Column(
             (2,), "float64", {"units": "m", "columns": ["x", "y"], "frame": "map", "meaning": "goal of the drive"}
         ),
+        "surfaces": Column((beams,), "int32", {"meaning": "-1: no return; 0: a wall; k: obstacle k of the scene"}),
+        "incidences": Column(
+            (beams,),
+            "float32",
+            {"units": "rad", "meaning": "angle between the beam and the normal of its surface; NaN if none"},
+        ),
     }
     return result | {name: labels[name] for name in plan.labels}
 
@@ -133,6 +139,13 @@ def fill_scene(
         scanner.scan_batch(grid, poses[piece], **fixed, **stream, out=ranges)
         if plan.quantization:
             ranges[:] = scanner.quantize(ranges, plan.quantization)
+        if "surfaces" in arrays or "incidences" in arrays:
+            places = poses[piece] if duration is None else scanner.beam_poses(poses[piece], twists[piece], duration)  # type: ignore[index]
+            surfaces, incidences = scanner.hits(grid, places, obstacles=obstacles, threads=1)
+            if "surfaces" in arrays:
+                arrays["surfaces"][written] = surfaces
+            if "incidences" in arrays:
+                arrays["incidences"][written] = incidences
         if "true_ranges" in arrays:
             scanner.scan_batch(grid, poses[piece], **fixed, out=arrays["true_ranges"][written])
     arrays["poses"][rows] = poses

@@ -16,7 +16,7 @@ from typing import Any
 from ..new_files import write_files
 from ..quoting import quoted
 from ..user_files import read_text
-from .job import Job, Shard
+from .job import Files, Job, Shard
 
 __all__ = ["Workspace"]
 
@@ -105,7 +105,7 @@ class Workspace:
             return None
         return record if sizes == record["sizes"] else None
 
-    def add(self, shard: Shard, files: Mapping[str, bytes], record: Mapping[str, Any]) -> None:
+    def add(self, shard: Shard, files: Files, record: Mapping[str, Any]) -> None:
         """Writes the files of a shard, then its record.
 
         Raises:
@@ -118,7 +118,7 @@ class Workspace:
         content = json.dumps({**record, "sizes": sizes}, sort_keys=True).encode()
         write_files({**places, self._record(shard): content})
 
-    def finish(self, files: Mapping[str, bytes]) -> None:
+    def finish(self, files: Files) -> None:
         """Writes the last files, which make the data set complete, and removes what was only needed to make it.
 
         Raises:

@@ -14,7 +14,7 @@ from zarr.codecs import BloscCodec
 from zarr.storage import LocalStore, MemoryStore
 
 from .formats import formats
-from .job import Arrays, Job, Shard
+from .job import Arrays, Files, Job, Shard
 from .plan import Plan
 from .scenes import Column, columns_of
 
@@ -39,16 +39,18 @@ def versions() -> dict[str, str]:
     return {name: version(name) for name in ("zarr", "numcodecs")}
 
 
-def shard_files(plan: Plan, shard: Shard, arrays: Arrays) -> dict[str, bytes]:
+def shard_files(plan: Plan, shard: Shard, arrays: Arrays) -> Files:
     """Returns the files of a shard, by their path in the store."""
-    files = {}
+    files: dict[str, NDArray[np.uint8]] = {}
     for name, array in arrays.items():
         column = Column(array.shape[1:], array.dtype.name, {})
         content: dict[str, Any] = {}
         made = _create(MemoryStore(content), "", plan, column, shard.count, {})
         made[...] = array
         (encoded,) = [data for key, data in content.items() if not key.endswith("zarr.json")]
-        files[f"{shard.split}/{name}/c.{'.'.join(map(str, [shard.index, *[0] * len(column.shape)]))}"] = encoded.to_bytes()
+        files[f"{shard.split}/{name}/c.{'.'.join(map(str, [shard.index, *[0] * len(column.shape)]))}"] = (
+            encoded.as_numpy_array()
+        )
     return files
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -163,6 +165,20 @@ def test_a_number_of_threads_out_of_range(threads: int, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"engine": "slurm"}, "engine must be 'threads' or 'ray', got 'slurm'"),
+        ({"address": "auto"}, "only the engine ray has an address, got 'auto'"),
+        ({"engine": "ray", "threads": 2}, "the engine ray takes the CPUs of its cluster, got threads=2"),
+    ],
+)
+def test_an_engine_that_does_not_fit(arguments: dict[str, Any], message: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        generate(PLAN, out=tmp_path / "data", **arguments)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_full_disk_is_an_error_and_the_rest_is_made_later(expected: dict[str, bytes], tmp_path: Path) -> None:
     with small_disk(160) as disk:
         with pytest.raises(OSError, match="No space left on device"):
@@ -243,22 +259,30 @@ def test_killed_at_many_steps_the_same_bytes_come_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows cannot send SIGINT to one process")
-def test_ctrl_c_ends_it_and_it_can_go_on(tmp_path: Path) -> None:
-    plan = small(count=2_000_000, scans_per_shard=4096, scans_per_scene=4096, scanner={"beam_count": 541})
-    script = MAKE.replace("generate(Plan", "import time\ntry:\n    generate(Plan") + (
-        "except KeyboardInterrupt:\n    print(f'{time.monotonic():.9f}', flush=True)\n"
+def test_ctrl_c_ends_a_long_shard(tmp_path: Path) -> None:
+    """A shard of drives with a slow policy takes minutes."""
+    plan = small(
+        poses={"kind": "drives", "policy": "slow_policy:Slow", "clearance": 0.2}, scans_per_scene=4096, scans_per_shard=4096
     )
-    command = [sys.executable, "-c", script, json.dumps(plan.content), str(tmp_path), "2"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout and process.stdout.readline() == "started\n"
-        records = tmp_path / ".unfinished/shards"
-        while not (records.is_dir() and any(records.glob("*.json"))):
-            assert process.poll() is None
-            time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
-        printed, errors = process.communicate(timeout=60)
-    assert process.returncode == 0 and printed and not errors
-    assert not list(tmp_path.rglob(".new-*")) and not (tmp_path / "zarr.json").exists()
+    plan = plan.model_copy(update={"count": 100_000})
+    (tmp_path / "slow_policy.py").write_text(
+        "import time\nclass Slow:\n    def __call__(self, observation):\n"
+        "        print('drives', flush=True)\n        time.sleep(0.05)\n        return 0.0, 0.0\n"
+    )
+    script = MAKE.replace("generate(Plan", "try:\n    generate(Plan") + "except KeyboardInterrupt:\n    print('ended')\n"
+    command = [sys.executable, "-c", script, json.dumps(plan.content), str(tmp_path / "data"), "2"]
+    paths = os.pathsep.join([str(tmp_path), *sys.path])
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": paths}
+    ) as process:
+        try:
+            assert process.stdout and process.stdout.readline() == "started\n" and process.stdout.readline() == "drives\n"
+            process.send_signal(signal.SIGINT)
+            printed, errors = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert (process.returncode, printed.splitlines()[-1], errors) == (0, "ended", "")
+    assert not list(tmp_path.rglob(".new-*")) and not (tmp_path / "data/zarr.json").exists()
 
 
 def test_memory_does_not_grow_with_the_number_of_scans(tmp_path: Path) -> None:

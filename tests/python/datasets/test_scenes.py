@@ -33,10 +33,12 @@ def test_true_ranges_are_those_of_the_scanner_and_readings_have_its_noise() -> N
     assert abs(errors.mean()) < 4 / np.sqrt(len(errors)) and abs(errors.std() - 1.0) < 4 / np.sqrt(2 * len(errors))
 
 
-def test_long_scenes_are_cast_in_pieces_with_noise_of_their_own() -> None:
-    arrays = scene(small(), 1200)
-    assert not np.array_equal(arrays["ranges"][0], arrays["ranges"][1024])
-    assert np.array_equal(scene(small(), 1100)["ranges"], arrays["ranges"][:1100])
+def test_long_scenes_are_cast_in_pieces_with_noise_of_their_own(tmp_path: Path) -> None:
+    np.save(tmp_path / "poses.npy", np.tile([5.0, 4.0, 0.0], (3000, 1)))
+    plan = small(poses={"kind": "file", "file": "poses.npy"}, splits={"train": 1}, folder=tmp_path)
+    ranges = scene(plan, 2500)["ranges"]
+    assert len(np.unique(ranges, axis=0)) == 2500
+    assert np.array_equal(scene(plan, 1100)["ranges"], ranges[:1100])
 
 
 def test_poses_are_clear_of_walls_and_obstacles() -> None:
@@ -53,6 +55,24 @@ def test_poses_are_clear_of_walls_and_obstacles() -> None:
     assert found["true_ranges"].min() > 0.25 and np.array_equal(
         without["true_ranges"], laser.scan_batch(GRID, without["poses"])
     )
+
+
+def test_surfaces_and_incidences_are_those_of_each_beam() -> None:
+    labels = ["surfaces", "incidences", "true_ranges", "beam_poses"]
+    plan = small(
+        scanner={"beam_count": 31, "max_range": 4.0, "scan_duration": 0.1},
+        poses={"twist": {"vx": 1.0}},
+        obstacles={"count": 4, "radius": 0.3},
+        labels=labels,
+    )
+    arrays = scene(plan, 200)
+    laser, surfaces = mrs.LaserScanner(beam_count=31, max_range=4.0), arrays["surfaces"]
+    assert set(np.unique(surfaces)) == {-1, 0, 1, 2, 3, 4}
+    assert np.array_equal(surfaces == -1, arrays["true_ranges"] == 4.0)
+    assert np.array_equal(np.isnan(arrays["incidences"]), surfaces == -1)
+    walls = laser.scan_batch(GRID, arrays["beam_poses"])
+    assert np.array_equal(walls[surfaces == 0], arrays["true_ranges"][surfaces == 0])
+    assert (walls > arrays["true_ranges"])[surfaces > 0].all()
 
 
 def test_no_room_between_obstacles() -> None:

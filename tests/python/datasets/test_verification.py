@@ -61,7 +61,7 @@ def test_a_map_that_changes(tmp_path: Path) -> None:
 def test_a_folder_that_is_no_data_set(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no such folder"):
         verify(tmp_path / "missing")
-    with pytest.raises(ValueError, match=r"must be the folder of a data set, got none of zarr.json"):
+    with pytest.raises(ValueError, match=r"must be the folder of a data set, got none of zarr.json, dataset.json"):
         verify(tmp_path)
     zarr.create_group(tmp_path / "other")
     with pytest.raises(ValueError, match="this Zarr store is not a data set of this package"):
