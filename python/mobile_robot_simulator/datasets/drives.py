@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, clearance
-from ..benchmarks.trials import Controller, Observation
+from ..benchmarks.control_loop import Controller, Observation
+from ..drivers.wander import Wander, Wandering
+from ..instant import NANOSECONDS
 from ..messages import Twist, Vector3
 from ..parameters import LaserParameters, RobotParameters
 from ..quoting import quoted
@@ -86,7 +88,7 @@ def drive(
             simulation.add_obstacle(shape, pose)
         robot: RobotParameters = simulation.robot.parameters
         laser: LaserParameters = simulation.laser.parameters
-        control = policy_of(plan.poses.policy)()
+        control = policy_of(plan.poses.policy)() if plan.poses.policy else _roaming(plan.poses.clearance, seed("driver"))
         poses, twists = np.empty((count, 3)), np.empty((count, 3))
         for index in range(count):
             check()
@@ -98,6 +100,17 @@ def drive(
             command = control(Observation(simulation.time, scan, odometry, (ahead.x, ahead.y)))
             simulation.publish(robot.velocity_topic, _twist(command))
     return Drive(poses, twists, (goal.x, goal.y))
+
+
+def _roaming(radius: float, seed: int) -> Controller:
+    """Returns a controller that roams and avoids obstacles."""
+    wandering = Wandering(Wander(radius), seed)
+
+    def control(observation: Observation) -> tuple[float, float]:
+        speed, _, turn_rate = wandering.velocity(observation.scan, round(observation.time * NANOSECONDS))
+        return speed, turn_rate
+
+    return control
 
 
 def _clear_place(grid: OccupancyGrid, obstacles: list[tuple[Shape, Pose]], radius: float, seed: int) -> Pose:

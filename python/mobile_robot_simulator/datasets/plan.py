@@ -173,7 +173,11 @@ class Poses(Part):
         0.3, description="smallest distance to walls and obstacles [m]; for drives, of the start"
     )
     twist: Twist = Field(Twist(), description="velocities to draw, for kind free")
-    policy: str = Field("", description="for drives, module:name of what makes a controller, as for benchmarks.run_tasks")
+    policy: str = Field(
+        "",
+        description="for drives, module:name of what makes a controller, as for benchmarks.run_tasks; "
+        "without it, the robot roams and avoids obstacles, as that of the command run",
+    )
     period: _Positive = Field(0.1, description="time between two scans of a drive [s]")
     robot: dict[str, Any] = Field({}, description="parameters of the robot that drives, such as velocity_limits")
     file: str = Field("", description="for kind file: a .npy file with rows (x, y, yaw), relative to the folder of the plan")
@@ -184,8 +188,8 @@ class Poses(Part):
             raise ValueError("poses must have a file if kind is file, and only then")
         if self.kind != "drives" and self.policy:
             raise ValueError("poses must have a policy only if kind is drives")
-        if self.kind == "drives" and ":" not in self.policy:
-            raise ValueError(f"poses must have a policy such as package.module:name, got {quoted(self.policy)}")
+        if self.policy and ":" not in self.policy:
+            raise ValueError(f"policy must be like package.module:name, got {quoted(self.policy)}")
         return self
 
 

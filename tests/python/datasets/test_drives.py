@@ -49,6 +49,16 @@ def test_a_drive_follows_the_policy_to_its_goal() -> None:
     assert (mrs.clearance_batch(GRID, mrs.Shape.disc(0.19), found["poses"], limit=1.0) > 0.0).all()
 
 
+def test_without_a_policy_the_robot_roams() -> None:
+    plan = small(poses={"kind": "drives", "clearance": 0.2}, labels=["twists"])
+    found, again, other = scene(plan, 100), scene(plan, 100), scene(plan, 100, "train/1")
+    assert all(np.array_equal(found[name], again[name]) for name in found)
+    assert not np.array_equal(found["poses"], other["poses"])
+    moves = np.hypot(*np.diff(found["poses"][:, :2], axis=0).T)
+    assert moves.sum() > 0.5 and (np.abs(found["twists"][:, 0]) <= 0.8).all()
+    assert (mrs.clearance_batch(GRID, mrs.Shape.disc(0.19), found["poses"], limit=1.0) > 0.0).all()
+
+
 @pytest.mark.parametrize(
     ("policy", "error", "message"),
     [

@@ -38,7 +38,8 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"labels": ["beam_poses"]}, "beam_poses need a scanner with a scan_duration above 0"),
     ({"scans_per_scene": 3}, "scans_per_shard must be a multiple of scans_per_scene, got 32 and 3"),
     ({"poses": {"kind": "file"}}, "poses must have a file if kind is file"),
-    ({"poses": {"kind": "drives"}}, "poses must have a policy such as package.module:name, got ''"),
+    ({"poses": {"kind": "drives", "policy": "x"}}, "policy must be like package.module:name, got 'x'"),
+    ({"poses": {"policy": "a:b"}}, "poses must have a policy only if kind is drives"),
     ({"quantization": 2.0}, "quantization must be less than or equal to 1, got 2.0"),
     ({"cuont": 3}, "unknown name in the plan: cuont; did you mean count?"),
 ]
