@@ -103,10 +103,7 @@ docs: build
 	$(BIN)/python docs/tools/check_reference.py
 
 test-ray: wheel
-	test -x .venv-ray/bin/pip || $(PYTHON) -m venv --clear .venv-ray
-	.venv-ray/bin/pip install --quiet --upgrade --force-reinstall --no-deps dist/*.whl
-	.venv-ray/bin/pip install --quiet "$$(echo dist/*.whl)[ray,parquet]" pytest hypothesis
-	.venv-ray/bin/python -m pytest -q tests/ray $(PYTEST_ARGS)
+	tests/ray/run dist/*.whl
 
 test-ros: wheel
 	tests/ros/run dist/*.whl
