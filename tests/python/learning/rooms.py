@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator.learning import NavigationEnv
 
 
 def room(width: float = 4.0, height: float = 3.0) -> mrs.OccupancyGrid:
@@ -28,6 +29,11 @@ def task(**changes: Any) -> dict[str, Any]:
         "time_limit": 3.0,
     }
     return {**arguments, **changes}
+
+
+def environment() -> NavigationEnv:
+    """An environment for worker processes, which find this file but not the tests."""
+    return NavigationEnv(**task())
 
 
 def actions(count: int, steps: int, axes: int = 2) -> np.ndarray:

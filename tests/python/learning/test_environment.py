@@ -12,7 +12,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 import mobile_robot_simulator as mrs
-from learning.rooms import actions, assert_same, room, task
+from learning.rooms import actions, assert_same, environment, room, task
 from mobile_robot_simulator.learning import NavigationEnv
 
 ID = "mobile_robot_simulator/Navigation-v0"
@@ -108,18 +108,14 @@ def test_a_pickled_one_goes_on_as_the_original():
     assert_same(env.reset(), copy.reset())
 
 
-def make() -> NavigationEnv:
-    return NavigationEnv(**task())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("context", ["fork", "spawn"])
 @pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
 def test_workers_do_what_one_process_does(context):
     """The core's threads have run in this process before it forks."""
     mrs.LaserScanner().scan_batch(room(), np.zeros((4000, 3)), threads=4)
-    loop = SyncVectorEnv([make] * 2)
-    workers = AsyncVectorEnv([make] * 2, context=context, shared_memory=False)
+    loop = SyncVectorEnv([environment] * 2)
+    workers = AsyncVectorEnv([environment] * 2, context=context, shared_memory=False)
     try:
         assert_same(workers.reset(seed=1), loop.reset(seed=1))
         for given in actions(2, 30):
