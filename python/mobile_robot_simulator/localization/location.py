@@ -25,8 +25,12 @@ COARSE_SIGMA = 0.3
 COARSE_BEAMS = 60
 """Number of beams, at most, that are scored at first."""
 
-KEPT = (2000, 600, 240, 120, 60)
-"""Number of poses that are kept before each halving of the distances, each the best of its surroundings."""
+KEPT = (2000, 1000, 500, 250, 120)
+"""Number of poses that are kept before each halving of the distances but the first, each the best of its surroundings."""
+
+KEPT_AT_FIRST = 64
+"""Before the first halving, one pose in this many is kept, because from the nearest of the first poses, distant walls are
+missed by more than `COARSE_SIGMA`. In a small map it is at least the first of `KEPT`."""
 
 KEPT_OF_PLACE = 4
 """Number of poses, at most, that are kept of one place, so that other places are not lost."""
@@ -76,8 +80,8 @@ def locate(
     """Finds where in a map a scan was taken, with nothing else known.
 
     Poses in all free cells, 0.25 m and 5° apart, are scored with a wide beam model and some of the beams. Around the best of
-    them, the distances are halved again and again, with all beams, until they are below 1 cm. The last scores are those of
-    `noise`.
+    them, the distances are halved again and again, soon with all beams, until they are below 5 mm. The last scores are
+    those of `noise`.
 
     Args:
         grid: Map. The robot can be in cells that are known and free.
@@ -117,14 +121,15 @@ def locate(
         if progress is not None:
             progress(0.9 * min(1.0, (start + CHUNK) / len(poses)))
     spacing, turn = SPACING, 2.0 * math.pi / HEADINGS
-    for halving, kept in enumerate(KEPT):
+    for halving, kept in enumerate((max(KEPT[0], len(poses) // KEPT_AT_FIRST), *KEPT)):
         best = poses[_best_of_surroundings(poses, scores, spacing, turn)[:kept]]
         spacing, turn = 0.5 * spacing, 0.5 * turn
         poses = _around(best, spacing, turn)
         model = _wide(max(COARSE_SIGMA * 0.5 ** (halving + 1), noise.sigma_hit))
-        scores = laser.log_likelihood(grid, poses, ranges, noise=model, threads=threads)
+        beams = step if halving == 0 else None
+        scores = laser.log_likelihood(grid, poses, ranges, noise=model, beams=beams, threads=threads)
         if progress is not None:
-            progress(0.9 + 0.1 * (halving + 1) / len(KEPT))
+            progress(0.9 + 0.1 * halving / len(KEPT))
     scores = laser.log_likelihood(grid, poses, ranges, noise=noise, threads=threads)
     return _places(poses, scores)
 
