@@ -118,6 +118,8 @@ class Scanner(Part):
     def _check(self) -> Scanner:
         if len(self.mount) not in (3, 6):
             raise ValueError(f"mount must have 3 or 6 numbers, got {len(self.mount)}")
+        if self.max_range[0] <= self.min_range:
+            raise ValueError(f"max_range must be above min_range, {self.min_range:g} m, got {self.max_range[0]:g} m")
         self.made(random.Random(0))
         return self
 

@@ -22,7 +22,7 @@ __all__ = ["FILE", "Counterexample"]
 
 FILE, PICTURE = "counterexample.json", "drive.png"
 
-TEST = '''"""A drive that violated {requirement}: {drive}.
+TEST = '''"""A drive that violated {shown}.
 
 Made by mobile-robot-simulator falsify. The test passes when the controller is repaired.
 """
@@ -144,7 +144,9 @@ class Counterexample:
                 "no test: the file of the controller does not define it as controller, and the requirement as requirement"
             )
         else:
-            test = TEST.format(requirement=requirement, drive=drive, name=drive.world.name, file=FILE)
+            # Messages of errors can have anything that would end the docstring.
+            shown = f"{requirement}: {drive}".replace("\\", "\\\\").replace('"', '\\"')
+            test = TEST.format(shown=shown, name=drive.world.name, file=FILE)
             files[folder / f"test_counterexample_{drive.world.name}.py"] = test.encode()
         write_files(files)
         return Counterexample.load(folder / FILE), notes

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..benchmarks.control_loop import STEP, Controller, ControlLoop
-from ..quoting import shortened
+from ..quoting import quoted, shortened
 from ..requirements.formula import Requirement
 from ..requirements.trace import Trace
 from ..scenarios.world import World
@@ -72,24 +72,28 @@ def run_drive(
     Raises:
         ValueError: The world cannot be simulated, or the requirement needs something that it does not have.
         OSError: The map file cannot be read.
+        TypeError: The controller returned something else than a function or None.
     """
     with world.simulation() as sim:
         if prepare is not None:
             prepare(sim)
-        error = ""
+        error, control = "", None
         try:
-            ending = _run(sim, world, controller)
+            control = controller(sim)
+            ending = _run(sim, world, control if callable(control) else None)
         except Exception as raised:
             ending, error = ERROR, shortened(f"{type(raised).__name__}: {raised}")
+        if control is not None and not callable(control):
+            # Not a violation: the robot has stood still, and nothing was tested.
+            raise TypeError(f"a controller must return a function of what it observes, or None, got {quoted(control)}")
         robustness = -math.inf if error else requirement.robustness(Trace(sim))
         if finish is not None:
             finish(sim)
         return Drive(world, robustness, sim.time, ending, error)
 
 
-def _run(sim: Simulation, world: World, controller: Setup) -> str:
-    control = controller(sim)
-    loop = ControlLoop(sim, control, world.goal) if callable(control) else None
+def _run(sim: Simulation, world: World, control: Controller | None) -> str:
+    loop = None if control is None else ControlLoop(sim, control, world.goal)
     touches = sim.robot.footprint is not None
     steps = 0
     while sim.time < world.duration - 1e-9:

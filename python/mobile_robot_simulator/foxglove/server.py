@@ -68,9 +68,12 @@ class FoxgloveServer:
 
     Raises:
         OSError: The server cannot listen on this address and port.
+        ValueError: The port is not in 0..65535.
     """
 
     def __init__(self, simulation: Simulation, *, host: str = "127.0.0.1", port: int = PORT) -> None:
+        if not 0 <= port <= 65535:
+            raise ValueError(f"the port must be in 0..65535, got {port}")
         self._simulation = simulation
         self._node = node = simulation.create_node("foxglove")
         self._bus = node._bus
@@ -92,6 +95,7 @@ class FoxgloveServer:
                 context=self._context,
             )
         except RuntimeError as error:
+            node.destroy_node()
             raise OSError(f"cannot listen on {host}, port {port}: {error}") from None
         self._host, self._is_open = host, True
         simulation.record(self._forward)

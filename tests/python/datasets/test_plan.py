@@ -28,6 +28,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"noise": {"sigma": 0.1}}, "unknown name in the plan: noise.sigma; did you mean sigma_hit?"),
     ({"noise": {"z_hit": 0, "z_max": 0}}, "noise: "),
     ({"scanner": {"fov": 270.0}}, "scanner: "),
+    ({"scanner": {"max_range": [0.01, 9]}}, "scanner: max_range must be above min_range, 0.05 m, got 0.01 m"),
     ({"scanner": {"mount": [0, 1]}}, "scanner: mount must have 3 or 6 numbers, got 2"),
     ({"splits": {}}, "splits must have at least one split, got none"),
     ({"splits": {"../x": 1}}, "splits.../x"),

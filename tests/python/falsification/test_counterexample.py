@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import shlex
@@ -86,6 +87,18 @@ def test_the_command_and_the_test_repeat_the_drive(tmp_path):
     (tmp_path / "straight_case.py").write_text(CASE.replace("0.5, 0.0)", "0.0, 0.0)"))
     repaired = run(tmp_path, *test)
     assert repaired.returncode == 0, repaired.stdout + repaired.stderr
+
+
+def test_a_test_can_be_read_whatever_the_error_says(tmp_path):
+    error = r'''cannot open C:\Users\x """ end"'''
+    fails = f"def controller(sim):\n    raise OSError({error!r})\n"
+    (tmp_path / "failing_case.py").write_text(
+        CASE.replace("def controller(sim):\n    return lambda seen: (0.5, 0.0)\n", fails)
+    )
+    found = run(tmp_path, "mobile_robot_simulator", "falsify", "failing_case.py", "--budget", "1")
+    assert found.returncode == 2 and "Users" in found.stdout, found.stdout + found.stderr
+    (test,) = tmp_path.glob("counterexamples/*/test_*.py")
+    assert error in ast.get_docstring(ast.parse(test.read_text()))
 
 
 def test_a_controller_without_a_file_gets_no_test(tmp_path):

@@ -60,6 +60,12 @@ def test_an_error_of_the_controller_is_a_violation():
     assert run_drive(WORLD, lambda sim: lambda seen: 1 / 0, always(speed < 9.0)).error.startswith("ZeroDivisionError")
 
 
+@pytest.mark.parametrize("control", [(0.5, 0.0), "ab", 0])
+def test_a_controller_that_is_no_function_is_refused(control):
+    with pytest.raises(TypeError, match="a controller must return a function of what it observes, or None, got"):
+        run_drive(WORLD, lambda sim: control, always(speed < 9.0))
+
+
 def test_a_controller_can_be_a_node():
     class Driver(Node):
         def __init__(self):

@@ -391,9 +391,12 @@ def test_run_keeps_the_pace_of_the_wall_clock() -> None:
 
 
 def test_the_server_ends_and_its_port_is_free_again(shown: Shown, client: Client) -> None:
-    port = int(shown.server.url.rpartition(":")[2])
+    port, nodes = int(shown.server.url.rpartition(":")[2]), len(shown.simulation._bus.nodes)
     with pytest.raises(OSError, match=rf"cannot listen on 127\.0\.0\.1, port {port}: .*in use"):
         FoxgloveServer(shown.simulation, port=port)
+    with pytest.raises(ValueError, match=r"the port must be in 0\.\.65535, got 65536"):
+        FoxgloveServer(shown.simulation, port=65536)
+    assert len(shown.simulation._bus.nodes) == nodes
     taps = len(shown.simulation._bus.taps)
     shown.server.close()
     shown.server.close()
