@@ -959,7 +959,7 @@ class Fleet:
         Args:
             mask: (N,) bool, which robots to reset. None means all. Rows of the other robots are ignored below.
             poses: (N, 3), poses (x, y, yaw) in the map frame [m, m, rad].
-            seeds: (N,) integers, new seeds: the noise and the poses to draw begin anew. None means that they go on, so that
+            seeds: (N,) integers, new seeds: the noise and the poses to draw start again. None means that they go on, so that
                 each reset draws another pose.
             grids: (N,) integers, indices of the maps from now on. None means that the maps stay.
 

@@ -163,7 +163,7 @@ impl FleetState {
 pub struct Reset<'a> {
     /// Poses `[x, y, yaw]` in the map frame \[m, rad\]. Default: drawn from free space.
     pub poses: Option<&'a [[f64; 3]]>,
-    /// Seeds of the random streams, which begin anew. Default: the streams go on.
+    /// Seeds with which the random streams start again. Default: the streams go on.
     pub seeds: Option<&'a [u64]>,
     /// Index of the grid of each robot. Default: the grid stays.
     pub grids: Option<&'a [usize]>,

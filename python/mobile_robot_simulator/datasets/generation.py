@@ -167,7 +167,7 @@ def _finish(job: Job, workspace: Workspace) -> None:
     for shard in job.shards:
         record = workspace.record_of(shard)
         if record is None:
-            raise OSError(f"shard {shard.name} is no longer there; start again to make it anew")
+            raise OSError(f"shard {shard.name} has disappeared; give the same command to make it again")
         records.append(record)
         digests |= record["maps"]
     # A map that no scene needed has no digest if it is a floor plan.

@@ -39,7 +39,8 @@ def stream(
         split: Split whose maps are used. None means the first.
         worker: Number of the worker, such as that of a data loader.
         start: Number of the first batch.
-        kept: Number of maps that stay in memory. If the split has more, those not used for longest are loaded anew.
+        kept: Number of maps that stay in memory. If the split has more, the least recently used ones are loaded again when
+            they are needed.
 
     Yields:
         The rows of each array by name, as in a data set; `scene` counts the scenes of the worker.

@@ -157,19 +157,19 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         rewards, terminated, truncated = outcome.rewards, outcome.terminated, outcome.truncated
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
-            anew = terminated | truncated
-            if anew.any():
-                info |= self._final(outcome, anew)
+            started = terminated | truncated
+            if started.any():
+                info |= self._final(outcome, started)
         else:
-            anew = resting
-            if anew.any():
-                rewards = np.where(anew, 0.0, rewards)
-                terminated, truncated = terminated & ~anew, truncated & ~anew
+            started = resting
+            if started.any():
+                rewards = np.where(started, 0.0, rewards)
+                terminated, truncated = terminated & ~started, truncated & ~started
             self._ended = terminated | truncated
-        if anew.any():
-            self._batch.reset(anew)
-        info |= _grouped(_judgement(outcome), ~anew)
-        info |= _grouped({"pose": self._batch.fleet.poses}, np.ones_like(anew))
+        if started.any():
+            self._batch.reset(started)
+        info |= _grouped(_judgement(outcome), ~started)
+        info |= _grouped({"pose": self._batch.fleet.poses}, np.ones_like(started))
         return self._observations(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:

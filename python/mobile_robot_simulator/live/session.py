@@ -73,7 +73,7 @@ class Session:
         pilots: Who drives each robot.
         recording: Folder of the recording that is being made, or None.
         moves: Number of times that viewers have moved or reset robots.
-        epoch: Number of resets and restores, after which paths start anew.
+        epoch: Number of resets and restores, after which paths start again.
         notes: What all viewers should be told. Whoever tells them, clears it.
         is_watching: True while a script runs the simulation, and viewers only watch.
         steps_ns: Simulated time that the script may run although time is stopped [ns].
@@ -266,7 +266,7 @@ class Session:
         self.simulation.restore(state)
         self.pilots.forget()
         self.journal.forget_commands_after(command_count)
-        self._start_anew()
+        self._restart_paths()
 
     def _do_pause(self, wanted: Pause) -> None:
         self.pace.paused = wanted.paused
@@ -288,7 +288,7 @@ class Session:
         self.pilots.forget()
         self.simulation.reset()
         self._note("sim.reset()")
-        self._start_anew()
+        self._restart_paths()
 
     def _do_record(self, wanted: Record) -> str | None:
         if wanted.name is None:
@@ -332,7 +332,7 @@ class Session:
         if self.simulation.grid.cell_at(x, y) is None:
             raise ValueError(f"({x:.2f}, {y:.2f}) is off the map, where there is nothing to touch and nothing to see")
 
-    def _start_anew(self) -> None:
+    def _restart_paths(self) -> None:
         self.moves += 1
         self.epoch += 1
 

@@ -26,7 +26,7 @@ class Trail:
     epoch: int = 0
 
     def clear(self) -> None:
-        """Starts anew."""
+        """Forgets the path so far."""
         self.points.clear()
         self.epoch += 1
 
