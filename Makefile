@@ -8,6 +8,7 @@
 # make fuzz          runs the long random tests, for some minutes
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
 # make test-ray      tests data sets on a real Ray cluster of this machine; installs Ray (from PyPI) on the first run
+# make test-torch    tests learning with PyTorch and Stable-Baselines3; installs both (from PyPI) on the first run
 # make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
 # make test-live     tests the live view in Chromium (from Debian, as root or with sudo)
 # make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
@@ -28,7 +29,7 @@ export NO_MKDOCS_2_WARNING := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ray test-ros test-live wheel lock clean
+.PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ray test-torch test-ros test-live wheel lock clean
 
 build: .venv/release
 
@@ -105,6 +106,9 @@ docs: build
 test-ray: wheel
 	tests/ray/run dist/*.whl
 
+test-torch: wheel
+	tests/torch/run dist/*.whl
+
 test-ros: wheel
 	tests/ros/run dist/*.whl
 
@@ -122,4 +126,4 @@ lock: .venv/tools
 		--no-emit-package mobile-robot-simulator --no-annotate --custom-compile-command 'make lock' --output-file requirements-dev.txt
 
 clean:
-	rm -rf .venv .venv-browser .venv-ray .venv-ros1 .venv-ros2 target dist demo site $(CORE)
+	rm -rf .venv .venv-browser .venv-ray .venv-ros1 .venv-ros2 .venv-torch target dist demo site $(CORE)

@@ -177,6 +177,7 @@ TESTED_ELSEWHERE = {
     "learning/actions.py": "learning/test_vector_environment.py gives bad ones to both environments",
     "learning/frame.py": "learning/test_environment.py and test_vector_environment.py look at the pixels",
     "learning/spaces.py": "learning/test_environment.py runs Gymnasium's check of the spaces",
+    "learning/stable_baselines3.py": "needs Stable-Baselines3: tests/torch",
     "live/page_view.py": "live/test_view.py and live/test_replay_view.py run what is derived from it",
     "live/page.py": "tests/browser looks at the page in a real browser",
     "live/server.py": "live/test_view.py talks to it, and tests/browser with a real browser",
