@@ -24,6 +24,7 @@ mod pose;
 mod random_stream;
 mod raycast;
 mod scanner;
+mod scanner_options;
 mod shape;
 mod sweep;
 mod wheel_motion;

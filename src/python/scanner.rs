@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, ndarray::Array2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyTuple;
 
 use super::arrays::{check_out, fill, rows, rows_or_beam_rows, shape, short_repr, typed, vector};
 use super::beam_model::NoiseArgument;
@@ -14,10 +14,11 @@ use super::number::Argument;
 use super::obstacles::{MovingObstaclesArgument, ObstaclesArgument};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
+use super::scanner_options::{chosen_beams, default, keywords, layout, text};
 use super::sweep::SweepArguments;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{BeamLayout, Courses, Hit, Mount, NoReturn, Noise, Readings, ScannerOptions, Score};
+use crate::{Courses, Hit, NoReturn, Noise, Readings, ScannerOptions, Score};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -61,56 +62,6 @@ use crate::{BeamLayout, Courses, Hit, Mount, NoReturn, Noise, Readings, ScannerO
 ///     array([1.], dtype=float32)
 #[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct LaserScanner(pub crate::LaserScanner);
-
-fn default() -> ScannerOptions {
-    ScannerOptions::default()
-}
-
-/// Returns the layout that these arguments describe.
-fn layout(
-    fov: Option<Argument<f64>>,
-    angle_min: Option<Argument<f64>>,
-    angle_max: Option<Argument<f64>>,
-    angle_increment: Option<Argument<f64>>,
-) -> PyResult<BeamLayout> {
-    let arguments = [("fov", fov), ("angle_min", angle_min), ("angle_max", angle_max), ("angle_increment", angle_increment)];
-    let given: Vec<_> = arguments.iter().filter(|(_, number)| number.is_some()).map(|(name, _)| *name).collect();
-    let text = format!("the beams need fov, or angle_min with angle_max or angle_increment, got {}", given.join(" and "));
-    let named = |(name, number): (&str, Option<Argument<f64>>)| number.map(|number| number.named(name)).transpose();
-    let [fov, angle_min, angle_max, angle_increment] = arguments.map(named);
-    match (fov?, angle_min?, angle_max?, angle_increment?) {
-        (None, None, None, None) => Ok(default().layout),
-        (Some(fov), None, None, None) => Ok(BeamLayout::Fov(fov)),
-        (None, Some(angle_min), Some(angle_max), None) => Ok(BeamLayout::Ends { angle_min, angle_max }),
-        (None, Some(angle_min), None, Some(angle_increment)) => Ok(BeamLayout::Steps { angle_min, angle_increment }),
-        _ => Err(PyValueError::new_err(text)),
-    }
-}
-
-/// Returns a mount as three numbers if it is in the plane, else as six.
-fn shown(mount: Mount) -> String {
-    let numbers =
-        if mount == mount.planar().into() { mount.planar().to_array().to_vec() } else { mount.to_array().to_vec() };
-    numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", ")
-}
-
-impl LaserScanner {
-    /// Returns the numbers of the beams that an argument selects.
-    fn beams(&self, beams: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
-        if beams.try_iter().is_err() {
-            let step = whole_number("beams", beams, "a positive number k for every k-th beam, or a sequence of numbers")?;
-            if step == 0 {
-                return Err(PyValueError::new_err("beams must be a positive number k for every k-th beam, got 0"));
-            }
-            return Ok(memory::collected("the beams", (0..self.beam_count().div_ceil(step)).map(|nth| nth * step))?);
-        }
-        let mut numbers = Vec::new();
-        for beam in beams.try_iter()? {
-            memory::push("the beams", &mut numbers, whole_number("a number of beams", &beam?, "the number of a beam")?)?;
-        }
-        Ok(numbers)
-    }
-}
 
 #[pymethods]
 impl LaserScanner {
@@ -455,7 +406,7 @@ impl LaserScanner {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (grid, threads, temper) = (grid.get().core(), thread_count(threads)?, temper.named("temper")?);
         let sweep = SweepArguments::new(self.beam_count(), poses, twists, scan_duration, out.as_ref())?;
-        let beams = beams.map(|beams| self.beams(beams)).transpose()?;
+        let beams = beams.map(|numbers| chosen_beams(self.beam_count(), numbers)).transpose()?;
         let readings = typed::<f32>("ranges", ranges)?;
         let readings = readings.as_array();
         let is_one = match *readings.shape() {
@@ -738,38 +689,10 @@ impl LaserScanner {
     }
 
     fn __repr__(&self) -> String {
-        let ScannerOptions { layout, beam_count, min_range, max_range, mount } = self.0.options();
-        let mount = shown(mount);
-        let layout = match layout {
-            BeamLayout::Fov(fov) => format!("fov={fov:?}"),
-            BeamLayout::Ends { angle_min, angle_max } => format!("angle_min={angle_min:?}, angle_max={angle_max:?}"),
-            BeamLayout::Steps { angle_min, angle_increment } => {
-                format!("angle_min={angle_min:?}, angle_increment={angle_increment:?}")
-            }
-        };
-        format!(
-            "LaserScanner({layout}, beam_count={beam_count}, min_range={min_range:?}, max_range={max_range:?}, \
-             mount=({mount}))"
-        )
+        text(&self.0.options())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
-        let keywords = PyDict::new(py);
-        match self.0.options().layout {
-            BeamLayout::Fov(fov) => keywords.set_item("fov", fov)?,
-            BeamLayout::Ends { angle_min, angle_max } => {
-                keywords.set_item("angle_min", angle_min)?;
-                keywords.set_item("angle_max", angle_max)?;
-            }
-            BeamLayout::Steps { angle_min, angle_increment } => {
-                keywords.set_item("angle_min", angle_min)?;
-                keywords.set_item("angle_increment", angle_increment)?;
-            }
-        }
-        keywords.set_item("beam_count", self.beam_count())?;
-        keywords.set_item("min_range", self.min_range())?;
-        keywords.set_item("max_range", self.max_range())?;
-        keywords.set_item("mount", self.mount_in_space())?;
-        recipe::<Self>(py, PyTuple::empty(py), keywords)
+        recipe::<Self>(py, PyTuple::empty(py), keywords(py, &self.0.options())?)
     }
 }
