@@ -1637,8 +1637,10 @@ class LaserScanner:
                    [ nan]], dtype=float32))
         """
 
-    def quantize(self, readings: NDArray[np.float32], step: float) -> NDArray[np.float32]:
-        """Returns a copy of readings rounded to multiples of a power of two, so that they compress well.
+    def quantize(
+        self, readings: NDArray[np.float32], step: float, *, out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]:
+        """Returns readings rounded to multiples of a power of two, so that they compress well.
 
         The readings become multiples of the largest power of two that is at most `step`, which float32 holds exactly: with a step
         of 0.001, multiples of 1/1024 m. So a reading changes by at most half of `step`. Readings of `max_range` and above,
@@ -1648,13 +1650,15 @@ class LaserScanner:
         Args:
             readings: float32 of any shape [m].
             step: Largest step between two readings [m], 1e-6 to 1.
+            out: Array to write the result to, float32 of the same shape, C-contiguous. It may be `readings` itself.
 
         Returns:
-            float32 of the same shape [m], a new array.
+            float32 of the same shape [m]: `out`, or a new array.
 
         Raises:
-            ValueError: `step` is out of range.
-            TypeError: The array is not float32.
+            ValueError: `step` is out of range, or `out` has the wrong shape or order, is read-only, or shares memory with
+                `readings` without being the same array.
+            TypeError: The array or `out` is not float32.
 
         Examples:
             >>> import numpy as np

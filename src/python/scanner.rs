@@ -617,7 +617,7 @@ impl LaserScanner {
         })
     }
 
-    /// Returns a copy of readings rounded to multiples of a power of two, so that they compress well.
+    /// Returns readings rounded to multiples of a power of two, so that they compress well.
     ///
     /// The readings become multiples of the largest power of two that is at most `step`, which float32 holds exactly: with a step
     /// of 0.001, multiples of 1/1024 m. So a reading changes by at most half of `step`. Readings of `max_range` and above,
@@ -627,13 +627,15 @@ impl LaserScanner {
     /// Args:
     ///     readings: float32 of any shape [m].
     ///     step: Largest step between two readings [m], 1e-6 to 1.
+    ///     out: Array to write the result to, float32 of the same shape, C-contiguous. It may be `readings` itself.
     ///
     /// Returns:
-    ///     float32 of the same shape [m], a new array.
+    ///     float32 of the same shape [m]: `out`, or a new array.
     ///
     /// Raises:
-    ///     ValueError: `step` is out of range.
-    ///     TypeError: The array is not float32.
+    ///     ValueError: `step` is out of range, or `out` has the wrong shape or order, is read-only, or shares memory with
+    ///         `readings` without being the same array.
+    ///     TypeError: The array or `out` is not float32.
     ///
     /// Examples:
     ///     >>> import numpy as np
@@ -641,16 +643,23 @@ impl LaserScanner {
     ///     >>> laser = mrs.LaserScanner(max_range=8.1)
     ///     >>> laser.quantize(np.array([1.1, 8.05, 8.1], np.float32), 0.3).tolist()
     ///     [1.0, 8.0, 8.100000381469727]
+    #[pyo3(signature = (readings, step, *, out = None))]
     fn quantize<'py>(
         &self,
         py: Python<'py>,
         readings: &Bound<'py, PyAny>,
         step: Argument<f64>,
+        out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let step = step.named("step")?;
-        let readings = typed::<f32>("readings", readings)?;
-        let readings = readings.as_array();
-        fill(py, None, readings.shape(), |rounded| {
+        let given = typed::<f32>("readings", readings)?;
+        if out.as_ref().is_some_and(|out| out.is(readings)) {
+            let dimensions = given.as_array().shape().to_vec();
+            drop(given);
+            return fill(py, out, &dimensions, |rounded| self.0.quantize(rounded, step).map(drop));
+        }
+        let readings = given.as_array();
+        fill(py, out, readings.shape(), |rounded| {
             rounded.iter_mut().zip(&readings).for_each(|(rounded, reading)| *rounded = *reading);
             self.0.quantize(rounded, step).map(drop)
         })

@@ -351,14 +351,16 @@ impl LaserScanner {
         let quantum = f64::from_bits(step.to_bits() & 0x7ff0_0000_0000_0000);
         let max = self.options.max_range as f32;
         let last = ((f64::from(max) / quantum).ceil() - 1.0) * quantum;
+        // Exact, as the inverse of a power of two.
+        let per_quantum = quantum.recip();
         for reading in readings {
-            let count = f64::from(*reading) / quantum;
+            let count = f64::from(*reading) * per_quantum;
             // Adding it leaves no bits for a fraction, so the sum is rounded to a whole number.
             let rounded = ((count + WHOLE) - WHOLE) * quantum;
-            // A float32 with a larger count has no fraction.
-            if count.abs() < LARGEST_COUNT && *reading < max {
-                *reading = rounded.min(last) as f32;
-            }
+            let rounded = (if rounded < last { rounded } else { last }) as f32;
+            // A float32 with a larger count has no fraction. Without a branch, the compiler uses vectors.
+            let is_rounded = (count.abs() < LARGEST_COUNT) & (*reading < max);
+            *reading = if is_rounded { rounded } else { *reading };
         }
         Ok(quantum)
     }

@@ -571,6 +571,24 @@ def test_quantized_readings_are_the_nearest_multiples_of_a_power_of_two() -> Non
     assert found.dtype == np.float32 and np.array_equal(found, expected, equal_nan=True)
     assert np.abs(found[:100_001] - readings[:100_001].astype(np.float64)).max() <= 0.5 / 1024
     assert np.array_equal(laser.quantize(found, 0.001), found, equal_nan=True)
+    other = np.empty_like(readings)
+    assert laser.quantize(readings, 0.001, out=other) is other and np.array_equal(other, found, equal_nan=True)
+    assert laser.quantize(readings, 0.001, out=readings) is readings and np.array_equal(readings, found, equal_nan=True)
+
+
+def test_out_of_quantize_is_another_array_or_the_readings_themselves() -> None:
+    laser, readings = mrs.LaserScanner(), np.full((4, 3), 0.3, np.float32)
+    with pytest.raises(ValueError, match="out must be writeable, got a read-only array or one that is already in use"):
+        laser.quantize(readings[:2], 0.5, out=readings[1:3])
+    with pytest.raises(ValueError, match=r"out must have shape \(4, 3\), got \(3, 4\)"):
+        laser.quantize(readings, 0.5, out=np.empty((3, 4), np.float32))
+    with pytest.raises(ValueError, match="out must be in C order"):
+        laser.quantize(readings.T, 0.5, out=readings.T)
+    with pytest.raises(TypeError, match="out must have dtype float32, got float64"):
+        laser.quantize(readings, 0.5, out=np.empty((4, 3)))
+    with pytest.raises(TypeError, match="out must be a NumPy array of float32, got list"):
+        laser.quantize(readings, 0.5, out=[0.3])  # type: ignore[arg-type]
+    assert (readings == np.float32(0.3)).all()
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, 1e-7, 1.5, math.nan, math.inf])
