@@ -39,7 +39,8 @@ WAYS: dict[str, dict[str, Any]] = {
     "cast": {},
     "loop": {},
     "zarr, no compression": {"compression": "none"},
-    "zarr, zstd": {"compression": "zstd"},
+    "zarr, lz4": {"compression": "lz4"},
+    "zarr, lz4, 1/1024 m": {"compression": "lz4", "quantization": 0.001},
     "zarr, zstd, 1/1024 m": {"compression": "zstd", "quantization": 0.001},
 }
 

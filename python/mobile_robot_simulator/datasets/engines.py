@@ -40,7 +40,7 @@ def made(job: Job, shard: Shard, pool: MapPool, is_stopped: Callable[[], bool] =
         "count": shard.count,
         "seed": f"{job.plan.seed}/{shard.split}/{shard.first // job.plan.scans_per_scene}",
         "maps": {f"{index}": digest for index, digest in sorted(maps.items())},
-        "sha256": digests_of(arrays),
+        "blake3": digests_of(arrays),
     }
     return MadeShard(shard, format_of(job.plan.format).shard_files(job.plan, shard, arrays), record)
 

@@ -149,8 +149,17 @@ class Job:
 
 
 def digests_of(arrays: Arrays) -> dict[str, str]:
-    """Returns the SHA-256 of the numbers of each array, little-endian and in C order; it does not depend on compression."""
-    return {name: hashlib.sha256(np.ascontiguousarray(array).data).hexdigest() for name, array in arrays.items()}
+    """Returns the BLAKE3 of the numbers of each array, little-endian and in C order; it does not depend on compression.
+
+    Raises:
+        ImportError: The extra `datasets` or `parquet` is not installed.
+    """
+    # Ten times as fast as SHA-256 where the processor has no instructions for that.
+    from blake3 import blake3
+
+    return {
+        name: blake3(np.ascontiguousarray(array).reshape(-1).view(np.uint8)).hexdigest() for name, array in arrays.items()
+    }
 
 
 def job_of(plan: Plan, versions: Mapping[str, str] | None = None) -> Job:

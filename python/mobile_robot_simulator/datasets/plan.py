@@ -227,7 +227,9 @@ class Plan(BaseModel):
     scans_per_scene: PositiveCount = Field(256, description="number of scans with the same map, noise and obstacles")
     scans_per_shard: PositiveCount = Field(4096, description="number of scans in a file")
     format: Literal["zarr", "parquet"] = Field("zarr", description="format of the files")
-    compression: Literal["none", "zstd"] = Field("zstd", description="compression of the files")
+    compression: Literal["none", "lz4", "zstd"] = Field(
+        "lz4", description="compression of the files; with zstd they are smaller, and take more time"
+    )
     quantization: Annotated[Number, Field(ge=1e-6, le=1.0)] | None = Field(
         None, description="largest step between two ranges [m], for better compression; see LaserScanner.quantize"
     )

@@ -138,7 +138,7 @@ def fill_scene(
         stream: dict[str, Any] = {} if model is None else {"noise": model, "seed": seed("noise"), "first_index": start}
         scanner.scan_batch(grid, poses[piece], **fixed, **stream, out=ranges)
         if plan.quantization:
-            ranges[:] = scanner.quantize(ranges, plan.quantization)
+            scanner.quantize(ranges, plan.quantization, out=ranges)
         if "surfaces" in arrays or "incidences" in arrays:
             places = poses[piece] if duration is None else scanner.beam_poses(poses[piece], twists[piece], duration)  # type: ignore[index]
             surfaces, incidences = scanner.hits(grid, places, obstacles=obstacles, threads=1)

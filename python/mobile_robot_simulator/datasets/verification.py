@@ -73,7 +73,7 @@ def verify(
     differences, pool = [], MapPool()
     for done, shard in enumerate(shards):
         progress(done, len(shards))
-        recorded: dict[str, str] = records[shard.split][shard.index]["sha256"]
+        recorded: dict[str, str] = records[shard.split][shard.index]["blake3"]
         try:
             stored = digests_of(store.read_shard(Path(path), job, shard))
             wrong = [name for name in recorded if stored.get(name) != recorded[name]]

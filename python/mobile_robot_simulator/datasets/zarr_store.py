@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,9 @@ __all__ = [
 
 COMPLETE = formats()["zarr"]
 """File that is written last. A folder without it is not a Zarr store."""
+
+LARGEST_CHUNK = 2**21
+"""Largest size of the numbers that are compressed together [bytes]. It fits into the cache of a core."""
 
 
 def versions() -> dict[str, str]:
@@ -124,19 +128,25 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
 def _create(
     store: MemoryStore, path: str, plan: Plan, column: Column, length: int, attributes: dict[str, Any]
 ) -> zarr.Array[Any]:
-    compressor = BloscCodec(cname="zstd", clevel=1, shuffle="bitshuffle") if plan.compression == "zstd" else None
+    codec = BloscCodec(cname=plan.compression, clevel=1, shuffle="bitshuffle") if plan.compression != "none" else None
     rest = column.shape
     return zarr.create_array(
         store,
         name=path or None,
         shape=(length, *rest),
-        chunks=(plan.scans_per_chunk, *rest),
+        chunks=(_scans_per_chunk(plan.scans_per_shard, column), *rest),
         shards=(plan.scans_per_shard, *rest),
         dtype=column.dtype,
-        compressors=compressor,
+        compressors=codec,
         attributes=attributes,
         dimension_names=["scan", *[f"dim_{index}" for index in range(len(rest))]],
         chunk_key_encoding={"name": "default", "separator": "."},
         # Otherwise a chunk of zeros would have no file.
         config={"write_empty_chunks": True},
     )
+
+
+def _scans_per_chunk(scans_per_shard: int, column: Column) -> int:
+    """Returns the number of rows that are compressed together: the largest part of a shard of at most `LARGEST_CHUNK`."""
+    most = max(1, LARGEST_CHUNK // (np.dtype(column.dtype).itemsize * prod(column.shape)))
+    return next(n for n in range(min(most, scans_per_shard), 0, -1) if scans_per_shard % n == 0)

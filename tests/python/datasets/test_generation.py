@@ -68,7 +68,7 @@ def test_a_data_set_is_a_zarr_store(expected: dict[str, bytes], tmp_path: Path) 
     ]
     shards = store["train"].attrs["shards"]
     assert [shard["first"] for shard in shards] == [0, 32, 64, 96, 128] and shards[1]["seed"] == "5/train/4"
-    assert {*shards[0]["sha256"]} == {"ranges", "poses", "map", "scene", "drawn"}
+    assert {*shards[0]["blake3"]} == {"ranges", "poses", "map", "scene", "drawn"}
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5, None])

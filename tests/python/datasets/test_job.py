@@ -9,7 +9,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from datasets.small_plans import small
-from mobile_robot_simulator.datasets.job import Stopped, job_of
+from mobile_robot_simulator.datasets.job import Stopped, digests_of, job_of
 from mobile_robot_simulator.datasets.map_pool import MapPool
 
 
@@ -74,3 +74,16 @@ def test_fewer_poses_than_scans_or_more_maps_than_one(tmp_path: Path) -> None:
         job_of(plan)
     with pytest.raises(ValueError, match=r"poses.npy: there must be a pose for each of 200 scans, got 7"):
         job_of(small(**{**plan.content, "maps": [{"floor_plan": "maze"}], "folder": tmp_path}))
+
+
+def test_a_digest_is_that_of_the_numbers_in_c_order() -> None:
+    pytest.importorskip("blake3", reason="the extra `datasets` is not installed")
+    from blake3 import blake3
+
+    numbers = np.arange(6.0, dtype="<f4").reshape(2, 3)
+    whole = blake3(numbers.tobytes()).hexdigest()
+    changed = np.where(numbers == 3.0, np.float32(3.0000002), numbers)
+    found = digests_of({"a": numbers, "b": np.asfortranarray(numbers), "c": changed, "d": numbers[:0]})
+    assert found["a"] == found["b"] == whole and found["c"] != whole
+    # The digest of no bytes, from the paper of BLAKE3.
+    assert found["d"] == "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262"

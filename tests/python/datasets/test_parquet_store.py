@@ -40,7 +40,7 @@ def test_the_files_have_the_numbers_of_the_plan(tmp_path: Path) -> None:
     assert json.loads(field.metadata[b"units"]) == ["m", "m", "rad"]
 
 
-@pytest.mark.parametrize("compression", ["none", "zstd"])
+@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
 def test_the_same_bytes_come_out_again_and_after_a_break(compression: str, tmp_path: Path) -> None:
     plan = small(format="parquet", compression=compression)
     generate(plan, out=tmp_path / "whole", threads=1)

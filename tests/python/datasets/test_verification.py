@@ -24,7 +24,7 @@ def test_a_data_set_that_is_as_it_was_made(tmp_path: Path) -> None:
     assert verify(tmp_path, sample=99) == (8, [], [])
 
 
-@pytest.mark.parametrize("compression", ["none", "zstd"])
+@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
 def test_a_byte_that_changes(compression: str, tmp_path: Path) -> None:
     generate(small(compression=compression), out=tmp_path)
     file = tmp_path / "train/ranges/c.3.0"
