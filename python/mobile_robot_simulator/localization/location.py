@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,31 +11,23 @@ from numpy.typing import NDArray
 
 from .._core import BeamModel, LaserScanner, OccupancyGrid
 from ..quoting import quoted
-
-SPACING = 0.25
-"""Distance between the positions that are scored at first [m]."""
-
-HEADINGS = 72
-"""Number of headings that are scored at each of them."""
+from .everywhere import SPACING, TURN, best_everywhere
 
 COARSE_SIGMA = 0.3
 """Standard deviation of the hit part at first [m], which forgives the distance to the nearest of these poses."""
 
-COARSE_BEAMS = 60
-"""Number of beams, at most, that are scored at first."""
+BEAMS = (100, 200, 200)
+"""Number of beams, at most, that are scored after the first halvings of the distances; then all are."""
 
-KEPT = (2000, 1000, 500, 250, 120)
-"""Number of poses that are kept before each halving of the distances but the first, each the best of its surroundings."""
+KEPT = (3000, 1000, 500, 250, 120, 120)
+"""Number of poses that are kept before each halving; in a large map, more before the first, see `KEPT_AT_FIRST`."""
 
 KEPT_AT_FIRST = 64
-"""Before the first halving, one pose in this many is kept, because from the nearest of the first poses, distant walls are
-missed by more than `COARSE_SIGMA`. In a small map it is at least the first of `KEPT`."""
+"""Of the best poses everywhere, one in this many is kept in a large map, because from the nearest of them, distant walls are
+missed by more than `COARSE_SIGMA`."""
 
 KEPT_OF_PLACE = 4
 """Number of poses, at most, that are kept of one place, so that other places are not lost."""
-
-CHUNK = 100_000
-"""Number of poses that are scored between two calls of the progress callback."""
 
 APART = (0.5, math.radians(10.0))
 """Poses that are farther apart than this, in position [m] or heading [rad], are different places."""
@@ -79,12 +70,12 @@ def locate(
 ) -> Location:
     """Finds where in a map a scan was taken, with nothing else known.
 
-    Poses in all free cells, 0.25 m and 5° apart, are scored with a wide beam model and some of the beams. Around the best of
-    them, the distances are halved again and again, soon with all beams, until they are below 5 mm. The last scores are
+    Poses in all free cells, 0.25 m and 2.5° apart, are scored with a wide beam model and some of the beams. Around the best
+    of them, the distances are halved again and again, soon with all beams, until they are below 5 mm. The last scores are
     those of `noise`.
 
     Args:
-        grid: Map. The robot can be in cells that are known and free.
+        grid: Map. The scanner can be above cells that are known and free.
         laser: Scanner that took the scan, with its mount.
         ranges: (beam_count,) float32, the readings [m], as measured or as a `LaserScan` message has them.
         noise: Beam model of the readings.
@@ -108,51 +99,34 @@ def locate(
         >>> [round(float(number), 1) for number in found.poses[0]]
         [6.0, 9.0, 1.0]
     """
+    laser.log_likelihood(grid, np.empty((0, 3)), ranges, noise=noise, threads=threads)  # Checks the arguments.
     if not np.any(ranges < laser.max_range):
         raise ValueError(f"ranges must have at least one return, got {quoted(ranges)}")
-    poses = _poses_everywhere(grid)
-    step = math.ceil(laser.beam_count / COARSE_BEAMS)
-    scores = np.empty(len(poses))
-    for start in range(0, len(poses), CHUNK):
-        part = slice(start, start + CHUNK)
-        laser.log_likelihood(
-            grid, poses[part], ranges, noise=_wide(COARSE_SIGMA), beams=step, threads=threads, out=scores[part]
-        )
-        if progress is not None:
-            progress(0.9 * min(1.0, (start + CHUNK) / len(poses)))
-    spacing, turn = SPACING, 2.0 * math.pi / HEADINGS
-    for halving, kept in enumerate((max(KEPT[0], len(poses) // KEPT_AT_FIRST), *KEPT)):
+    if progress is None:
+        progress = _ignore
+    poses, scores = best_everywhere(
+        grid, laser, ranges, _wide(COARSE_SIGMA), progress=lambda share: progress(0.6 * share), threads=threads
+    )
+    spacing, turn = SPACING, TURN
+    for halving, kept in enumerate((max(KEPT[0], len(poses) // KEPT_AT_FIRST), *KEPT[1:])):
         best = poses[_best_of_surroundings(poses, scores, spacing, turn)[:kept]]
         spacing, turn = 0.5 * spacing, 0.5 * turn
         poses = _around(best, spacing, turn)
         model = _wide(max(COARSE_SIGMA * 0.5 ** (halving + 1), noise.sigma_hit))
-        beams = step if halving == 0 else None
+        beams = math.ceil(laser.beam_count / BEAMS[halving]) if halving < len(BEAMS) else None
         scores = laser.log_likelihood(grid, poses, ranges, noise=model, beams=beams, threads=threads)
-        if progress is not None:
-            progress(0.9 + 0.1 * halving / len(KEPT))
+        progress(0.6 + 0.4 * (halving + 1) / len(KEPT))
     scores = laser.log_likelihood(grid, poses, ranges, noise=noise, threads=threads)
     return _places(poses, scores)
+
+
+def _ignore(share: float) -> None:
+    """Ignores the share of the work that is done."""
 
 
 def _wide(sigma: float) -> BeamModel:
     """Returns a beam model that forgives wrong readings."""
     return BeamModel(sigma_hit=sigma, z_hit=0.75, z_short=0.0, z_max=0.05, z_rand=0.2)
-
-
-def _poses_everywhere(grid: OccupancyGrid) -> NDArray[np.float64]:
-    """Returns poses in all free cells, `SPACING` apart, with all headings, (N, 3)."""
-    every = max(1, round(SPACING / grid.resolution))
-    cells = grid.cells[every // 2 :: every, every // 2 :: every]
-    rows, cols = np.nonzero((cells >= 0) & (cells < grid.occupied_threshold))
-    if not len(rows):
-        raise ValueError(f"the map must have a free cell, got {quoted(grid)}")
-    places = np.stack((cols, rows), axis=1) * every + every // 2 + 0.5
-    x, y = places.T * grid.resolution
-    origin = grid.origin
-    sin, cos = math.sin(origin.yaw), math.cos(origin.yaw)
-    positions = np.stack((origin.x + cos * x - sin * y, origin.y + sin * x + cos * y), axis=1)
-    headings = np.arange(HEADINGS) * (2.0 * math.pi / HEADINGS)
-    return np.column_stack((np.repeat(positions, HEADINGS, axis=0), np.tile(headings, len(positions))))
 
 
 def _around(poses: NDArray[np.float64], spacing: float, turn: float) -> NDArray[np.float64]:
@@ -163,24 +137,33 @@ def _around(poses: NDArray[np.float64], spacing: float, turn: float) -> NDArray[
     return around
 
 
-def _best_of_surroundings(poses: NDArray[np.float64], scores: NDArray[np.float64], spacing: float, turn: float) -> list[int]:
-    """Returns the indices of poses that are the best within two steps or so, best first, with a few of each place."""
+def _best_of_surroundings(
+    poses: NDArray[np.float64], scores: NDArray[np.floating], spacing: float, turn: float
+) -> NDArray[np.intp]:
+    """Returns the indices of poses, best first: one of those within a step or so, and a few of each place."""
     order = np.argsort(-scores, kind="stable")
-    _, first = np.unique(_boxes(poses[order], 2.0 * spacing, 2.0 * turn), axis=0, return_index=True)
-    best = order[np.sort(first)].tolist()
-    kept_of: Counter[tuple[float, ...]] = Counter()
-    kept = []
-    for index, place in zip(best, map(tuple, _boxes(poses[best], *APART).tolist()), strict=True):
-        kept_of[place] += 1
-        if kept_of[place] <= KEPT_OF_PLACE:
-            kept.append(index)
-    return kept
+    best = order[_first_of_each(_boxes(poses[order], spacing, turn))]
+    places = _boxes(poses[best], *APART)
+    by_place = np.argsort(places, kind="stable")
+    starts = np.flatnonzero(np.diff(places[by_place], prepend=-1))
+    rank = np.empty(len(best), np.intp)
+    rank[by_place] = np.arange(len(best)) - np.repeat(starts, np.diff(starts, append=len(best)))
+    return best[rank < KEPT_OF_PLACE]
 
 
-def _boxes(poses: NDArray[np.float64], length: float, turn: float) -> NDArray[np.float64]:
-    """Returns the number of the box that each pose is in, (N, 3), of boxes with this length [m] and turn [rad]."""
-    boxes: NDArray[np.float64] = np.floor(poses / (length, length, turn))
-    return boxes
+def _first_of_each(numbers: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Returns the indices at which a number stands for the first time."""
+    return np.sort(np.unique(numbers, return_index=True)[1])
+
+
+def _boxes(poses: NDArray[np.float64], length: float, turn: float) -> NDArray[np.int64]:
+    """Returns the number of the box that each pose is in, (N,), of boxes with this length [m] and turn [rad]."""
+    boxes = np.floor(poses / (length, length, turn)).astype(np.int64)
+    boxes -= boxes.min(axis=0)
+    columns, rows, turns = boxes.T
+    _, height, headings = boxes.max(axis=0) + 1
+    numbers: NDArray[np.int64] = (columns * height + rows) * headings + turns
+    return numbers
 
 
 def _places(poses: NDArray[np.float64], scores: NDArray[np.float64]) -> Location:

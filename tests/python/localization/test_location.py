@@ -68,3 +68,27 @@ def test_bad_input_is_named() -> None:
     full = mrs.OccupancyGrid(np.full((50, 50), 100, np.int8), resolution=0.1)
     with pytest.raises(ValueError, match="the map must have a free cell"):
         locate(full, LASER, np.ones(181, np.float32), noise=NOISE)
+
+
+@pytest.mark.parametrize(
+    "mount", [(-0.2, 0.3, 0.0, math.pi, 0.0, 1.0), (0.1, 0.0, 0.8, 0.0, 0.1, 2.0)], ids=["upside down", "tilted"]
+)
+def test_a_scanner_with_a_mount_in_space_is_found(mount: tuple[float, ...]) -> None:
+    grid = mrs.floor_plan("office", seed=3, size=(12.0, 9.0))
+    laser = mrs.LaserScanner(fov=4.0, beam_count=91, mount=mount)
+    for pose in grid.draw_free_poses(2, radius=0.3, seed=3):
+        scan = laser.scan_batch(grid, [pose], noise=NOISE, seed=1)[0]
+        distance, angle = errors(locate(grid, laser, scan, noise=NOISE).poses[0], pose)
+        assert distance < 0.1 and angle < math.radians(2.0)
+
+
+@pytest.mark.parametrize(
+    "field", [{"fov": 2.0 * math.pi, "beam_count": 360}, {"angle_min": 2.0, "angle_max": -2.0, "beam_count": 50}]
+)
+def test_beams_all_around_and_clockwise_ones_are_found(field: dict[str, float]) -> None:
+    grid = mrs.floor_plan("office", seed=4, size=(12.0, 9.0))
+    laser = mrs.LaserScanner(**{"fov": None, **field}, mount=(0.2, -0.1, -2.5))
+    for pose in grid.draw_free_poses(2, radius=0.3, seed=3):
+        scan = laser.scan_batch(grid, [pose], noise=NOISE, seed=1)[0]
+        distance, angle = errors(locate(grid, laser, scan, noise=NOISE).poses[0], pose)
+        assert distance < 0.1 and angle < math.radians(2.0)
