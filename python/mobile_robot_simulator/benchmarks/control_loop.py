@@ -57,8 +57,11 @@ class ControlLoop:
         # The odometry has a frame of its own, in which the start need not be 0.
         self._map_from_odom: Pose | None = None
 
-    def command(self) -> None:
+    def command(self) -> tuple[float, float] | None:
         """Asks the controller and publishes its command. Does nothing as long as there is no scan or no odometry.
+
+        Returns:
+            The command: forward velocity [m/s] and turn rate [rad/s]; None if nothing was published.
 
         Raises:
             ValueError: The command is not two finite numbers.
@@ -67,7 +70,7 @@ class ControlLoop:
         sim = self._simulation
         scan, odometry = sim.latest(self._scans), sim.latest(self._odometry)
         if scan is None or odometry is None:
-            return
+            return None
         odom_from_base = _pose(odometry)
         if self._map_from_odom is None:
             self._map_from_odom = self._start * odom_from_base.inverse()
@@ -75,8 +78,9 @@ class ControlLoop:
         if self._goal is not None:
             seen = (self._map_from_odom * odom_from_base).inverse() * self._goal
             goal = seen.x, seen.y
-        command = self._control(Observation(sim.time, scan, odometry, goal))
-        sim.publish(self._commands, _twist(self._name, command))
+        speed, turn_rate = _checked(self._name, self._control(Observation(sim.time, scan, odometry, goal)))
+        sim.publish(self._commands, Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate)))
+        return speed, turn_rate
 
 
 def _pose(odometry: Odometry) -> Pose:
@@ -84,11 +88,11 @@ def _pose(odometry: Odometry) -> Pose:
     return Pose.from_quaternion(position.x, position.y, qx=rotation.x, qy=rotation.y, qz=rotation.z, qw=rotation.w)
 
 
-def _twist(name: str, command: Sequence[float]) -> Twist:
+def _checked(name: str, command: Sequence[float]) -> tuple[float, float]:
     try:
         speed, turn_rate = map(float, command)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: a command must be two numbers (speed, turn rate), got {command!r}") from None
     if not (math.isfinite(speed) and math.isfinite(turn_rate)):
         raise ValueError(f"{name}: a command must be finite, got {command!r}")
-    return Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate))
+    return speed, turn_rate

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, clearance
-from ..benchmarks.control_loop import Controller, Observation
+from ..benchmarks.control_loop import Controller, ControlLoop, Observation
 from ..drivers.wander import Wander, Wandering
 from ..instant import NANOSECONDS
-from ..messages import Twist, Vector3
-from ..parameters import LaserParameters, RobotParameters
 from ..quoting import quoted
 from ..simulation import Simulation
 from .plan import Noise, Plan
@@ -34,19 +35,38 @@ class Drive(NamedTuple):
     twists: NDArray[np.float64]
     """(N, 3), velocities in the robot's frame [m/s, m/s, rad/s]."""
 
+    commands: NDArray[np.float64]
+    """(N, 2), the command that follows each scan: forward velocity and turn rate [m/s, rad/s]."""
+
     goal: tuple[float, float]
     """Goal in the map frame [m]."""
 
+    goal_distances: NDArray[np.float64]
+    """(N,), length of the straight line from the robot to the goal [m]."""
 
-def policy_of(text: str) -> Callable[[], Controller]:
+
+def policy_of(text: str, folder: Path) -> Callable[[], Controller]:
     """Returns what makes a controller, from `module:name`.
+
+    Args:
+        text: Module and name.
+        folder: Folder in which the module may be; it is put into `sys.path`.
 
     Raises:
         ImportError: There is no such module.
-        ValueError: The module has no such name, or it cannot be called.
+        ValueError: The module has no such name, it cannot be called, or another module has the name of that in the folder.
     """
     module, _, name = text.partition(":")
-    found = getattr(import_module(module), name, None)
+    if str(folder.absolute()) not in sys.path:
+        sys.path.insert(0, str(folder.absolute()))
+    try:
+        imported = import_module(module)
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"poses.policy {quoted(text)}: {error}, neither in {folder} nor elsewhere") from error
+    file, own = getattr(imported, "__file__", None), folder / f"{module}.py"
+    if own.is_file() and file is not None and not own.samefile(file):
+        raise ValueError(f"poses.policy {quoted(text)}: {own} cannot be imported, because {file} has the same name")
+    found = getattr(imported, name, None)
     if not callable(found):
         raise ValueError(f"poses.policy must be module:name of a class or function, got {quoted(text)}")
     return found  # type: ignore[no-any-return]
@@ -86,20 +106,19 @@ def drive(
     with simulation:
         for shape, pose in obstacles:
             simulation.add_obstacle(shape, pose)
-        robot: RobotParameters = simulation.robot.parameters
-        laser: LaserParameters = simulation.laser.parameters
-        control = policy_of(plan.poses.policy)() if plan.poses.policy else _roaming(plan.poses.clearance, seed("driver"))
-        poses, twists = np.empty((count, 3)), np.empty((count, 3))
+        policy = plan.poses.policy
+        control = policy_of(policy, plan.folder)() if policy else _roaming(plan.poses.clearance, seed("driver"))
+        loop = ControlLoop(simulation, control, (goal.x, goal.y), name=f"poses.policy {quoted(policy)}")
+        poses, twists, commands = np.empty((count, 3)), np.empty((count, 3)), np.zeros((count, 2))
         for index in range(count):
             check()
             simulation.run_for(plan.poses.period)
-            pose = simulation.truth.pose
-            poses[index], twists[index] = tuple(pose), simulation.truth.velocity
-            ahead = pose.inverse() * Pose(goal.x, goal.y)
-            scan, odometry = simulation.latest(laser.laser_topic), simulation.latest(robot.odometry_topic)
-            command = control(Observation(simulation.time, scan, odometry, (ahead.x, ahead.y)))
-            simulation.publish(robot.velocity_topic, _twist(command))
-    return Drive(poses, twists, (goal.x, goal.y))
+            poses[index], twists[index] = tuple(simulation.truth.pose), simulation.truth.velocity
+            command = loop.command()
+            if command is not None:
+                commands[index] = command
+    goal_distances = np.array([math.dist((x, y), (goal.x, goal.y)) for x, y, _ in poses.tolist()])
+    return Drive(poses, twists, commands, (goal.x, goal.y), goal_distances)
 
 
 def _roaming(radius: float, seed: int) -> Controller:
@@ -142,13 +161,3 @@ def _parameters(plan: Plan, scanner: LaserScanner, noise: BeamModel | None) -> d
     if not {"robot_radius", "footprint"} & plan.poses.robot.keys() and plan.poses.clearance:
         values["robot_radius"] = plan.poses.clearance
     return values | plan.poses.robot
-
-
-def _twist(command: Any) -> Twist:
-    try:
-        speed, turn_rate = np.array(command, np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"a command of the policy must be (speed, turn rate), got {quoted(command)}") from None
-    if not np.isfinite([speed, turn_rate]).all():
-        raise ValueError(f"a command of the policy must be finite, got {quoted(command)}")
-    return Twist(linear=Vector3(x=float(speed)), angular=Vector3(z=float(turn_rate)))

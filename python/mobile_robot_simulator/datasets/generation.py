@@ -120,8 +120,7 @@ def generate(
         (1000, 2)
     """
     began = time.perf_counter()
-    if threads is not None and not 1 <= threads <= 1024:
-        raise ValueError(f"threads must be in 1..1024, got {threads}")
+    _check_threads(threads)
     if engine not in ("threads", "ray"):
         raise ValueError(f"engine must be 'threads' or 'ray', got {engine!r}")
     if engine == "threads" and address is not None:
@@ -190,6 +189,7 @@ def estimate(plan: Plan | str | os.PathLike[str], *, threads: int | None = None)
         OSError: A file cannot be read.
         ValueError: The plan is invalid, or a scene is not possible.
     """
+    _check_threads(threads)
     plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
     job = job_of(plan, format_of(plan.format).versions())
     began = time.perf_counter()
@@ -205,6 +205,11 @@ def estimate(plan: Plan | str | os.PathLike[str], *, threads: int | None = None)
         round(share * sum(map(len, first.files.values()))),
         share * taken / min(threads or os.cpu_count() or 1, len(job.shards)),
     )
+
+
+def _check_threads(threads: int | None) -> None:
+    if threads is not None and not 1 <= threads <= 1024:
+        raise ValueError(f"threads must be in 1..1024, got {threads}")
 
 
 def _bytes(shape: tuple[int, ...], dtype: str) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
+from .drives import policy_of
 from .map_pool import MapPool, MapSource, shares, sources_by_split
 from .plan import Plan
 from .scenes import columns_of, fill_scene, poses_of_file
@@ -169,9 +170,12 @@ def job_of(plan: Plan, versions: Mapping[str, str] | None = None) -> Job:
         versions: Versions of the packages that write the files.
 
     Raises:
+        ImportError: The policy cannot be imported.
         OSError: A map file cannot be read.
-        ValueError: A map is invalid, there are fewer maps than splits, or a file has fewer poses than scans.
+        ValueError: A map or the policy is invalid, there are fewer maps than splits, or a file has fewer poses than scans.
     """
+    if plan.poses.policy:
+        policy_of(plan.poses.policy, plan.folder)
     sources = sources_by_split(plan)
     counts = shares(plan.count, list(plan.splits.values()))
     if 0 in counts:

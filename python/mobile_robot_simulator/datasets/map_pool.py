@@ -116,7 +116,10 @@ def _sources(plan: Plan) -> list[MapSource]:
                 raise FileNotFoundError(2, f"no map file of this name for {quoted(pattern)} of the plan", str(plan.folder))
             for path in map(Path, paths):
                 name = Path(os.path.relpath(path, plan.folder)).as_posix()
-                digest = digest_of(load_map(path, unknown=entry.unknown, resolution=entry.resolution))
+                try:
+                    digest = digest_of(load_map(path, unknown=entry.unknown, resolution=entry.resolution))
+                except ValueError as error:
+                    raise ValueError(f"maps: {name}, which is named by {quoted(pattern)}, is not a map: {error}") from error
                 found.append(MapSource(name, path, 0, entry, digest))
         if entry.floor_plan is not None:
             (first, last), (width, height) = entry.seeds, entry.size

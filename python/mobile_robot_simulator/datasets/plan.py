@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from .._core import BeamModel, LaserScanner
 from ..maps.floor_plans import KINDS
-from ..parameters import Count, Name, Number, Seed
+from ..parameters import Count, LaserParameters, Name, Number, RobotParameters, Seed
 from ..quoting import nearest, quoted
 from ..user_files import read_text
 from ..yaml_documents import parse, value_of
@@ -188,17 +188,26 @@ class Poses(Part):
     def _check(self) -> Poses:
         if (self.kind == "file") != bool(self.file):
             raise ValueError("poses must have a file if kind is file, and only then")
-        if self.kind != "drives" and self.policy:
-            raise ValueError("poses must have a policy only if kind is drives")
+        for name in ("policy", "robot"):
+            if self.kind != "drives" and getattr(self, name):
+                raise ValueError(f"poses must have a {name} only if kind is drives")
+        for name in self.robot:
+            if name in LaserParameters.model_fields and name not in RobotParameters.model_fields:
+                raise ValueError(f"robot must have parameters of the robot, got {name}; the scanner is given as scanner")
+        RobotParameters.checked(self.robot)
         if self.policy and ":" not in self.policy:
             raise ValueError(f"policy must be like package.module:name, got {quoted(self.policy)}")
         return self
 
 
-LABELS = ("true_ranges", "twists", "beam_poses", "goals", "surfaces", "incidences")
+Label = Literal["true_ranges", "twists", "beam_poses", "goals", "goal_distances", "commands", "surfaces", "incidences"]
+
+LABELS: tuple[str, ...] = get_args(Label)
 """Labels that a plan may ask for. Poses, maps, scenes and what was drawn for a scene are always there."""
 
-Labels = tuple[Literal["true_ranges", "twists", "beam_poses", "goals", "surfaces", "incidences"], ...]
+LABELS_OF_DRIVES = ("goals", "goal_distances", "commands")
+
+Labels = tuple[Label, ...]
 
 
 class Plan(BaseModel):
@@ -235,7 +244,7 @@ class Plan(BaseModel):
     )
     folder: Path = Field(Path(), exclude=True, description="folder that names of files are relative to")
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, /, **values: Any) -> None:
         try:
             super().__init__(**values)
         except ValidationError as error:
@@ -250,8 +259,9 @@ class Plan(BaseModel):
         if self.scans_per_shard % self.scans_per_scene:
             given = f"{self.scans_per_shard} and {self.scans_per_scene}"
             raise ValueError(f"scans_per_shard must be a multiple of scans_per_scene, got {given}")
-        if "goals" in self.labels and self.poses.kind != "drives":
-            raise ValueError(f"only drives have goals, got poses of kind {self.poses.kind}")
+        for label in LABELS_OF_DRIVES:
+            if label in self.labels and self.poses.kind != "drives":
+                raise ValueError(f"only drives have {label}, got poses of kind {self.poses.kind}")
         if "beam_poses" in self.labels and not self.scanner.scan_duration:
             raise ValueError("beam_poses need a scanner with a scan_duration above 0")
         if self.poses.kind == "file" and len(self.splits) > 1:
@@ -286,22 +296,38 @@ def load_plan(path: str | Path) -> Plan:
     if "folder" in root:
         raise ValueError(f"{path}: {_unknown('folder')}")
     try:
-        return Plan(**root, folder=path.parent)
+        # Absolute, because workers may have another working folder.
+        return Plan(**root, folder=path.parent.absolute())
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
 
+_NEEDED = {
+    "tuple_type": "be a list",
+    "dict_type": "be a mapping of names to values",
+    "model_type": "be a mapping of names to values",
+    "string_type": "be a text",
+}
+"""What YAML must have, for errors of pydantic that name types of Python."""
+
+
 def _explain(error: ValidationError) -> str:
-    messages = []
-    for detail in error.errors(include_url=False):
+    messages, details = [], error.errors(include_url=False)
+    for detail in details:
+        # If an item is wrong, pydantic also counts the right ones.
+        if detail["type"] == "too_short" and any(
+            detail["loc"] == other["loc"][: len(detail["loc"])] != other["loc"] for other in details
+        ):
+            continue
         name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in detail["loc"]).lstrip(".")
         message = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
             messages.append(_unknown(name))
         elif detail["type"] == "missing":
             messages.append(f"{name} is required")
-        elif "should " in message:
-            messages.append(f"{name} must {message.partition('should ')[2]}, got {quoted(detail['input'])}")
+        elif "should " in message or detail["type"] in _NEEDED:
+            needed = _NEEDED.get(detail["type"]) or message.partition("should ")[2]
+            messages.append(f"{name} must {needed}, got {quoted(detail['input'])}")
         else:
             messages.append(f"{name}: {message}" if name else message)
     return "; ".join(messages)

@@ -61,6 +61,19 @@ def columns_of(plan: Plan) -> dict[str, Column]:
         "goals": Column(
             (2,), "float64", {"units": "m", "columns": ["x", "y"], "frame": "map", "meaning": "goal of the drive"}
         ),
+        "goal_distances": Column(
+            (), "float64", {"units": "m", "meaning": "length of the straight line from the robot to the goal of the drive"}
+        ),
+        "commands": Column(
+            (2,),
+            "float64",
+            {
+                "units": ["m/s", "rad/s"],
+                "columns": ["speed", "turn_rate"],
+                "frame": "robot",
+                "meaning": "command that the policy gave after the scan, until the next one",
+            },
+        ),
         "surfaces": Column((beams,), "int32", {"meaning": "-1: no return; 0: a wall; k: obstacle k of the scene"}),
         "incidences": Column(
             (beams,),
@@ -119,8 +132,9 @@ def fill_scene(
     if plan.poses.kind == "drives":
         driven = drive(plan, grid, scanner, model, obstacles, count, seed, check)
         poses, twists = driven.poses, driven.twists
-        if "goals" in arrays:
-            arrays["goals"][rows] = driven.goal
+        known = {"goals": driven.goal, "goal_distances": driven.goal_distances, "commands": driven.commands}
+        for label in known.keys() & arrays.keys():
+            arrays[label][rows] = known[label]
     elif plan.poses.kind == "file":
         poses = poses_of_file(plan.folder / plan.poses.file)[first : first + count]
     else:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,7 @@ class Workspace:
     def __init__(self, folder: Path, complete: str) -> None:
         self._folder, self._complete = folder, folder / complete
         self._own = folder / UNFINISHED
+        self._identity = self._own / "dataset.json"
 
     @property
     def is_complete(self) -> bool:
@@ -54,6 +55,7 @@ class Workspace:
         """
         from filelock import FileLock, Timeout
 
+        is_new = not self._folder.exists()
         self._own.mkdir(parents=True, exist_ok=True)
         lock = FileLock(self._own / "lock")
         try:
@@ -63,7 +65,12 @@ class Workspace:
         try:
             yield
         finally:
+            if not self._identity.exists():
+                self.clean()  # The folder was refused, or is complete.
             lock.release()
+            if is_new:
+                with suppress(OSError):  # It is not empty.
+                    self._folder.rmdir()
 
     def begin(self, job: Job, stored: Mapping[str, Any] | None = None) -> None:
         """Begins a data set, or goes on with one; removes what a killed process left half written.
@@ -76,7 +83,7 @@ class Workspace:
             FileExistsError: The folder has other files.
             ValueError: The folder has data of another plan, of other maps, or from other versions. The message says which.
         """
-        place, identity = self._own / "dataset.json", _as_json(job.identity)
+        place, identity = self._identity, _as_json(job.identity)
         if stored is None and place.exists():
             stored = json.loads(read_text(place, LARGEST))
         if stored is not None:

@@ -89,3 +89,9 @@ def test_threads_load_a_grid_once_and_few_grids_stay(monkeypatch: pytest.MonkeyP
     for source in (sources[1], sources[2], sources[2], sources[0]):
         pool.grid(source)
     assert loads == [sources[n].name for n in (0, 1, 2, 0)]
+
+
+def test_a_pattern_that_also_names_the_plan(tmp_path: Path) -> None:
+    (tmp_path / "plan.yaml").write_text("count: 10\nmaps: [{files: '*.yaml'}]\n")
+    with pytest.raises(ValueError, match=r"maps: plan.yaml, which is named by '\*.yaml', is not a map: .*missing image"):
+        sources_by_split(small(maps=[{"files": "*.yaml"}], splits={"train": 1}, folder=tmp_path))

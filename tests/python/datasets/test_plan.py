@@ -42,6 +42,17 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"poses": {"kind": "drives", "policy": "x"}}, "policy must be like package.module:name, got 'x'"),
     ({"poses": {"policy": "a:b"}}, "poses must have a policy only if kind is drives"),
     ({"quantization": 2.0}, "quantization must be less than or equal to 1, got 2.0"),
+    ({"poses": {"robot": {"robot_radius": 0.3}}}, "poses must have a robot only if kind is drives"),
+    (
+        {"poses": {"kind": "drives", "robot": {"laser_beam_count": 3}}},
+        "poses: robot must have parameters of the robot, got laser_beam_count; the scanner is given as scanner",
+    ),
+    (
+        {"poses": {"kind": "drives", "robot": {"velcity_limits": 3}}},
+        "poses: unknown parameter 'velcity_limits'; did you mean 'velocity_limits'?",
+    ),
+    ({"labels": ["commands"]}, "only drives have commands, got poses of kind free"),
+    ({"labels": ["goal_distances"]}, "only drives have goal_distances"),
     ({"cuont": 3}, "unknown name in the plan: cuont; did you mean count?"),
 ]
 
@@ -51,6 +62,31 @@ def test_a_wrong_value(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError) as error:
         small(**changes)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"maps": "office"}, "maps must be a list, got 'office'"),
+        ({"maps": ["maze"]}, "maps[0] must be a mapping of names to values, got 'maze'"),
+        ({"maps": [{"floor_plan": "maze", "size": 3}]}, "maps[0].size must be a list, got 3"),
+        ({"maps": [{"files": [1]}]}, "maps[0].files[0] must be a text, got 1"),
+        ({"labels": "twists"}, "labels must be a list, got 'twists'"),
+        ({"splits": ["train"]}, "splits must be a mapping of names to values, got ['train']"),
+        ({"scanner": 3}, "scanner must be a mapping of names to values, got 3"),
+        ({"self": 1}, "unknown name in the plan: self"),
+    ],
+)
+def test_messages_speak_of_what_a_file_has(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        small(**changes)
+    assert str(error.value) == message
+
+
+def test_the_folder_of_a_plan_is_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plan.yaml").write_text("count: 10\nmaps: [{files: 'a/*.yaml'}]\n")
+    assert load_plan("plan.yaml").folder == tmp_path
 
 
 def test_a_missing_name() -> None:

@@ -40,6 +40,34 @@ def test_the_record_comes_after_the_files(tmp_path: Path) -> None:
         assert space.record_of(job.shards[0]) is None
 
 
+def test_a_folder_that_is_refused_stays_as_it_was(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("x")
+    space = Workspace(tmp_path, "done")
+    with space.locked(), pytest.raises(FileExistsError):
+        space.begin(job_of(small()))
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+    # Also a new folder, if nothing is begun.
+    with Workspace(tmp_path / "new", "done").locked():
+        pass
+    assert not (tmp_path / "new").exists()
+    # A complete data set of another plan.
+    complete = Workspace(tmp_path / "old", "done")
+    with complete.locked():
+        complete.begin(job_of(small()))
+        complete.finish({"done": b""})
+    with complete.locked(), pytest.raises(ValueError, match="another plan"):
+        complete.begin(job_of(small(seed=6)), job_of(small()).identity)
+    assert [path.name for path in (tmp_path / "old").iterdir()] == ["done"]
+
+
+def test_a_folder_that_is_begun_stays(tmp_path: Path) -> None:
+    space = Workspace(tmp_path / "data", "done")
+    with pytest.raises(KeyboardInterrupt), space.locked():
+        space.begin(job_of(small()))
+        raise KeyboardInterrupt
+    assert (tmp_path / "data/.unfinished/dataset.json").exists()
+
+
 def test_many_changes_are_cut(tmp_path: Path) -> None:
     space = Workspace(tmp_path, "done")
     with space.locked():
