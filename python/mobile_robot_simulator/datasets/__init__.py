@@ -3,6 +3,7 @@
 Making and opening a store needs the extra `datasets`. `stream` needs none.
 """
 
+from .export import export
 from .generation import Estimate, Progress, Report, estimate, generate
 from .plan import Plan, load_plan
 from .reader import Dataset, Split, open
@@ -19,6 +20,7 @@ __all__ = [
     "Split",
     "Verified",
     "estimate",
+    "export",
     "generate",
     "load_plan",
     "open",

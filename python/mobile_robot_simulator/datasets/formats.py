@@ -6,7 +6,10 @@ import sys
 from importlib import import_module
 from typing import Any
 
-__all__ = ["format_of", "formats"]
+__all__ = ["EPISODES", "format_of", "formats"]
+
+EPISODES = ("minari", "lerobot")
+"""Formats to which drives are exported."""
 
 
 def formats() -> dict[str, str]:

@@ -72,7 +72,10 @@ def test_events(command: Command, plan: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         ([], "a data set needs a folder: give --out DIR, or --dry-run"),
-        (["somewhere"], "only verify has a second argument, got somewhere; give the folder of a new data set as --out DIR"),
+        (
+            ["somewhere"],
+            "only verify and export have a second argument, got somewhere; give the folder of a new data set as --out DIR",
+        ),
     ],
 )
 def test_a_missing_folder(arguments: list[str], message: str, command: Command, plan: Path) -> None:
@@ -83,6 +86,46 @@ def test_a_missing_folder(arguments: list[str], message: str, command: Command, 
 def test_verify_without_a_folder(command: Command) -> None:
     done = command("dataset", "verify")
     assert (done.returncode, done.stderr) == (1, "error: verify needs the folder of a data set: dataset verify DIR\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["verify", "data", "--out", "x"], "verify takes no --out; it takes --sample, --maps and --json"),
+        (["verify", "data", "--threads", 2], "verify takes no --threads; it takes --sample, --maps and --json"),
+        (["verify", "data", "--engine", "ray"], "verify takes no --engine; it takes --sample, --maps and --json"),
+        (["verify", "data", "--dry-run"], "verify takes no --dry-run; it takes --sample, --maps and --json"),
+        (["PLAN", "--dry-run", "--threads", 0], "threads must be in 1..1024, got 0"),
+        (
+            ["PLAN", "--dry-run", "--address", "auto"],
+            "--dry-run takes no --address; it takes --dry-run, --threads, --out and --json",
+        ),
+        (
+            ["PLAN", "--out", "x", "--sample", 2],
+            "a plan takes no --sample; it takes --out, --threads, --engine, --address and --json",
+        ),
+        (["export", "data"], "export needs folders and a format: dataset export DIR --format minari --out DIR"),
+        (
+            ["export", "data", "--format", "minari", "--out", "x", "--threads", 1],
+            "export takes no --threads; it takes --format, --out and --json",
+        ),
+    ],
+)
+def test_an_option_without_effect(arguments: list[str], message: str, command: Command, plan: Path) -> None:
+    done = command("dataset", *(plan if argument == "PLAN" else argument for argument in arguments))
+    assert (done.returncode, done.stderr) == (1, f"error: {message}\n")
+
+
+def test_drives_are_exported(command: Command, plan: Path, tmp_path: Path) -> None:
+    pytest.importorskip("minari", reason="the extra `minari` is not installed, or has no Minari for this Python")
+    plan.write_text(PLAN + "poses: {kind: drives, clearance: 0.2}\nlabels: [commands]\n")
+    assert command("dataset", plan, "--out", tmp_path / "data").returncode == 0
+    done = command("dataset", "export", tmp_path / "data", "--format", "minari", "--out", tmp_path / "out")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{tmp_path / 'out'}: 7 episodes of train\n", "")
+    done = command("dataset", "export", tmp_path / "data", "--format", "minari", "--out", tmp_path / "out", "--json")
+    assert done.returncode == 1 and "must be new or empty" in done.stderr
+    done = command("dataset", "export", tmp_path / "data", "--format", "minari", "--out", tmp_path / "two", "--json")
+    assert json.loads(done.stdout) == {"event": "exported", "path": str(tmp_path / "two"), "episodes": {"train": 7}}
 
 
 def test_another_plan(command: Command, plan: Path, tmp_path: Path) -> None:

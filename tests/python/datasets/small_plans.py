@@ -18,6 +18,12 @@ SMALL: dict[str, Any] = {
     "scans_per_shard": 32,
 }
 
+DRIVES: dict[str, Any] = {
+    "poses": {"kind": "drives", "clearance": 0.2},
+    "labels": ["commands", "goals", "goal_distances", "surfaces"],
+}
+"""Changes for a plan whose data set can be exported."""
+
 
 def small(**changes: Any) -> Plan:
     return Plan(**{**SMALL, **changes})
