@@ -8,7 +8,7 @@
 # make fuzz          runs the long random tests, for some minutes
 # make docs          builds the documentation into site/, offline; a broken link or an undocumented name fails
 # make test-ray      tests data sets on a real Ray cluster of this machine; installs Ray (from PyPI) on the first run
-# make test-torch    tests learning with PyTorch and Stable-Baselines3; installs both (from PyPI) on the first run
+# make test-torch    tests learning and data sets with PyTorch, Stable-Baselines3 and LeRobot; installs them (from PyPI) on the first run
 # make test-ros      tests the nodes on the real ROS 1 (from Debian, as root or with sudo) and ROS 2 (from PyPI)
 # make test-live     tests the live view in Chromium (from Debian, as root or with sudo)
 # make wheel         builds one wheel in dist/, for CPython 3.10 and later on any Linux since 2014
