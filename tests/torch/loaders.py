@@ -32,11 +32,11 @@ class Endless(IterableDataset):
     """Scans that are made while they are read. Each worker has a stream of its own."""
 
     def __init__(self, plan: datasets.Plan, size: int) -> None:
-        self._plan, self._size = plan, size
+        self._plan, self._size, self._maps = plan, size, datasets.load_maps(plan)
 
     def __iter__(self) -> Iterator[dict[str, NDArray[Any]]]:
         info = get_worker_info()
-        return datasets.stream(self._plan, self._size, worker=0 if info is None else info.id)
+        return datasets.stream(self._plan, self._size, worker=0 if info is None else info.id, maps=self._maps)
 
 
 class Scans(Dataset):

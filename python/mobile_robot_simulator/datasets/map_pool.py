@@ -11,6 +11,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from .._core import OccupancyGrid
 from ..maps import floor_plan, load_map
@@ -133,6 +134,8 @@ def _sources(plan: Plan) -> list[MapSource]:
 class MapPool:
     """Grids that stay in memory while they are used, for several threads.
 
+    Forked processes share the grids that are there. A process that gets a pool by pickle loads its grids itself.
+
     Args:
         kept: Number of grids that stay; the one that was not used for longest goes first.
     """
@@ -140,6 +143,13 @@ class MapPool:
     def __init__(self, kept: int = KEPT) -> None:
         self._kept = kept
         self._grids: OrderedDict[MapSource, tuple[OccupancyGrid, str]] = OrderedDict()
+        self._make_locks()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MapPool, (self._kept,)
+
+    def _make_locks(self) -> None:
+        self._process = os.getpid()
         self._lock = threading.Lock()
         self._loading: dict[MapSource, threading.Lock] = {}
 
@@ -150,6 +160,8 @@ class MapPool:
             OSError: The file cannot be read.
             ValueError: The file is not a map, or has changed.
         """
+        if self._process != os.getpid():
+            self._make_locks()  # A thread of the parent may have held them during the fork.
         with self._lock:
             loading = self._loading.setdefault(source, threading.Lock())
         with loading:

@@ -11,10 +11,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .job import job_of
-from .map_pool import KEPT, MapPool
+from .map_pool import KEPT, MapPool, sources_by_split
 from .plan import Plan, load_plan
 
-__all__ = ["stream"]
+__all__ = ["load_maps", "stream"]
+
+
+def load_maps(plan: Plan | str | os.PathLike[str], *, split: str | None = None) -> MapPool:
+    """Returns the maps of a split in memory, with the tables that scans and free places need, for `stream`.
+
+    Processes that are forked afterwards share them, so that many workers hold one copy. A process that is spawned, or gets
+    them by pickle, loads the maps itself.
+
+    Args:
+        plan: The plan, or its YAML file.
+        split: Split whose maps are loaded. None means the first.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: The plan is invalid, there is no such split, or a map has no free place.
+    """
+    plan = plan if isinstance(plan, Plan) else load_plan(Path(plan))
+    sources = sources_by_split(plan)[_split_of(plan, split)]
+    pool = MapPool(len(sources))
+    for source in sources:
+        grid, _ = pool.grid(source)
+        grid.prepare()
+        grid.draw_free_pose(radius=plan.poses.clearance, seed=0)
+    return pool
 
 
 def stream(
@@ -25,6 +49,7 @@ def stream(
     worker: int = 0,
     start: int = 0,
     kept: int = KEPT,
+    maps: MapPool | None = None,
 ) -> Iterator[dict[str, NDArray[Any]]]:
     """Returns endless batches of scans, made while they are read.
 
@@ -41,6 +66,7 @@ def stream(
         start: Number of the first batch.
         kept: Number of maps that stay in memory. If the split has more, the least recently used ones are loaded again when
             they are needed.
+        maps: Maps that are in memory, from `load_maps`, instead of loading them when they are needed.
 
     Yields:
         The rows of each array by name, as in a data set; `scene` counts the scenes of the worker.
@@ -62,17 +88,22 @@ def stream(
             raise ValueError(f"{name} must be at least {least}, got {value}")
     if plan.poses.kind == "file":
         raise ValueError("an endless stream must draw its poses, got a plan with poses of a file")
-    split = next(iter(plan.splits)) if split is None else split
-    if split not in plan.splits:
-        raise ValueError(f"split must be one of {', '.join(plan.splits)}, got {split!r}")
-    return _batches(plan, batch_size, split, worker, start, kept)
+    pool = MapPool(kept) if maps is None else maps
+    return _batches(plan, batch_size, _split_of(plan, split), worker, start, pool)
+
+
+def _split_of(plan: Plan, split: str | None) -> str:
+    name = next(iter(plan.splits)) if split is None else split
+    if name not in plan.splits:
+        raise ValueError(f"split must be one of {', '.join(plan.splits)}, got {name!r}")
+    return name
 
 
 def _batches(
-    plan: Plan, batch_size: int, split: str, worker: int, start: int, kept: int
+    plan: Plan, batch_size: int, split: str, worker: int, start: int, pool: MapPool
 ) -> Iterator[dict[str, NDArray[Any]]]:
     # A stream needs no scans in every split.
-    job, pool = job_of(plan.model_copy(update={"count": 2**40})), MapPool(kept)
+    job = job_of(plan.model_copy(update={"count": 2**40}))
     scenes, index = -(-batch_size // plan.scans_per_scene), start
     while True:
         sizes = [min(plan.scans_per_scene, batch_size - n * plan.scans_per_scene) for n in range(scenes)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from mobile_robot_simulator.datasets import Plan, Split
+from mobile_robot_simulator.datasets import MapPool, Plan, Split, stream
 
 SMALL: dict[str, Any] = {
     "seed": 5,
@@ -38,3 +38,15 @@ def load(split: Split, worker: int, results: object) -> None:
     """The loop of a worker of a data loader. Here, because a spawned process imports it."""
     shuffled = [batch["ranges"].tobytes() for batch in split.batches(16, seed=1, worker=worker, workers=2)]
     results.put((worker, shuffled, [split[index]["ranges"].tobytes() for index in range(worker, 40, 2)]))  # type: ignore[attr-defined]
+
+
+def private_memory_of_a_batch(plan: Plan, maps: MapPool | None, results: object) -> None:
+    """Puts the growth of this process's own memory by a batch of a stream [MB]."""
+
+    def private() -> float:
+        lines = Path("/proc/self/smaps_rollup").read_text().splitlines()
+        return sum(int(line.split()[1]) for line in lines if line.startswith("Private")) / 1024
+
+    before = private()
+    next(stream(plan, 20, maps=maps))
+    results.put(private() - before)  # type: ignore[attr-defined]
