@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,11 @@ from mobile_robot_simulator.datasets.scenes import columns_of, fill_scene
 GRID = mrs.floor_plan("maze", seed=1, size=(10.0, 8.0), resolution=0.1)
 
 
-def scene(plan: Plan, count: int, name: str = "train/0", first: int = 0) -> dict[str, np.ndarray]:
+def scene(
+    plan: Plan, count: int, name: str = "train/0", first: int = 0, check: Callable[[], None] = lambda: None
+) -> dict[str, np.ndarray]:
     arrays = {key: np.zeros((count, *column.shape), column.dtype) for key, column in columns_of(plan).items()}
-    fill_scene(plan, GRID, name, first=first, rows=slice(0, count), arrays=arrays)
+    fill_scene(plan, GRID, name, first=first, rows=slice(0, count), arrays=arrays, check=check)
     return arrays
 
 
@@ -33,12 +36,15 @@ def test_true_ranges_are_those_of_the_scanner_and_readings_have_its_noise() -> N
     assert abs(errors.mean()) < 4 / np.sqrt(len(errors)) and abs(errors.std() - 1.0) < 4 / np.sqrt(2 * len(errors))
 
 
-def test_long_scenes_are_cast_in_pieces_with_noise_of_their_own(tmp_path: Path) -> None:
+def test_long_scenes_are_cast_in_pieces_with_noise_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     np.save(tmp_path / "poses.npy", np.tile([5.0, 4.0, 0.0], (3000, 1)))
     plan = small(poses={"kind": "file", "file": "poses.npy"}, splits={"train": 1}, folder=tmp_path)
     ranges = scene(plan, 2500)["ranges"]
     assert len(np.unique(ranges, axis=0)) == 2500
-    assert np.array_equal(scene(plan, 1100)["ranges"], ranges[:1100])
+    asked: list[int] = []
+    monkeypatch.setattr("mobile_robot_simulator.datasets.scenes.PIECE", 31 * 300 + 5)
+    assert np.array_equal(scene(plan, 1100, check=lambda: asked.append(1))["ranges"], ranges[:1100])
+    assert len(asked) == 4
 
 
 def test_poses_are_clear_of_walls_and_obstacles() -> None:
