@@ -124,3 +124,18 @@ def test_lerobot_needs_a_whole_number_of_scans_in_a_second(folder: Path, tmp_pat
     with pytest.raises(ValueError, match=r"LeRobot needs a whole number of scans in a second, got poses.period 0.15 s"):
         datasets.export(tmp_path / "data", format="lerobot", out=tmp_path / "out")
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
+
+
+def test_hugging_face_reads_the_parquet_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
+    library = pytest.importorskip("datasets", reason="LeRobot, which brings it, needs Python 3.12 or later")
+    plan = datasets.Plan(**{**PLAN.content, "format": "parquet"})
+    datasets.generate(plan, out=tmp_path / "data")
+    datasets.generate(PLAN, out=tmp_path / "zarr")
+    for name, split in datasets.open(tmp_path / "zarr").items():
+        found = library.load_dataset(
+            "parquet", data_dir=str(tmp_path / "data" / name), split="train", cache_dir=str(tmp_path / "cache")
+        )
+        assert len(found) == len(split) and set(found.column_names) == set(split.arrays)
+        for column, rows in found[:].items():
+            assert np.array_equal(rows, split.arrays[column][:]), column
