@@ -73,7 +73,7 @@ pub enum Error {
         /// Index of the command in the rollout; `None` for a robot, which has only one.
         step: Option<usize>,
         /// The command given.
-        value: [f64; 3],
+        value: Vec<f64>,
     },
     /// Times of waypoints that do not increase.
     #[error("the times of waypoints must increase, got {} after {} in row {row}", shown(times[1]), shown(times[0]))]
@@ -98,6 +98,21 @@ pub enum Error {
         robot: usize,
         /// Index of a robot of the same world on another grid.
         other: usize,
+    },
+    /// Commands of a speed and a steering angle for robots without an Ackermann drive.
+    #[error("commands must be rows (vx, vy, wz) for robots without an Ackermann drive, got rows (speed, steering angle)")]
+    Steered,
+    /// Drives of different kinds in one fleet.
+    #[error("the drives of a fleet must be of one kind, got another one for robot {robot}")]
+    DriveKinds {
+        /// Index of the first robot whose drive is of another kind than that of the first robot.
+        robot: usize,
+    },
+    /// A saved state of a robot with other wheels.
+    #[error("the state of robot {robot} must be of a robot with the same drive, got one with another drive or none")]
+    OtherDrive {
+        /// Index of the robot.
+        robot: usize,
     },
     /// Words that are not the state of robots.
     #[error("the words must be those of a saved state, got {problem}")]

@@ -812,6 +812,8 @@ class Fleet:
         footprint: Outline of the robots; None if they touch nothing.
         contact: What a contact does to the motion, as in `advance`: "stop", "slide" or "report".
         limits: Limits on the velocity and its change: for all robots, or a sequence with one for each. None means no limits.
+        drive: The wheels: for all robots, or a sequence with one of the same kind for each. None means robots that move in any
+            direction.
         slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
         scanner: The scanner on each robot; None for no scans.
         noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
@@ -859,6 +861,7 @@ class Fleet:
         footprint: Shape | None = None,
         contact: Literal["stop", "slide", "report"] = "stop",
         limits: Limits | Sequence[Limits] | None = None,
+        drive: Drive | Sequence[Drive] | None = None,
         slip: float | ArrayLike | None = None,
         scanner: LaserScanner | None = None,
         noise: BeamModel | Sequence[BeamModel] | None = None,
@@ -882,8 +885,9 @@ class Fleet:
         If there is an error, or the call is interrupted, no robot has moved; the arrays of `out` may have changed.
 
         Args:
-            commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000.
-                Anything that NumPy can convert to float64 without loss.
+            commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000. With a
+                drive, the wheels do what they can of it: see `Drive.command`. For Ackermann drives also (N, 2), the speed and
+                the steering angle of each robot [m/s, rad]. Anything that NumPy can convert to float64 without loss.
             duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
             scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
             threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -1013,8 +1017,8 @@ class Fleet:
                 means those that were saved.
 
         Raises:
-            ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, or a robot or a map does
-                not exist. Nothing changes.
+            ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, a robot or a map does
+                not exist, or a robot has another drive than the one saved. Nothing changes.
             TypeError: An argument has the wrong type.
             RuntimeError: Another thread uses the fleet.
 
@@ -1040,9 +1044,9 @@ class Fleet:
         another. The other robots of its world go on at their last commands.
 
         Args:
-            commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. Anything
-                that NumPy can convert to float64 without loss. An array in C order is read in place, so no other thread may
-                write to it during the call.
+            commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. For an
+                Ackermann drive also (K, T, 2), speeds and steering angles [m/s, rad]. Anything that NumPy can convert to
+                float64 without loss. An array in C order is read in place, so no other thread may write to it during the call.
             duration: Duration of a command [s], at most 1e6.
             robot: Index of the robot.
             threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -1101,6 +1105,31 @@ class Fleet:
     @property
     def velocities(self) -> NDArray[np.float64]:
         """Velocities of the robots now: (N, 3) float64, rows (vx, vy, wz) in their own frames [m/s, m/s, rad/s], a new array."""
+    def joints(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns what the joints of the robots do now.
+
+        The joints are the wheels in the order of `Drive`, then the steering of the left and of the right front wheel.
+
+        Returns:
+            Positions (N, J) float64 [rad], those of wheels since the last reset, and rates (N, J) float64 [rad/s]. J is 2 for a
+            differential, 4 for an omni and 6 for an Ackermann drive, and 0 without a drive.
+
+        Raises:
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+            >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+            >>> fleet = mrs.Fleet(grid, [(1.0, 1.0, 0.0)], drive=drive)
+            >>> step = fleet.step([(1.0, 0.0, 1.0)], 2.0)
+            >>> fleet.joints()
+            (array([[15., 25.]]), array([[ 7.5, 12.5]]))
+        """
+    @property
+    def steering(self) -> NDArray[np.float64]:
+        """Steering angle of each robot now: (N,) float64 [rad], a new array; 0 for robots that do not steer."""
     @property
     def times(self) -> NDArray[np.float64]:
         """Time of the world of each robot: (N,) float64 [s], a new array."""
@@ -1125,6 +1154,9 @@ class Fleet:
     @property
     def limits(self) -> list[Limits] | None:
         """Limits on the velocity and its change: one for all robots, or one for each; None for no limits."""
+    @property
+    def drive(self) -> list[Drive] | None:
+        """The wheels: one drive for all robots, or one for each; None for robots that move in any direction."""
     @property
     def slip(self) -> list[float] | None:
         """Share of the commanded motion that slipping wheels lose, for each robot; None for none."""

@@ -1,5 +1,7 @@
 //! Fleets: many robots that are stepped together, each in a world of its own or several in one.
 
+mod command;
+mod joints;
 mod member;
 mod odometer;
 mod robot;
@@ -18,10 +20,11 @@ use crate::free_area::Distances;
 use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
 use crate::memory;
-use crate::motion::{Limits, MotionNoise, Twist, nanoseconds};
+use crate::motion::{Drive, DriveCommands, Limits, MotionNoise, Twist, nanoseconds};
 use crate::pose::Pose;
 use crate::scanner::{LaserScanner, Shot};
 use crate::shape::Shape;
+use command::Command;
 use member::Member;
 pub use member::{Thing, Touch};
 use robot::Body;
@@ -55,6 +58,8 @@ pub struct FleetOptions {
     pub contact: ContactMode,
     /// Limits on the velocity of the wheels and its change; empty for no limits.
     pub limits: Vec<Limits>,
+    /// The wheels, all of one kind; empty for robots that move in any direction.
+    pub drives: Vec<Drive>,
     /// Share of the commanded motion that slipping wheels lose, in 0..1; empty for none.
     pub slip: Vec<f64>,
     /// The scanner on each robot; `None` for no scans.
@@ -89,6 +94,7 @@ pub struct FleetOptions {
 ///     footprint: Some(Shape::disc(0.5)?),
 ///     contact: ContactMode::Stop,
 ///     limits: vec![],
+///     drives: vec![],
 ///     slip: vec![],
 ///     scanner: None,
 ///     noise: vec![],
@@ -177,6 +183,7 @@ impl FleetOptions {
             mode: self.contact,
             limits: of_robot(&self.limits, robot).copied(),
             grip: 1.0 - of_robot(&self.slip, robot).copied().unwrap_or(0.0),
+            drive: of_robot(&self.drives, robot).copied(),
         }
     }
 
@@ -193,6 +200,7 @@ impl FleetOptions {
     fn checked(self, count: usize) -> Result<Self, Error> {
         let lengths = [
             ("limits", self.limits.len()),
+            ("drive", self.drives.len()),
             ("slip", self.slip.len()),
             ("noise", self.noise.len()),
             ("odometry_noise", self.odometry_noise.len()),
@@ -201,6 +209,9 @@ impl FleetOptions {
             if length > 1 && length != count {
                 return Err(Error::Length { name, value: length, needed: count });
             }
+        }
+        if let Some(robot) = self.drives.iter().position(|drive| drive.kind() != self.drives[0].kind()) {
+            return Err(Error::DriveKinds { robot });
         }
         for &slip in &self.slip {
             check_number("slip", slip, "in 0..1", |slip| (0.0..=1.0).contains(&slip))?;
@@ -351,29 +362,33 @@ impl Fleet {
     }
 
     /// Moves all robots for `duration` seconds, each at its command `[vx, vy, wz]` \[m/s, m/s, rad/s\] in its own frame, within
-    /// its limits and as far as contact lets it. Then writes a scan of each robot to `readings`, if they are given.
+    /// its limits and as far as its wheels and contact let it. Then writes a scan of each robot to `readings`, if they are given.
+    ///
+    /// For Ackermann drives, a command can also be a speed and a steering angle; see [`DriveCommands`].
     ///
     /// The reading of beam `b` of robot `i` is `readings[i * beam_count + b]`. If there is an error, no robot has moved.
     ///
     /// # Errors
     /// - [`Error::Length`]: `commands` or `readings` has the wrong length.
     /// - [`Error::Command`]: a command is not finite, or larger than [`MAX_COMMAND`].
-    /// - [`Error::Number`]: `duration` is not positive, or longer than 10⁶ s.
+    /// - [`Error::Steered`]: the commands have steering angles, which the robots do not have.
+    /// - [`Error::Number`]: `duration` is not positive, or longer than 10⁶ s, or the time of a world would reach 2⁶² ns.
     /// - Those of [`LaserScanner::scan_batch`].
     ///
     /// # Panics
     /// If readings are given for a fleet without a scanner.
-    pub fn step(
+    pub fn step<'a>(
         &mut self,
-        commands: &[[f64; 3]],
+        commands: impl Into<DriveCommands<'a>>,
         duration: f64,
         threads: Option<usize>,
         readings: Option<&mut [f32]>,
     ) -> Result<(), Error> {
+        let commands = commands.into();
         if commands.len() != self.len() {
             return Err(Error::Length { name: "commands", value: commands.len(), needed: self.len() });
         }
-        check_commands(commands, None)?;
+        self.check_commands(commands, None)?;
         let duration_ns = check_duration(duration)?;
         let distances = self.distances()?;
         self.prepare_next()?;
@@ -391,7 +406,7 @@ impl Fleet {
         for_each_heavy_chunk_watched(&watch, threads, &mut crowds, weight, CHUNK, |_, crowds| {
             for (world, members) in crowds {
                 let scene = scene_of(world, members);
-                scene.step(members, |robot| Some(commands[robot].into()), duration_ns)?;
+                scene.step(members, |robot| Some(Command::of(commands, robot)), duration_ns)?;
                 scene.measure_clearance(members)?;
             }
             Ok(())
@@ -508,6 +523,7 @@ impl Fleet {
     /// # Errors
     /// - [`Error::Length`]: there is neither one state nor one for each of the robots.
     /// - [`Error::NoRobot`], [`Error::Index`]: a saved robot, or the grid of a state, does not exist here.
+    /// - [`Error::OtherDrive`]: a robot here has another drive than the one that was saved.
     /// - [`Error::Clocks`], [`Error::Worlds`]: robots of one world would be at different times, or on different grids.
     pub fn restore(&mut self, state: &FleetState, mask: Option<&[bool]>) -> Result<(), Error> {
         let chosen: Vec<usize> = match mask {
@@ -527,6 +543,9 @@ impl Fleet {
             }
             if member.grid >= self.grids.len() {
                 return Err(Error::Index { name: "grid", robot, value: member.grid, count: self.grids.len() });
+            }
+            if member.robot.drive() != self.options.body(robot).drive {
+                return Err(Error::OtherDrive { robot });
             }
         }
         let at = |robot: usize| self.worlds.place_of[robot];
@@ -612,14 +631,6 @@ impl Fleet {
         self.next.clone_from(&self.members);
         Ok(())
     }
-}
-
-/// Checks commands: one for each robot, or `steps` in a row for each rollout.
-fn check_commands(commands: &[[f64; 3]], steps: Option<usize>) -> Result<(), Error> {
-    let is_bad = |command: &[f64; 3]| !command.iter().all(|number| number.abs() <= MAX_COMMAND);
-    let Some(row) = commands.iter().position(is_bad) else { return Ok(()) };
-    let count = steps.unwrap_or(1);
-    Err(Error::Command { robot: row / count, step: steps.map(|_| row % count), value: commands[row] })
 }
 
 /// Returns a checked duration \[s\] in nanoseconds.

@@ -3,12 +3,13 @@
 //! The trajectory is that of a robot of the Python class `Simulation`, to the last bit: exact under a constant command, and
 //! with contact looked for in time steps of [`STEP_NS`], which end at multiples of it and at each command.
 
+use super::command::Command;
 use super::words::{Reader, Writer};
 use crate::contact::{Contact, ContactMode, advance};
 use crate::error::Error;
 use crate::free_area::Distances;
 use crate::grid::Cell;
-use crate::motion::{FOREVER, Limits, Profile, Twist, nanoseconds, seconds};
+use crate::motion::{Drive, FOREVER, Limits, MAX_WHEELS, Profile, SteeringProfile, Twist, nanoseconds, seconds};
 use crate::pose::Pose;
 use crate::shape::Shape;
 use crate::world::World;
@@ -34,6 +35,8 @@ pub struct Body<'a> {
     pub limits: Option<Limits>,
     /// Share of the motion of the wheels that the robot makes: 1 without slip.
     pub grip: f64,
+    /// The wheels of the robot; `None` if it moves in any direction.
+    pub drive: Option<Drive>,
 }
 
 /// The motion of a robot up to the present.
@@ -47,7 +50,11 @@ pub struct Robot {
     start: Pose,
     /// Velocity of the wheels from the last change of velocity on.
     profile: Profile,
-    /// The last command. A robot that is blocked does not follow it.
+    /// The wheels and how they steer since the last command; `None` without a drive.
+    steering: Option<SteeringProfile>,
+    /// Angle by which each wheel had turned at the start of the profile \[rad\]; 0 without a drive.
+    rolled: [f64; MAX_WHEELS],
+    /// The velocity of the last command. A robot that is blocked does not follow it.
     requested: Twist,
     /// True if contact keeps the robot from following its command.
     is_blocked: bool,
@@ -60,6 +67,19 @@ pub struct Robot {
     /// The contact of the last time step and its duration \[ns\], if the robot stands pressed against something. The next step of the
     /// same duration has the same contact, as long as the command and the world do not change.
     stuck: Option<(Contact, i64)>,
+}
+
+/// What the joints of a robot on wheels do at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joints {
+    /// Angle by which each wheel has turned \[rad\].
+    pub rolled: [f64; MAX_WHEELS],
+    /// Rate of each wheel \[rad/s\].
+    pub wheel_rates: [f64; MAX_WHEELS],
+    /// Steering angle of the robot \[rad\].
+    pub angle: f64,
+    /// Rate of change of the steering angle \[rad/s\].
+    pub rate: f64,
 }
 
 /// A time step with contact. Poses are in the map frame.
@@ -79,12 +99,15 @@ impl Robot {
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
     pub fn new(map_from_base: Pose, time_ns: i64, body: Body<'_>) -> Result<Self, Error> {
-        let profile = Profile::standing(time_ns, body.limits);
+        let steering = body.drive.map(|drive| SteeringProfile::straight(drive, time_ns));
+        let profile = Profile { limits: body.limits, steering, ..Profile::constant(Twist::default(), time_ns, time_ns) };
         Ok(Self {
             time_ns,
             map_from_odom: map_from_base.checked()?,
             start: Pose::default(),
             profile,
+            steering,
+            rolled: [0.0; MAX_WHEELS],
             requested: Twist::default(),
             is_blocked: false,
             reached: None,
@@ -100,6 +123,8 @@ impl Robot {
         words.numbers(self.map_from_odom.to_array());
         words.numbers(self.start.to_array());
         words.profile(&self.profile);
+        words.steering(self.steering.as_ref());
+        words.numbers(self.rolled);
         words.numbers(self.requested.to_array());
         words.word(u64::from(self.is_blocked));
         words.option(self.reached.map(Pose::to_array));
@@ -117,6 +142,8 @@ impl Robot {
             map_from_odom: words.pose()?,
             start: words.pose()?,
             profile: words.profile()?,
+            steering: words.steering()?,
+            rolled: words.numbers()?,
             requested: words.twist()?,
             is_blocked: words.flag()?,
             reached: words.option()?.map(Pose::from),
@@ -131,9 +158,21 @@ impl Robot {
         self.time_ns
     }
 
-    /// Returns the last command.
-    pub fn requested(&self) -> Twist {
-        self.requested
+    /// Returns the wheels of the robot; `None` if it moves in any direction.
+    pub fn drive(&self) -> Option<Drive> {
+        self.steering.map(|steering| steering.drive)
+    }
+
+    /// Returns the wheels now; `None` without a drive.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a number is not finite.
+    pub fn joints(&self) -> Result<Option<Joints>, Error> {
+        let Some(steering) = &self.steering else { return Ok(None) };
+        let (angle, rate) = (steering.angle_at(self.time_ns)?, steering.rate_at(self.time_ns)?);
+        let wheel_rates = steering.drive.wheels(self.profile.velocity_at(self.time_ns)?, angle);
+        let rolled = self.rolled_at(self.time_ns, steering)?;
+        Ok(Some(Joints { rolled, wheel_rates, angle, rate }))
     }
 
     /// Returns the pose in the map frame now.
@@ -215,15 +254,47 @@ impl Robot {
         Ok(self.profile.velocity_at(self.time_ns)?.scaled(body.grip))
     }
 
-    /// Requests a velocity from now on; limits and contact decide what the robot does.
+    /// Commands the robot from now on; its wheels, limits and contact decide what it does.
     ///
     /// # Errors
     /// [`Error::Number`]: a number is not finite.
-    pub fn command(&mut self, velocity: Twist, body: Body<'_>) -> Result<(), Error> {
+    pub fn command(&mut self, command: Command, body: Body<'_>) -> Result<(), Error> {
+        let Some(before) = self.steering else {
+            return match command {
+                Command::Move(velocity) => self.follow(velocity, body),
+                Command::Steer { speed, .. } => self.follow(Twist::from([speed, 0.0, 0.0]), body),
+            };
+        };
+        let (velocity, goal, rate) = match command {
+            Command::Move(wanted) => {
+                let (velocity, goal) = before.drive.command(wanted, before.steering.goal);
+                (velocity, goal, f64::INFINITY)
+            }
+            Command::Steer { speed, angle, rate } => (Twist::from([speed, 0.0, 0.0]), angle, rate),
+        };
+        let steering = before.towards(goal, rate, self.time_ns)?;
+        if steering != before {
+            (self.steering, self.stuck) = (Some(steering), None);
+        }
+        self.follow(velocity, body)
+    }
+
+    /// Goes on at the last command.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a number is not finite.
+    pub fn go_on(&mut self, body: Body<'_>) -> Result<(), Error> {
+        self.follow(self.requested, body)
+    }
+
+    /// Requests a velocity of the wheels from now on.
+    fn follow(&mut self, velocity: Twist, body: Body<'_>) -> Result<(), Error> {
         if velocity != self.requested {
             (self.requested, self.stuck) = (velocity, None);
         }
-        if self.is_blocked || (velocity == self.profile.command && self.time_ns < self.profile.until_ns) {
+        let steers_as_before = self.profile.steering.is_none() || self.profile.steering == self.steering;
+        let goes_on = velocity == self.profile.command && self.time_ns < self.profile.until_ns && steers_as_before;
+        if self.is_blocked || goes_on {
             return Ok(());
         }
         let profile = self.following(self.time_ns, body)?;
@@ -298,16 +369,27 @@ impl Robot {
     fn following(&self, time_ns: i64, body: Body<'_>) -> Result<Profile, Error> {
         Ok(Profile {
             start_ns: time_ns,
-            velocity: self.profile.velocity_at(time_ns)?,
+            velocity: self.profile.ramp_velocity_at(time_ns)?,
             command: self.requested,
             until_ns: FOREVER,
             limits: body.limits,
+            steering: self.steering,
         })
+    }
+
+    /// Returns the angle by which each wheel has turned at a time \[ns\], in radians.
+    fn rolled_at(&self, time_ns: i64, steering: &SteeringProfile) -> Result<[f64; MAX_WHEELS], Error> {
+        let angle = steering.angle_at(self.profile.start_ns)?;
+        let since = self.profile.rolled(time_ns, &steering.drive, angle)?;
+        Ok(std::array::from_fn(|wheel| self.rolled[wheel] + since[wheel]))
     }
 
     /// Begins a profile at `pose` in the odometry frame. Default: the pose of the robot.
     fn begin(&mut self, profile: Profile, pose: Option<Pose>, body: Body<'_>) -> Result<(), Error> {
         let time_ns = profile.start_ns;
+        if let Some(steering) = &self.steering {
+            self.rolled = self.rolled_at(time_ns, steering)?;
+        }
         let wheels = if self.wheels.is_some() { Some(self.wheel_pose(time_ns, body)?) } else { None };
         let start = match pose {
             Some(pose) => pose,
@@ -321,7 +403,7 @@ impl Robot {
     /// does.
     fn twist(&self, profile: &Profile, start: Pose, (from, to): (i64, i64), body: Body<'_>) -> Result<Twist, Error> {
         let first = profile.velocity_at(from)?;
-        if profile.limits.is_none() {
+        if profile.is_constant() {
             return Ok(first.scaled(body.grip));
         }
         let last = profile.velocity_at(to)?;
@@ -340,26 +422,25 @@ impl Robot {
     /// Begins the profiles of a step in which contact stopped or deflected the robot.
     fn begin_after_contact(&mut self, step: &Step, contact: Contact, body: Body<'_>) -> Result<(), Error> {
         let end = self.map_from_odom.inverse() * step.reached;
-        let wheels_turn = |start_ns, velocity, until_ns| {
-            let still = Twist::default();
-            Profile { start_ns, velocity: still, command: velocity, until_ns, limits: None }
-        };
+        let standing = |time_ns| Profile::constant(Twist::default(), time_ns, time_ns);
         if body.mode == ContactMode::Stop && contact.fraction > 0.0 {
             let stopped_ns = step.start_ns + (contact.fraction * (step.end_ns - step.start_ns) as f64) as i64;
-            self.begin(wheels_turn(step.start_ns, of_wheels(step.twist, body), stopped_ns), None, body)?;
-            self.begin(Profile::standing(step.end_ns, None), Some(end), body)
+            self.begin(Profile::constant(of_wheels(step.twist, body), step.start_ns, stopped_ns), None, body)?;
+            self.begin(standing(step.end_ns), Some(end), body)
         } else if step.reached == step.start {
             let is_moving = self.profile.velocity_at(step.start_ns)? != Twist::default();
             if is_moving || self.profile.limits.is_some() {
-                return self.begin(Profile::standing(step.start_ns, None), None, body);
+                return self.begin(standing(step.start_ns), None, body);
             }
-            self.stuck = Some((contact, step.end_ns - step.start_ns));
+            // Wheels that still steer may lead the robot away.
+            let steers = self.steering.map_or(Ok(0.0), |steering| steering.rate_at(step.start_ns))? != 0.0;
+            self.stuck = (!steers).then_some((contact, step.end_ns - step.start_ns));
             Ok(())
         } else {
             // The robot slides along the contact, or drives out of an obstacle that moved onto it.
             let velocity = of_wheels(Twist::between(step.start, step.reached, step.duration), body);
-            self.begin(wheels_turn(step.start_ns, velocity, step.end_ns), None, body)?;
-            self.begin(wheels_turn(step.end_ns, velocity, FOREVER), Some(end), body)
+            self.begin(Profile::constant(velocity, step.start_ns, step.end_ns), None, body)?;
+            self.begin(Profile::constant(velocity, step.end_ns, FOREVER), Some(end), body)
         }
     }
 }

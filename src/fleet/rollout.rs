@@ -1,10 +1,12 @@
 //! Rollouts: what would happen to one robot under many sequences of commands.
 
-use super::{Fleet, ROBOTS, check_commands, check_duration, scene};
+use super::command::Command;
+use super::{Fleet, ROBOTS, check_duration, scene};
 use crate::batch::for_each_heavy_chunk_watched;
 use crate::error::Error;
 use crate::interrupt::Watch;
 use crate::memory;
+use crate::motion::DriveCommands;
 
 /// The future of one robot under one sequence of commands.
 #[derive(Debug)]
@@ -33,10 +35,10 @@ impl Fleet {
     /// - [`Error::NoRobot`]: there is no such robot.
     /// - [`Error::Length`]: the number of commands is not that of the poses or contacts of all rollouts.
     /// - Those of [`step`](Self::step).
-    pub fn rollout(
+    pub fn rollout<'a>(
         &self,
         robot: usize,
-        commands: &[[f64; 3]],
+        commands: impl Into<DriveCommands<'a>>,
         duration: f64,
         threads: Option<usize>,
         rollouts: &mut [Rollout<'_>],
@@ -44,8 +46,9 @@ impl Fleet {
         if robot >= self.len() {
             return Err(Error::NoRobot { robot, count: self.len() });
         }
+        let commands = commands.into();
         let (duration_ns, steps) = (check_duration(duration)?, commands.len().checked_div(rollouts.len()).unwrap_or(0));
-        check_commands(commands, Some(steps))?;
+        self.check_commands(commands, Some(steps))?;
         for Rollout { poses, contacts } in &*rollouts {
             for (name, value) in [("poses", poses.len()), ("contacts", contacts.len())] {
                 if value != steps {
@@ -65,9 +68,10 @@ impl Fleet {
             for (number, Rollout { poses, contacts }) in (chunk * CHUNK..).zip(rollouts) {
                 members.clear();
                 members.extend_from_slice(present);
-                let commands = &commands[number * steps..][..steps];
-                for ((&command, pose), contact) in commands.iter().zip(&mut **poses).zip(&mut **contacts) {
-                    scene.step(&mut members, |other| (other == robot).then(|| command.into()), duration_ns)?;
+                let rows = number * steps..(number + 1) * steps;
+                for ((row, pose), contact) in rows.zip(&mut **poses).zip(&mut **contacts) {
+                    let command = |other| (other == robot).then(|| Command::of(commands, row));
+                    scene.step(&mut members, command, duration_ns)?;
                     (*pose, *contact) = (members[own].pose.to_array(), members[own].touch.is_some());
                 }
             }

@@ -1,6 +1,7 @@
 //! One step of a world: its robots move one after another, in time steps, as in the Python class `World`.
 
 use super::FleetOptions;
+use super::command::Command;
 use super::member::{Member, Thing};
 use super::robot::STEP_NS;
 use super::worlds::{FleetWorld, Worlds};
@@ -9,7 +10,7 @@ use crate::error::Error;
 use crate::free_area::Distances;
 use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
-use crate::motion::{Twist, seconds};
+use crate::motion::{FOREVER, seconds};
 use crate::obstacles::Obstacles;
 use crate::world::World;
 
@@ -42,21 +43,25 @@ impl Scene<'_> {
     /// Moves the robots of the world for a duration \[ns\], each at its command.
     ///
     /// # Errors
-    /// - [`Error::Number`]: a pose is not finite, or a robot is far too fast.
+    /// - [`Error::Number`]: a pose is not finite, a robot is far too fast, or the time would be too long.
     /// - [`Error::Memory`], [`Error::Interrupted`].
     pub fn step(
         &self,
         members: &mut [Member],
-        command_of: impl Fn(usize) -> Option<Twist>,
+        command_of: impl Fn(usize) -> Option<Command>,
         duration_ns: i64,
     ) -> Result<(), Error> {
-        let options = self.options;
+        let (options, end_ns) = (self.options, members[0].robot.time_ns() + duration_ns);
+        if end_ns >= FOREVER {
+            return Err(Error::Number { name: "the time of a world", value: seconds(end_ns), needed: "below 4.6e9 s" });
+        }
         for (member, &robot) in members.iter_mut().zip(self.robots()) {
-            let command = command_of(robot).unwrap_or_else(|| member.robot.requested());
-            member.robot.command(command, options.body(robot))?;
+            match command_of(robot) {
+                Some(command) => member.robot.command(command, options.body(robot))?,
+                None => member.robot.go_on(options.body(robot))?,
+            }
             member.touch = None;
         }
-        let end_ns = members[0].robot.time_ns() + duration_ns;
         self.move_until(members, end_ns)?;
         for (member, &robot) in members.iter_mut().zip(self.robots()) {
             member.look(options.body(robot), options.odometry_noise_of(robot))?;

@@ -1,8 +1,11 @@
 //! Robots as words of 64 bits, for pickles.
 
 use crate::error::Error;
-use crate::motion::{FOREVER, Limits, Profile, Twist};
+use crate::motion::{Drive, DriveKind, FOREVER, Limits, Profile, Steering, SteeringProfile, Twist};
 use crate::pose::Pose;
+
+/// Number of words of how a robot on wheels steers.
+const STEERING_WORDS: usize = 12;
 
 /// Writes parts of a state as words.
 #[derive(Debug, Default)]
@@ -27,7 +30,7 @@ impl Writer {
         self.numbers(numbers.unwrap_or([0.0; N]));
     }
 
-    pub fn profile(&mut self, Profile { start_ns, velocity, command, until_ns, limits }: &Profile) {
+    pub fn profile(&mut self, Profile { start_ns, velocity, command, until_ns, limits, steering }: &Profile) {
         self.word(start_ns.unsigned_abs());
         self.numbers(velocity.to_array());
         self.numbers(command.to_array());
@@ -36,6 +39,25 @@ impl Writer {
             let [v, a, d] = [limits.velocity(), limits.acceleration(), limits.deceleration()];
             [v[0], v[1], v[2], a[0], a[1], a[2], d[0], d[1], d[2]]
         }));
+        self.steering(steering.as_ref());
+    }
+
+    /// Writes how a robot on wheels steers, and its wheels.
+    pub fn steering(&mut self, steering: Option<&SteeringProfile>) {
+        let Some(SteeringProfile { drive, start_ns, steering }) = steering else {
+            self.0.extend([0; STEERING_WORDS]);
+            return;
+        };
+        self.word(match drive.kind() {
+            DriveKind::Differential => 1,
+            DriveKind::Omni => 2,
+            DriveKind::Ackermann => 3,
+        });
+        self.numbers([drive.wheelbase(), drive.track(), drive.wheel_speed_limit()]);
+        self.numbers(drive.wheel_radius());
+        self.numbers([drive.steering_limit(), drive.steering_rate()]);
+        self.word(start_ns.unsigned_abs());
+        self.numbers([steering.angle, steering.goal, steering.rate]);
     }
 }
 
@@ -93,6 +115,25 @@ impl Reader<'_> {
         let (until_ns, is_limited) = (self.time_ns()?, self.flag()?);
         let [v, a, d] = [self.any_numbers()?, self.any_numbers()?, self.any_numbers()?];
         let limits = is_limited.then(|| Limits::new(v, a, d)).transpose()?;
-        Ok(Profile { start_ns, velocity, command, until_ns, limits })
+        Ok(Profile { start_ns, velocity, command, until_ns, limits, steering: self.steering()? })
+    }
+
+    pub fn steering(&mut self) -> Result<Option<SteeringProfile>, Error> {
+        let kind = self.at_most(3)?;
+        let [wheelbase, track, speed_limit] = self.any_numbers()?;
+        let radius: [f64; 2] = self.any_numbers()?;
+        let [limit, turn_rate] = self.any_numbers()?;
+        let (start_ns, [angle, goal, rate]) = (self.time_ns()?, self.any_numbers()?);
+        let drive = match kind {
+            0 => return Ok(None),
+            1 => Drive::differential(track, 1.0),
+            2 => Drive::omni(wheelbase, track, 1.0),
+            _ => Drive::ackermann(wheelbase, track, 1.0, limit, turn_rate),
+        };
+        let drive = drive?.with_radii(radius)?.with_wheel_speed_limit(speed_limit)?;
+        if !(angle.is_finite() && goal.is_finite() && rate > 0.0) {
+            return Err(Error::State { problem: "a steering angle that is not finite" });
+        }
+        Ok(Some(SteeringProfile { drive, start_ns, steering: Steering { angle, goal, rate } }))
     }
 }

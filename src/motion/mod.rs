@@ -13,6 +13,7 @@ use glam::DVec2;
 
 pub use course::Course;
 pub(crate) use course::PoseColumns;
+pub(crate) use drive::SteeringProfile;
 pub use drive::{Drive, DriveCommands, DriveKind, DriveState, MAX_STEERING, MAX_WHEELS, Steering, WheelMotion};
 pub use limits::Limits;
 pub use noise::MotionNoise;

@@ -1,6 +1,6 @@
 //! The velocity of a robot's wheels over time, from one command until the next.
 
-use super::{Limits, Twist, integrate};
+use super::{Drive, DriveKind, Limits, MAX_WHEELS, SteeringProfile, Twist, WheelMotion, integrate};
 use crate::error::Error;
 use crate::pose::Pose;
 
@@ -14,6 +14,8 @@ const NANOSECONDS: f64 = 1e9;
 ///
 /// Without limits, the velocity is that of the command from the start until `until_ns`, then zero. With limits, it approaches
 /// the command, and after `until_ns` zero, as fast as they allow.
+///
+/// With a drive, the wheels do what [`WheelMotion`] says. The velocities are then those that [`Drive::command`] returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Profile {
     /// Start time \[ns\].
@@ -26,20 +28,40 @@ pub(crate) struct Profile {
     pub until_ns: i64,
     /// Limits on the velocity and its change; `None` for no limits.
     pub limits: Option<Limits>,
+    /// The drive and how it steers; `None` for a robot that moves in any direction, as its velocity says.
+    pub steering: Option<SteeringProfile>,
 }
 
 impl Profile {
-    /// Returns the profile of wheels that stand still from a time \[ns\] on.
-    pub fn standing(time_ns: i64, limits: Option<Limits>) -> Self {
-        let still = Twist::default();
-        Self { start_ns: time_ns, velocity: still, command: still, until_ns: time_ns, limits }
+    /// Returns the profile of a constant velocity from a time \[ns\] until another one, whatever the wheels can do.
+    pub fn constant(velocity: Twist, start_ns: i64, until_ns: i64) -> Self {
+        Self { start_ns, velocity: Twist::default(), command: velocity, until_ns, limits: None, steering: None }
     }
 
-    /// Returns the velocity of the wheels at a time \[ns\].
+    /// Returns true if the velocity does not change until the command ends.
+    pub fn is_constant(&self) -> bool {
+        self.limits.is_none() && !self.steering.is_some_and(|steering| steering.drive.kind() == DriveKind::Ackermann)
+    }
+
+    /// Returns the velocity at a time \[ns\] of a robot whose wheels do not slip.
     ///
     /// # Errors
     /// [`Error::Number`]: a velocity is not finite.
     pub fn velocity_at(&self, time_ns: i64) -> Result<Twist, Error> {
+        match self.motion_at(time_ns)? {
+            Some((motion, elapsed)) => Ok(motion.velocity(elapsed)),
+            None => self.ramp_velocity_at(time_ns),
+        }
+    }
+
+    /// Returns the velocity at a time \[ns\] from which another profile goes on.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a velocity is not finite.
+    pub fn ramp_velocity_at(&self, time_ns: i64) -> Result<Twist, Error> {
+        if let Some((motion, elapsed)) = self.motion_at(time_ns)? {
+            return Ok(motion.ramp_velocity(elapsed));
+        }
         let Some(limits) = &self.limits else {
             return Ok(if time_ns < self.until_ns { self.command } else { Twist::default() });
         };
@@ -56,17 +78,60 @@ impl Profile {
     /// # Errors
     /// [`Error::Number`]: a number or the resulting pose is not finite.
     pub fn move_from(&self, pose: Pose, time_ns: i64, grip: f64) -> Result<Pose, Error> {
-        let held = self.held(time_ns);
+        let (held, after) = (self.held(time_ns), self.seconds_after_end(time_ns));
+        if let Some(steering) = &self.steering {
+            let pose = self.driving(steering)?.integrate(pose, held, grip)?;
+            return if after == 0.0 { Ok(pose) } else { self.released(steering)?.integrate(pose, after, grip) };
+        }
         let Some(limits) = &self.limits else {
             return integrate(pose, self.command.scaled(grip), held).checked();
         };
         let pose = limits.integrate(pose, self.command, self.velocity, held, grip)?;
-        let after = self.seconds_after_end(time_ns);
         if after == 0.0 {
             return Ok(pose);
         }
         let velocity = limits.apply(self.command, self.velocity, held)?;
         limits.integrate(pose, Twist::default(), velocity, after, grip)
+    }
+
+    /// Returns the angle by which each wheel of a robot has turned from the start to a time \[ns\], in radians.
+    ///
+    /// A profile without a drive must have no limits. The wheels are then those of `drive`, and the steering angle is constant.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a number is not finite.
+    pub fn rolled(&self, time_ns: i64, drive: &Drive, angle: f64) -> Result<[f64; MAX_WHEELS], Error> {
+        let (held, after) = (self.held(time_ns), self.seconds_after_end(time_ns));
+        let Some(steering) = &self.steering else {
+            return Ok(drive.wheels(self.command, angle).map(|rate| rate * held));
+        };
+        let mut rolled = self.driving(steering)?.rolled(held)?;
+        if after != 0.0 {
+            let released = self.released(steering)?.rolled(after)?;
+            rolled.iter_mut().zip(released).for_each(|(sum, part)| *sum += part);
+        }
+        Ok(rolled)
+    }
+
+    /// Returns the motion of the wheels at a time \[ns\] and the time since it began \[s\]; `None` without a drive.
+    fn motion_at(&self, time_ns: i64) -> Result<Option<(WheelMotion, f64)>, Error> {
+        let Some(steering) = &self.steering else { return Ok(None) };
+        Ok(Some(if time_ns < self.until_ns {
+            (self.driving(steering)?, self.held(time_ns))
+        } else {
+            (self.released(steering)?, self.seconds_after_end(time_ns))
+        }))
+    }
+
+    /// Returns the motion of the wheels while the command is held.
+    fn driving(&self, steering: &SteeringProfile) -> Result<WheelMotion, Error> {
+        steering.moving(self.velocity, self.command, self.limits, self.start_ns)
+    }
+
+    /// Returns the motion of the wheels after the end of the command.
+    fn released(&self, steering: &SteeringProfile) -> Result<WheelMotion, Error> {
+        let velocity = self.driving(steering)?.ramp_velocity(self.held(self.until_ns));
+        steering.moving(velocity, Twist::default(), self.limits, self.until_ns)
     }
 
     /// Returns the time for which the command has been followed \[s\].

@@ -9,11 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{
-    check_array, elements, fill, length, rows, rows_of_rows, shape, short_repr, type_name, typed, vector, waypoints,
-    whole_numbers, writable, zeros,
+    check_array, elements, fill, length, rows, shape, short_repr, type_name, typed, vector, waypoints, whole_numbers,
+    writable, zeros,
 };
 use super::beam_model::BeamModel;
 use super::contact::contact_mode;
+use super::drive::Drive;
+use super::fleet_commands::Commands;
 use super::grid::OccupancyGrid;
 use super::limits::Limits;
 use super::motion_noise::MotionNoise;
@@ -43,6 +45,8 @@ use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Tra
 ///     footprint: Outline of the robots; None if they touch nothing.
 ///     contact: What a contact does to the motion, as in `advance`: "stop", "slide" or "report".
 ///     limits: Limits on the velocity and its change: for all robots, or a sequence with one for each. None means no limits.
+///     drive: The wheels: for all robots, or a sequence with one of the same kind for each. None means robots that move in any
+///         direction.
 ///     slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
 ///     scanner: The scanner on each robot; None for no scans.
 ///     noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
@@ -354,6 +358,7 @@ impl Fleet {
             footprint = None,
             contact = "stop",
             limits = None,
+            drive = None,
             slip = None,
             scanner = None,
             noise = None,
@@ -364,7 +369,7 @@ impl Fleet {
             clearance_limit = None,
         ),
         text_signature = "(grids, poses=None, *, seeds=None, grid_of=None, footprint=None, contact='stop', limits=None, \
-                          slip=None, scanner=None, noise=None, odometry_noise=None, world_of=None, obstacles=(), \
+                          drive=None, slip=None, scanner=None, noise=None, odometry_noise=None, world_of=None, obstacles=(), \
                           clearance=0.0, clearance_limit=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
@@ -377,6 +382,7 @@ impl Fleet {
         footprint: Option<FootprintArgument<'_>>,
         contact: &str,
         limits: Option<&Bound<'_, PyAny>>,
+        drive: Option<&Bound<'_, PyAny>>,
         slip: Option<&Bound<'_, PyAny>>,
         scanner: Option<&Bound<'_, PyAny>>,
         noise: Option<&Bound<'_, PyAny>>,
@@ -424,6 +430,7 @@ impl Fleet {
             },
         };
         let limits = one_or_each("limits", "Limits", limits, |value| Some(value.cast::<Limits>().ok()?.get().0))?;
+        let drives = one_or_each("drive", "Drive", drive, |value| Some(value.cast::<Drive>().ok()?.get().0))?;
         let noise = one_or_each("noise", "BeamModel", noise, |value| Some(value.cast::<BeamModel>().ok()?.get().0))?;
         let odometry_noise = one_or_each("odometry_noise", "MotionNoise", odometry_noise, |value| {
             Some(value.cast::<MotionNoise>().ok()?.get().0)
@@ -432,6 +439,7 @@ impl Fleet {
             footprint: footprint.map(|footprint| footprint.get().clone()),
             contact: contact_mode("contact", contact)?,
             limits,
+            drives,
             slip,
             scanner,
             noise,
@@ -455,8 +463,9 @@ impl Fleet {
     /// If there is an error, or the call is interrupted, no robot has moved; the arrays of `out` may have changed.
     ///
     /// Args:
-    ///     commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000.
-    ///         Anything that NumPy can convert to float64 without loss.
+    ///     commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000. With a
+    ///         drive, the wheels do what they can of it: see `Drive.command`. For Ackermann drives also (N, 2), the speed and
+    ///         the steering angle of each robot [m/s, rad]. Anything that NumPy can convert to float64 without loss.
     ///     duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
     ///     scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
     ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -496,11 +505,7 @@ impl Fleet {
         let mut fleet = borrowed(slf)?;
         fleet.refresh(py)?;
         let count = fleet.core.len();
-        let commands = rows("commands", commands, None)?;
-        if commands.len() != count {
-            let text = format!("commands must have shape ({count}, 3), got ({}, 3)", commands.len());
-            return Err(PyValueError::new_err(text));
-        }
+        let commands = Commands::of_robots(commands, count)?;
         let beam_count = fleet.beam_count().filter(|_| scan);
         let options = fleet.core.options();
         let has_clearances = options.clearance_limit.is_some() && options.footprint.is_some();
@@ -533,7 +538,7 @@ impl Fleet {
         let (contacts, points) = (contacts.as_slice_mut()?, points.as_slice_mut()?);
         let ranges = ranges.as_mut().map(|ranges| ranges.as_slice_mut()).transpose()?;
         let core = &mut fleet.core;
-        let commands: &[[f64; 3]] = &commands;
+        let commands = commands.of_core();
         py.detach(|| {
             core.step(commands, duration, threads, ranges)?;
             let (poses, velocities, points) =
@@ -689,8 +694,8 @@ impl Fleet {
     ///         means those that were saved.
     ///
     /// Raises:
-    ///     ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, or a robot or a map does
-    ///         not exist. Nothing changes.
+    ///     ValueError: The mask has the wrong shape, there is neither one state nor one for each robot, a robot or a map does
+    ///         not exist, or a robot has another drive than the one saved. Nothing changes.
     ///     TypeError: An argument has the wrong type.
     ///     RuntimeError: Another thread uses the fleet.
     ///
@@ -761,9 +766,9 @@ impl Fleet {
     /// another. The other robots of its world go on at their last commands.
     ///
     /// Args:
-    ///     commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. Anything
-    ///         that NumPy can convert to float64 without loss. An array in C order is read in place, so no other thread may
-    ///         write to it during the call.
+    ///     commands: (K, T, 3), T commands (vx, vy, wz) for each of K rollouts [m/s, m/s, rad/s], each at most 1000. For an
+    ///         Ackermann drive also (K, T, 2), speeds and steering angles [m/s, rad]. Anything that NumPy can convert to
+    ///         float64 without loss. An array in C order is read in place, so no other thread may write to it during the call.
     ///     duration: Duration of a command [s], at most 1e6.
     ///     robot: Index of the robot.
     ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -802,7 +807,7 @@ impl Fleet {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, threads, duration) = (slf.py(), thread_count(threads)?, duration.named("duration")?);
         let robot = robot.map_or(Ok(0), |robot| whole_number("robot", robot, "at least 0"))?;
-        let (commands, [count, steps]) = rows_of_rows("commands", commands)?;
+        let (commands, [count, steps]) = Commands::of_rollouts(commands)?;
         let mut fleet = borrowed(slf)?;
         fleet.refresh(py)?;
         let (poses, contacts) = (zeros::<f64>(py, &[count, steps, 3])?, zeros::<bool>(py, &[count, steps])?);
@@ -811,7 +816,7 @@ impl Fleet {
             let mut contacts = writable::<bool>(&contacts, &[count, steps])?;
             let (poses, contacts) = (poses.as_slice_mut()?.as_chunks_mut().0, contacts.as_slice_mut()?);
             let core = &fleet.core;
-            let commands: &[[f64; 3]] = &commands;
+            let commands = commands.of_core();
             py.detach(|| {
                 let length = steps.max(1);
                 let pairs = poses.chunks_mut(length).zip(contacts.chunks_mut(length));
@@ -842,6 +847,46 @@ impl Fleet {
             numbers.as_chunks_mut().0.iter_mut().zip(core.velocities()).for_each(|(row, twist)| *row = twist.to_array());
             Ok(())
         })
+    }
+
+    /// Returns what the joints of the robots do now.
+    ///
+    /// The joints are the wheels in the order of `Drive`, then the steering of the left and of the right front wheel.
+    ///
+    /// Returns:
+    ///     Positions (N, J) float64 [rad], those of wheels since the last reset, and rates (N, J) float64 [rad/s]. J is 2 for a
+    ///     differential, 4 for an omni and 6 for an Ackermann drive, and 0 without a drive.
+    ///
+    /// Raises:
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
+    ///     >>> drive = mrs.Drive.differential(track=0.5, wheel_radius=0.1)
+    ///     >>> fleet = mrs.Fleet(grid, [(1.0, 1.0, 0.0)], drive=drive)
+    ///     >>> step = fleet.step([(1.0, 0.0, 1.0)], 2.0)
+    ///     >>> fleet.joints()
+    ///     (array([[15., 25.]]), array([[ 7.5, 12.5]]))
+    fn joints<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (fleet, py) = (borrowed(slf)?, slf.py());
+        let dimensions = [fleet.core.len(), fleet.core.joint_count()];
+        let (positions, rates) = (zeros::<f64>(py, &dimensions)?, zeros::<f64>(py, &dimensions)?);
+        {
+            let mut positions = writable::<f64>(&positions, &dimensions)?;
+            let mut rates = writable::<f64>(&rates, &dimensions)?;
+            fleet.core.joints(positions.as_slice_mut()?, rates.as_slice_mut()?)?;
+        }
+        Ok((positions, rates))
+    }
+
+    /// Steering angle of each robot now: (N,) float64 [rad], a new array; 0 for robots that do not steer.
+    #[getter]
+    fn steering<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let fleet = borrowed(slf)?;
+        let core = &fleet.core;
+        fill(slf.py(), None, &[core.len()], |angles: &mut [f64]| core.steering(angles))
     }
 
     /// Time of the world of each robot: (N,) float64 [s], a new array.
@@ -911,6 +956,13 @@ impl Fleet {
     fn limits(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<Limits>>> {
         let limits = borrowed(slf)?.core.options().limits.iter().copied().map(Limits).collect::<Vec<_>>();
         Ok(Some(limits).filter(|limits| !limits.is_empty()))
+    }
+
+    /// The wheels: one drive for all robots, or one for each; None for robots that move in any direction.
+    #[getter]
+    fn drive(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<Drive>>> {
+        let drives = borrowed(slf)?.core.options().drives.iter().copied().map(Drive).collect::<Vec<_>>();
+        Ok(Some(drives).filter(|drives| !drives.is_empty()))
     }
 
     /// Share of the commanded motion that slipping wheels lose, for each robot; None for none.
@@ -983,6 +1035,7 @@ impl Fleet {
         keywords.set_item("footprint", Self::footprint(slf)?)?;
         keywords.set_item("contact", Self::contact(slf)?)?;
         keywords.set_item("limits", Self::limits(slf)?)?;
+        keywords.set_item("drive", Self::drive(slf)?)?;
         keywords.set_item("slip", Self::slip(slf)?)?;
         keywords.set_item("scanner", Self::scanner(slf)?)?;
         keywords.set_item("noise", Self::noise(slf)?)?;

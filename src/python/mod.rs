@@ -11,6 +11,7 @@ mod beam_model;
 mod contact;
 mod drive;
 mod fleet;
+mod fleet_commands;
 mod grid;
 mod interrupt;
 mod likelihood_field;

@@ -27,6 +27,7 @@ FLEET = mrs.Fleet(
     footprint=mrs.Shape.disc(0.1),
     contact="slide",
     limits=[mrs.Limits(acceleration=(1.0, 1.0, 1.0)), mrs.Limits(velocity=(2.0, 2.0, 2.0))],
+    drive=CAR,
     slip=[0.1, 0.0],
     scanner=mrs.LaserScanner(beam_count=5),
     noise=mrs.BeamModel(),

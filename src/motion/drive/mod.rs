@@ -2,9 +2,11 @@
 
 mod odometry;
 mod quadrature;
+mod steering_profile;
 mod step;
 mod wheel_motion;
 
+pub(crate) use steering_profile::SteeringProfile;
 pub use step::{DriveCommands, DriveState};
 pub use wheel_motion::{Steering, WheelMotion};
 

@@ -20,11 +20,37 @@ pub enum DriveCommands<'a> {
     Steered(&'a [[f64; 2]]),
 }
 
-impl DriveCommands<'_> {
-    fn len(&self) -> usize {
+impl<'a> From<&'a [[f64; 3]]> for DriveCommands<'a> {
+    fn from(twists: &'a [[f64; 3]]) -> Self {
+        Self::Twists(twists)
+    }
+}
+
+impl<'a, const N: usize> From<&'a [[f64; 3]; N]> for DriveCommands<'a> {
+    fn from(twists: &'a [[f64; 3]; N]) -> Self {
+        Self::Twists(twists)
+    }
+}
+
+impl<'a> From<&'a [[f64; 2]]> for DriveCommands<'a> {
+    fn from(rows: &'a [[f64; 2]]) -> Self {
+        Self::Steered(rows)
+    }
+}
+
+impl<'a> DriveCommands<'a> {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Twists(rows) => rows.len(),
             Self::Steered(rows) => rows.len(),
+        }
+    }
+
+    /// Returns the numbers of a row.
+    pub(crate) fn row(&self, row: usize) -> &'a [f64] {
+        match self {
+            Self::Twists(rows) => &rows[row],
+            Self::Steered(rows) => &rows[row],
         }
     }
 }

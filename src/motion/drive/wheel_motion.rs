@@ -23,11 +23,14 @@ impl Steering {
     /// Straight ahead.
     pub const STRAIGHT: Self = Self { angle: 0.0, goal: 0.0, rate: f64::INFINITY };
 
-    /// Returns the steering within the limits of a drive.
+    /// Returns the steering of a robot with a drive: within its limits, and straight ahead if it does not steer.
     ///
     /// # Errors
     /// [`Error::Number`] if an angle is not finite or the rate is not positive. The rate can be infinite.
-    fn limited(self, drive: &Drive) -> Result<Self, Error> {
+    pub(super) fn of(self, drive: &Drive) -> Result<Self, Error> {
+        if drive.kind != DriveKind::Ackermann {
+            return Ok(Self::STRAIGHT);
+        }
         let limit = drive.steering_limit;
         check_finite("steering_angle", self.angle)?;
         check_finite("steering_goal", self.goal)?;
@@ -102,14 +105,12 @@ impl WheelMotion {
             DriveKind::Ackermann => Twist::from([twist.linear.x, 0.0, 0.0]),
         };
         let mut limits = *limits;
-        let steering = if drive.kind == DriveKind::Ackermann {
+        if drive.kind == DriveKind::Ackermann {
             let axle = 0.5 * (drive.radius[0] + drive.radius[1]) * drive.wheel_speed_limit;
             limits.velocity[0] = limits.velocity[0].min(axle);
-            steering.limited(&drive)?
-        } else {
-            Steering::STRAIGHT
-        };
-        Ok(Self { drive, ramp: Ramp::new(&limits, possible(current), possible(wanted)), steering })
+        }
+        let ramp = Ramp::new(&limits, possible(current), possible(wanted));
+        Ok(Self { drive, ramp, steering: steering.of(&drive)? })
     }
 
     /// Returns the velocity of the robot after a time \[s\], if its wheels do not slip.

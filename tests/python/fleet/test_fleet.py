@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import pickle
+import re
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -265,6 +267,128 @@ def test_one_state_goes_to_many_robots() -> None:
         assert bytes_of(step, slice(robot, robot + 1)) == bytes_of(expected, slice(8, 9))
 
 
+CAR = mrs.Drive.ackermann(wheelbase=0.4, track=0.3, wheel_radius=0.1, steering_limit=0.6, steering_rate=0.8)
+WIDE = mrs.Drive.ackermann(wheelbase=0.5, track=0.4, wheel_radius=0.1, steering_limit=0.5, wheel_speed_limit=9.0)
+DRIVES = [[CAR, WIDE][robot % 2] for robot in range(COUNT)]
+
+
+def wheels_of(fleet: mrs.Fleet, robots: slice = slice(None)) -> list[bytes]:
+    """Returns what the wheels of some of the robots do, as bytes."""
+    return [array[robots].tobytes() for array in (*fleet.joints(), fleet.steering)]
+
+
+@pytest.mark.parametrize("columns", [[0, 1, 2], [0, 2]])
+def test_threads_and_splits_change_no_byte_of_robots_on_wheels(columns: list[int]) -> None:
+    whole, parts = fleet_of(slice(None), drive=DRIVES), [slice(0, 1), slice(1, 37), slice(37, None)]
+    others = [(part, fleet_of(part, drive=DRIVES[part]), 2) for part in parts]
+    others.append((slice(None), fleet_of(slice(None), drive=DRIVES), 1))
+    touched = 0
+    for index in range(40):
+        commands = commands_of(index)[:, columns]
+        step = whole.step(commands, 0.1)
+        touched += int(step.contacts.sum())
+        for robots, fleet, threads in others:
+            assert bytes_of(fleet.step(commands[robots], 0.1, threads=threads)) == bytes_of(step, robots)
+            assert wheels_of(fleet) == wheels_of(whole, robots)
+    assert touched > 100 and np.abs(whole.steering).max() > 0.4
+
+
+@pytest.mark.parametrize("columns", [[0, 1, 2], [0, 2]])
+def test_rollouts_on_wheels_are_steps_while_the_others_go_on(columns: list[int]) -> None:
+    together = {"drive": DRIVES, "world_of": np.arange(COUNT) % 12}
+    commands = np.random.default_rng(5).uniform((0.2, -0.3, -1.0), (1.8, 0.3, 1.0), (4, 25, 3))[:, :, columns]
+
+    def begun() -> mrs.Fleet:
+        fleet = fleet_of(slice(None), **together)
+        for index in range(3):
+            fleet.step(commands_of(index)[:, columns], 0.1)
+        return fleet
+
+    fleet, last = begun(), commands_of(2)[:, columns]
+    before = fleet.save().words.tobytes()
+    poses, contacts = fleet.rollout(commands, 0.15, robot=8)
+    assert fleet.save().words.tobytes() == before and contacts.any() and not contacts.all()
+    for row in range(4):
+        other = begun()
+        for index in range(25):
+            last[8] = commands[row, index]
+            step = other.step(last, 0.15, scan=False)
+            assert step.poses[8].tobytes() == poses[row, index].tobytes()
+            assert step.contacts[8] == contacts[row, index]
+
+
+def test_another_car_goes_on_in_its_circle_during_a_rollout() -> None:
+    def begun() -> mrs.Fleet:
+        poses = [(4.6, 6.5, -math.pi / 2), (4.0, 4.0, 0.0)]
+        fleet = mrs.Fleet(hall(8.0), poses, footprint=mrs.Shape.disc(0.3), drive=CAR, world_of=[0, 0])
+        fleet.step([(0.0, 0.0), (0.5, 0.6)], 0.1)
+        return fleet
+
+    poses, contacts = begun().rollout([[(0.5, 0.0)] * 12], 0.3)
+    fleet = begun()
+    steps = [fleet.step([(0.5, 0.0), (0.5, 0.6)], 0.3) for _ in range(12)]
+    assert np.array([step.poses[0] for step in steps]).tobytes() == poses[0].tobytes()
+    assert [bool(step.contacts[0]) for step in steps] == contacts[0].tolist()
+    assert contacts.any() and not contacts.all()  # It meets the car in its circle.
+
+
+def test_saved_robots_on_wheels_go_on_as_if_nothing_had_happened() -> None:
+    fleet = fleet_of(slice(None), drive=DRIVES)
+    for index in range(4):
+        fleet.step(commands_of(index), 0.07)
+    state, copy = fleet.save(), pickle.loads(pickle.dumps(fleet))
+    expected = [(bytes_of(fleet.step(commands_of(index), 0.07)), wheels_of(fleet)) for index in range(9)]
+    assert copy.drive == DRIVES
+    fleet.restore(mrs.FleetState(state.words))
+    for again in (fleet, copy):
+        assert [(bytes_of(again.step(commands_of(index), 0.07)), wheels_of(again)) for index in range(9)] == expected
+    for drive in (None, WIDE):
+        with pytest.raises(ValueError, match="the state of robot 0 must be of a robot with the same drive, got one with"):
+            fleet_of(slice(None), drive=drive).restore(state)
+
+
+def test_wheels_that_still_steer_lead_a_robot_away_from_the_wall() -> None:
+    grid = mrs.OccupancyGrid(np.pad(np.zeros((40, 40), np.int8), 1, constant_values=100), resolution=0.1)
+    slow = mrs.Drive.ackermann(wheelbase=0.4, track=0.3, wheel_radius=0.1, steering_limit=0.6, steering_rate=0.2)
+    # Its front left corner is 5 mm from a wall to its left.
+    body = mrs.Shape.polygon([(-0.1, -0.2), (0.6, -0.2), (0.6, 0.2), (-0.1, 0.2)])
+    fleet = mrs.Fleet(grid, [(1.0, 3.895, 0.0)], footprint=body, drive=slow)
+    assert fleet.step([(0.2, 0.6)], 3.0).contacts[0]
+    pressed = fleet.poses
+    assert fleet.step([(0.2, -0.6)], 2.0).contacts[0] and fleet.poses.tobytes() == pressed.tobytes()
+    # After 3 s, the wheels steer to the right.
+    fleet.step([(0.2, -0.6)], 1.1)
+    assert not fleet.step([(0.2, -0.6)], 4.0).contacts[0]
+    assert fleet.poses[0, 0] > 1.2 and fleet.poses[0, 1] < 3.9
+
+
+def test_wrong_commands_of_robots_on_wheels_are_refused() -> None:
+    car = fleet_of(slice(None), drive=CAR)
+    cases: list[tuple[mrs.Fleet, Any, str]] = [
+        (car, np.zeros((2, 2)), "commands must have shape (60, 2), got (2, 2)"),
+        (car, np.zeros((COUNT, 4)), "commands must have shape (N, 3), got (60, 4)"),
+        (car, np.full((COUNT, 2), np.nan), "the command of robot 0 must be finite and at most 1000 on each axis, got [NaN"),
+        (fleet_of(slice(None)), np.zeros((COUNT, 2)), "commands must be rows (vx, vy, wz) for robots without an Acker"),
+    ]
+    for fleet, commands, message in cases:
+        before = fleet.save().words.tobytes()
+        with pytest.raises(ValueError, match=re.escape(message)):
+            fleet.step(commands, 0.1)
+        assert fleet.save().words.tobytes() == before
+    with pytest.raises(ValueError, match="without an Ackermann drive"):
+        fleet_of(slice(None)).rollout(np.zeros((1, 3, 2)), 0.1)
+
+
+def test_the_time_of_a_world_is_bounded() -> None:
+    fleet = mrs.Fleet(hall(4.0), [(2.0, 2.0, 0.0)])
+    state = fleet.save().words
+    state[0, 1] = 2**62 - 1_000_000_000  # the time of the robot [ns]
+    fleet.restore(mrs.FleetState(state))
+    fleet.step(np.zeros((1, 3)), 0.5)
+    with pytest.raises(ValueError, match=r"the time of a world must be below 4\.6e9 s, got 4611686018\.5"):
+        fleet.step(np.zeros((1, 3)), 0.6)
+
+
 def test_goals_are_seen_from_the_robot() -> None:
     fleet = mrs.Fleet(hall(8.0), [(1.0, 1.0, math.pi / 2), (2.0, 1.0, math.pi), (4.0, 4.0, 0.0)])
     seen = fleet.relative([(1.0, 4.0), (2.0, 3.0), (4.0, 4.0)])
@@ -368,6 +492,13 @@ def test_wrong_calls_say_what_is_wrong_and_change_nothing(
         ({"seeds": [1], "grid_of": [3]}, ValueError, "grid of robot 0 must be below 3, got 3"),
         ({"seeds": [1, 2, 3], "limits": [mrs.Limits()] * 2}, ValueError, "limits must have 3 elements, got 2"),
         ({"seeds": [1, 2, 3], "limits": 3.0}, TypeError, "limits must be one Limits or a sequence of them, got 3.0"),
+        ({"seeds": [1, 2, 3], "drive": 3.0}, TypeError, "drive must be one Drive or a sequence of them, got 3.0"),
+        ({"seeds": [1, 2, 3], "drive": [CAR] * 2}, ValueError, "drive must have 3 elements, got 2"),
+        (
+            {"seeds": [1, 2, 3], "drive": [CAR, WIDE, mrs.Drive.differential(track=0.3, wheel_radius=0.1)]},
+            ValueError,
+            "the drives of a fleet must be of one kind, got another one for robot 2",
+        ),
         ({"seeds": [1, 2, 3], "slip": 2.0}, ValueError, "slip must be in 0..1, got 2"),
         ({"seeds": [1, 2, 3], "noise": mrs.BeamModel()}, ValueError, "noise needs a scanner, got scanner=None"),
         ({"seeds": [1, 2, 3], "clearance": 50.0}, ValueError, "no known free place for a disc of radius 50 m"),
