@@ -315,11 +315,10 @@ impl LaserScanner {
             NoReturn::BelowMax => (max - BELOW_MAX).min(max.next_down()).max(min),
         };
         for reading in readings {
-            if *reading < min {
-                *reading = f32::NEG_INFINITY;
-            } else if *reading >= max {
-                *reading = missing;
-            }
+            // A value for each reading, not a branch, so that the compiler uses vector instructions.
+            let value = *reading;
+            let far = if value >= max { missing } else { value };
+            *reading = if value < min { f32::NEG_INFINITY } else { far };
         }
     }
 
