@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -88,6 +88,10 @@ class DriveProfile(VelocityProfile):
     """
 
     steering: Steering
+
+    def held_until(self, until_ns: int) -> DriveProfile:
+        """Returns this profile with a command that ends at another time [ns]."""
+        return replace(self, until_ns=until_ns)
 
     @property
     def is_constant(self) -> bool:

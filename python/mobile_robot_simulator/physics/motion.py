@@ -369,8 +369,8 @@ class Motion:
         until_ns, profile = self._end_of_command(time_ns), self._profile
         steers_as_before = not isinstance(profile, DriveProfile) or profile.steering is self._steering
         if velocity == profile.command and time_ns < profile.until_ns and steers_as_before:
-            self._profile = replace(self._profile, until_ns=until_ns)
-            self.segments[-1] = replace(self.segments[-1], profile=self._profile)
+            self._profile, last = profile.held_until(until_ns), self.segments[-1]
+            self.segments[-1] = Segment(last.start_ns, last.pose, self._profile, last.grip)
         else:
             self._begin(self._following(velocity, time_ns, until_ns))
 

@@ -43,6 +43,10 @@ class VelocityProfile:
     until_ns: int
     limits: Limits | None = None
 
+    def held_until(self, until_ns: int) -> VelocityProfile:
+        """Returns this profile with a command that ends at another time [ns]."""
+        return VelocityProfile(self.start_ns, self.velocity, self.command, until_ns, self.limits)
+
     @property
     def is_constant(self) -> bool:
         """True if the velocity does not change until the command ends."""
