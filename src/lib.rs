@@ -84,7 +84,7 @@ mod world;
 pub use beam_fit::{BeamFit, INCIDENCE_BANDS};
 pub use beam_model::{BeamModel, BeamModelOptions};
 pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
-pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, touches};
+pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, stays_clear, touches};
 pub use error::Error;
 pub use fleet::{Fleet, FleetObstacle, FleetOptions, FleetState, MAX_COMMAND, Reset, Rollout, Thing, Touch};
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};

@@ -32,6 +32,7 @@ __all__ = [
     "clearance",
     "clearance_batch",
     "integrate_twist",
+    "stays_clear",
     "touches",
 ]
 
@@ -2841,6 +2842,45 @@ def clearance_batch(
         >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
         >>> mrs.clearance_batch(grid, mrs.Shape.disc(0.5), [(0.5, 0.5, 0.0), (1.0, 0.5, 0.0)], limit=9.0)
         array([1. , 0.5])
+    """
+
+def stays_clear(
+    grid: OccupancyGrid,
+    footprint: Shape,
+    pose: _PoseLike,
+    velocity: _TwistLike,
+    command: _TwistLike,
+    dt: float,
+    *,
+    obstacles: _Obstacles = (),
+) -> bool:
+    """Returns True if a quick look shows that a robot touches nothing for some time. False means that it may touch something.
+
+    The cost grows with the number of obstacles and with the cells that the robot could reach.
+
+    Args:
+        grid: Map that the robot moves in. Outside the grid is free.
+        footprint: Outline of the robot in its own frame.
+        pose: Pose (x, y, yaw) of the robot in the map frame at the start [m, m, rad].
+        velocity: Velocity (vx, vy, wz) in the robot's frame at the start [m/s, m/s, rad/s].
+        command: Velocity (vx, vy, wz) that it approaches. Each component stays between the two, or between zero and one of
+            them.
+        dt: The time [s].
+        obstacles: Pairs (Shape, pose), with poses in the map frame. They stand still.
+
+    Raises:
+        ValueError: The pose is not finite.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> from mobile_robot_simulator._core import stays_clear
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> robot, pose, standing = mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), (0.0, 0.0, 0.0)
+        >>> [stays_clear(grid, robot, pose, standing, (1.0, 0.0, 0.0), dt) for dt in (0.2, 2.0)]
+        [True, False]
     """
 
 def advance(

@@ -7,6 +7,7 @@ use glam::DVec2;
 use crate::error::Error;
 use crate::grid::Cell;
 use crate::memory;
+use crate::obstacles::Body;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
@@ -46,6 +47,19 @@ impl<'a> Blockers<'a> {
         let mut blockers = Self::none(world);
         blockers.gather(center, radius)?;
         Ok(blockers)
+    }
+
+    /// Returns true if there are no pieces within `radius` \[m\] of a point in the frame of the grid. May return false though
+    /// there are none.
+    pub fn is_empty_around(world: World<'_>, center: DVec2, radius: f64) -> bool {
+        let grid = world.grid;
+        let (cols, mut rows) = grid.cells_between(grid.in_cells(center - radius), grid.in_cells(center + radius));
+        let in_map = grid.options().origin.transform_point(center);
+        let is_near = |(index, body): (usize, &Body)| {
+            let (middle, reach) = body.bounds();
+            world.except != Some(index) && middle.distance(in_map) <= radius + reach
+        };
+        !world.obstacles.bodies().iter().enumerate().any(is_near) && !rows.any(|row| grid.has_blocking(row, cols.clone()))
     }
 
     /// Replaces the pieces by those within `radius` \[m\] of another point. May add pieces that are a little farther away.

@@ -87,6 +87,38 @@ pub fn touches<'a>(world: impl Into<World<'a>>, footprint: &Shape, pose: Pose) -
     Ok(footprint.overlaps(pose, &blockers))
 }
 
+/// Returns true if a quick look shows that a robot touches nothing for `duration` seconds. False means that it may.
+///
+/// During this time, each component of its velocity must lie between those of `twists`, or between zero and one of them. `pose`
+/// is its pose at the start in the map frame.
+///
+/// # Errors
+/// [`Error::Number`]: the pose is not finite.
+pub fn stays_clear<'a>(
+    world: impl Into<World<'a>>,
+    footprint: &Shape,
+    pose: Pose,
+    twists: [Twist; 2],
+    duration: f64,
+) -> Result<bool, Error> {
+    /// Farthest look in cells, so that a look is cheap.
+    const LIMIT: f64 = 100.0;
+    let world = world.into();
+    let center = world.grid.pose_in_grid(pose.checked()?).position;
+    let radius = footprint.reach() + MARGIN + top_speed(twists) * duration;
+    Ok(radius <= LIMIT * world.grid.resolution() && Blockers::is_empty_around(world, center, radius))
+}
+
+/// Distance \[m\] by which a footprint must miss everything if nobody looks for contact: far more than the tolerance of a
+/// contact.
+pub(crate) const MARGIN: f64 = 1e-3;
+
+/// Returns a speed \[m/s\] that a robot does not exceed whose velocity is between `twists`, also if it is moved in time steps.
+pub(crate) fn top_speed([before, after]: [Twist; 2]) -> f64 {
+    // A time step follows an arc between two poses of the path, which may be longer than the path, but not twice as long.
+    2.0 * before.linear.abs().max(after.linear.abs()).length()
+}
+
 /// Returns the distance \[m\] between a footprint at a pose and the nearest blocking cell or obstacle.
 ///
 /// The distance is 0 if they share a point, and `limit` \[m\] if nothing is nearer than that. `pose` is that of the

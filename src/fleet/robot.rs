@@ -5,7 +5,7 @@
 
 use super::command::Command;
 use super::words::{Reader, Writer};
-use crate::contact::{Contact, ContactMode, advance};
+use crate::contact::{Contact, ContactMode, MARGIN, advance, top_speed};
 use crate::error::Error;
 use crate::free_area::Distances;
 use crate::grid::Cell;
@@ -16,10 +16,6 @@ use crate::world::World;
 
 /// Time step in which contact is looked for \[ns\].
 pub const STEP_NS: i64 = 20_000_000;
-
-/// Distance \[m\] by which a footprint must miss everything for a time step without a look for contact: far more than the
-/// tolerance of a contact.
-const MARGIN: f64 = 1e-3;
 
 /// Turn in a time step \[rad\] up to which the twist between two poses is unique. It must be below π.
 const LARGEST_TURN: f64 = 3.0;
@@ -204,13 +200,6 @@ impl Robot {
         self.wheel_pose(self.time_ns, body)
     }
 
-    /// Returns a speed \[m/s\] that the robot does not exceed, also if it is moved in time steps.
-    fn top_speed(&self) -> f64 {
-        let (before, after) = (self.profile.velocity.linear.abs(), self.profile.command.linear.abs());
-        // A time step follows an arc between two poses of the path, which may be longer than the path, but not twice as long.
-        2.0 * before.max(after).length()
-    }
-
     /// Moves the robot, which can touch nothing, to a time \[ns\].
     pub fn pass(&mut self, end_ns: i64) {
         (self.time_ns, self.here) = (end_ns, None);
@@ -223,7 +212,8 @@ impl Robot {
         let (Some(footprint), false) = (body.footprint, self.is_blocked) else { return };
         let at = world.grid.to_cells(map_pose.position);
         let Some(Cell { col, row }) = world.grid.cell_around(at) else { return };
-        let (reach, speed) = (footprint.reach() + MARGIN, self.top_speed());
+        let speed = top_speed([self.profile.velocity, self.profile.command]);
+        let reach = footprint.reach() + MARGIN;
         let needed = reach + speed * seconds(end_ns - self.time_ns);
         let resolution = world.grid.resolution();
         let to_walls = if distances.is_clear(col, row, needed / resolution) {

@@ -133,6 +133,53 @@ pub fn touches(
     Ok(py.detach(|| crate::touches((&*grid, &obstacles.0), footprint, pose.0))?)
 }
 
+/// Returns True if a quick look shows that a robot touches nothing for some time. False means that it may touch something.
+///
+/// The cost grows with the number of obstacles and with the cells that the robot could reach.
+///
+/// Args:
+///     grid: Map that the robot moves in. Outside the grid is free.
+///     footprint: Outline of the robot in its own frame.
+///     pose: Pose (x, y, yaw) of the robot in the map frame at the start [m, m, rad].
+///     velocity: Velocity (vx, vy, wz) in the robot's frame at the start [m/s, m/s, rad/s].
+///     command: Velocity (vx, vy, wz) that it approaches. Each component stays between the two, or between zero and one of
+///         them.
+///     dt: The time [s].
+///     obstacles: Pairs (Shape, pose), with poses in the map frame. They stand still.
+///
+/// Raises:
+///     ValueError: The pose is not finite.
+///
+/// Examples:
+///     The only wall covers x from 2 m to 3 m:
+///
+///     >>> import numpy as np
+///     >>> import mobile_robot_simulator as mrs
+///     >>> from mobile_robot_simulator._core import stays_clear
+///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+///     >>> robot, pose, standing = mrs.Shape.disc(0.5), (0.5, 0.5, 0.0), (0.0, 0.0, 0.0)
+///     >>> [stays_clear(grid, robot, pose, standing, (1.0, 0.0, 0.0), dt) for dt in (0.2, 2.0)]
+///     [True, False]
+#[pyfunction]
+#[pyo3(
+    text_signature = "(grid, footprint, pose, velocity, command, dt, *, obstacles=())",
+    signature = (grid, footprint, pose, velocity, command, dt, *, obstacles = ObstaclesArgument::none())
+)]
+#[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+pub fn stays_clear(
+    grid: GridArgument<'_>,
+    footprint: FootprintArgument<'_>,
+    pose: PoseArgument,
+    velocity: Argument<[f64; 3]>,
+    command: Argument<[f64; 3]>,
+    dt: Argument<f64>,
+    obstacles: ObstaclesArgument,
+) -> PyResult<bool> {
+    let twists = [velocity.named("velocity")?.into(), command.named("command")?.into()];
+    let world = (&*grid.get().core(), &obstacles.0);
+    Ok(crate::stays_clear(world, footprint.get(), pose.0, twists, dt.named("dt")?)?)
+}
+
 /// Returns the exact distance [m] from a footprint to the nearest blocking cell or obstacle.
 ///
 /// Args:

@@ -90,7 +90,7 @@ mod _core {
     #[pymodule_export]
     use super::beam_model::BeamModel;
     #[pymodule_export]
-    use super::contact::{Contact, advance, clearance, clearance_batch, touches};
+    use super::contact::{Contact, advance, clearance, clearance_batch, stays_clear, touches};
     #[pymodule_export]
     use super::drive::Drive;
     #[pymodule_export]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use mobile_robot_simulator::{
     CONTACT_TOLERANCE, Contact, ContactMode, Obstacles, OccupancyGrid, Pose, Twist, advance, clearance, integrate, random,
-    touches,
+    stays_clear, touches,
 };
 use rand::RngExt;
 
@@ -216,4 +216,36 @@ fn an_overlap_never_gets_deeper() {
         }
     }
     assert!(moved > 400, "{moved}");
+}
+
+/// Where a quick look says that a robot stays clear, it meets nothing under any velocities between the two.
+#[test]
+fn a_robot_that_stays_clear_meets_nothing() {
+    let mut draw = Draw(random::stream(SEED, 3));
+    let (mut clear, mut free) = (0, 0);
+    for _ in 0..2000 {
+        let (scene, footprint, mut pose) = (draw.scene(), draw.shape(), draw.pose());
+        let world = (&scene.grid, &scene.obstacles);
+        let twists = [draw.twist(), draw.twist()];
+        let duration = draw.between(0.0, 0.5);
+        let is_clear = stays_clear(world, &footprint.shape, pose, twists, duration).unwrap();
+        let is_free = distance(&footprint.at(pose, 1.0), &scene.parts) > 0.0;
+        clear += u32::from(is_clear);
+        free += u32::from(is_free);
+        assert!(is_free || !is_clear);
+        if is_clear {
+            for _ in 0..5 {
+                let mut shares = [0.0; 3].map(|_| draw.between(0.0, 1.0));
+                shares[2] = shares[2].round();
+                let [first, second] = twists.map(Twist::to_array);
+                let twist = std::array::from_fn(|axis| first[axis] + shares[axis] * (second[axis] - first[axis]));
+                let step =
+                    advance(world, &footprint.shape, pose, Twist::from(twist), duration / 5.0, ContactMode::Stop).unwrap();
+                pose = step.0;
+                assert_eq!(step.1, None);
+                assert!(distance(&footprint.at(pose, 1.0), &scene.parts) > 0.0);
+            }
+        }
+    }
+    assert!(clear > 200 && free > clear, "{clear} of {free}");
 }

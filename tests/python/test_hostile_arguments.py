@@ -168,7 +168,7 @@ def good() -> dict[str, Any]:
         "times": np.array([0.0, 0.5]),
         **dict.fromkeys(("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "resolution", "grip"), 0.5),
         **dict.fromkeys(("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6", "reference_step", "qw"), 0.5),
-        **dict.fromkeys(("origin", "mount", "pose", "other", "twist", "wanted", "current"), (0.5, 0.5, 0.0)),
+        **dict.fromkeys(("origin", "mount", "pose", "other", "twist", "wanted", "current", "command"), (0.5, 0.5, 0.0)),
         **dict.fromkeys(("velocity", "acceleration", "deceleration"), (1.0, 1.0, 1.0)),
         **dict.fromkeys(("seed", "row", "col", "n", "count", "index", "first_index", "next_index", "threads"), 1),
         **dict.fromkeys(("poses", "rays", "twists"), np.full((2, 3), 0.5)),

@@ -216,6 +216,10 @@ class Motion:
     def step(self, time_ns: int) -> None:
         """Advances to a time [ns]."""
 
+    def skip(self, time_ns: int) -> bool:
+        """Advances to a time [ns] if nothing can happen before. Returns False if the motion must be stepped there."""
+        return False
+
     def pose_for_others(self, time_ns: int) -> Pose:
         """Pose in the map frame that other robots can collide with during the time step that ends at a time [ns]."""
         return self.map_pose(time_ns)

@@ -19,6 +19,9 @@ from .velocity_profile import Velocity
 STEP_NS = 20_000_000
 """Time step for robots with a footprint [ns]; all other bodies are frozen during a step."""
 
+SKIPPED_NS = 10 * STEP_NS
+"""Longest time for which a robot moves without a look for contact, if everything else stands and is far away [ns]."""
+
 OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
 """A map without walls, to ask for obstacles alone."""
 
@@ -125,6 +128,8 @@ class World(Handle):
         """Results of `obstacles_for` as long as they hold."""
         self._stepped: list[Body] = []
         """Robots that advance in time steps."""
+        self._lone: Body | None = None
+        """The robot that advances in time steps, if it is the only one and no other robot has a footprint."""
         self._index_of: dict[Body, int] = {}
         """Index of each robot in `_frozen`."""
         self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
@@ -262,6 +267,8 @@ class World(Handle):
 
     def seen_by(self, body: Body) -> list[Placed]:
         """Obstacles and other robots, where they are now."""
+        if body is self._lone and not self._moving:
+            return list(self.obstacles_for(body))
         return [placed for other, placed in self.everybody() if other is not body]
 
     def around_at(self, body: Body, time_ns: int) -> list[Placed]:
@@ -308,25 +315,38 @@ class World(Handle):
         self._stepping = True
         try:
             while now - self._stepped_ns >= STEP_NS:
-                self._stepped_ns += STEP_NS - self._stepped_ns % STEP_NS
-                if self._moving:
-                    self._others = {}
-                for index, obstacle in self._moving:
-                    self._frozen[index] = obstacle, obstacle.placed(self._stepped_ns)
-                for body in self._stepped:
-                    motion = body.motion
-                    motion.step(self._stepped_ns)
-                    if body in self._index_of:
-                        index = self._index_of[body]
-                        shape, _ = self._frozen[index][1]
-                        self._frozen[index] = body, (shape, motion.pose_for_others(self._stepped_ns))
-                        if len(self._bodies) > 1:
-                            self._others = {}
+                first = self._stepped_ns + STEP_NS - self._stepped_ns % STEP_NS
+                last = min(first + SKIPPED_NS - STEP_NS, now - now % STEP_NS)
+                if self._lone is not None and not self._moving and self._lone.motion.skip(last):
+                    self._stepped_ns = last
+                    continue
+                for time_ns in range(first, last + 1, STEP_NS):
+                    self._take_step(time_ns)
         finally:
             self._stepping = False
 
+    def _take_step(self, time_ns: int) -> None:
+        """Moves everything until the end of a time step [ns]."""
+        self._stepped_ns = time_ns
+        if self._moving:
+            self._others = {}
+        for index, obstacle in self._moving:
+            self._frozen[index] = obstacle, obstacle.placed(time_ns)
+        for body in self._stepped:
+            motion = body.motion
+            motion.step(time_ns)
+            if body in self._index_of:
+                index = self._index_of[body]
+                shape, _ = self._frozen[index][1]
+                self._frozen[index] = body, (shape, motion.pose_for_others(time_ns))
+                if len(self._bodies) > 1:
+                    self._others = {}
+
     def _freeze(self) -> None:
         self._stepped = [body for body in self._bodies if body.motion.is_stepped]
+        self._lone = self._stepped[0] if len(self._stepped) == 1 else None
+        if any(body is not self._lone and body.footprint is not None for body in self._bodies):
+            self._lone = None
         self._moving = [(index, obstacle) for index, obstacle in enumerate(self.obstacles) if not obstacle.stands]
         self._frozen = self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns))
         self._others = {}

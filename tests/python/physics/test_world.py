@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from simulations import drive, hall, pair
+from mobile_robot_simulator.physics.constrained_motion import ConstrainedMotion
+from simulations import drive, hall, pair, simulation
 
 
 def test_robots_see_and_touch_each_other():
@@ -124,3 +125,50 @@ def test_clearances_of_the_past_take_each_obstacle_where_it_was():
     sim.move_obstacle("second", (7.5, 5.0, 0.0))
     sim.run_for(2.0)
     assert [contact.what for contact in sim.truth.contacts] == ["obstacle second"]
+
+
+def _wandered(contact: str, seed: int, limits: bool) -> tuple[list[object], int]:
+    """Returns what a robot measures that drives by random commands among obstacles, and its number of contacts."""
+    rng = np.random.default_rng(seed)
+    more = {"acceleration_limits": [1.5, 1.0, 2.0]} if limits else {}
+    sim = simulation(
+        (6.0, 6.0, 0.4),
+        robot_radius=0.3,
+        contact=contact,
+        publish_rate=float(rng.choice([7.0, 10.0, 50.0])),
+        velocity_timeout=0.31,
+        **more,
+    )
+    for _ in range(12):
+        sim.add_obstacle(mrs.Shape.rectangle(*rng.uniform(0.1, 0.9, 2)), (*rng.uniform(7.0, 12.0, 2), rng.uniform(-3, 3)))
+    seen: list[object] = []
+    for step in range(80):
+        drive(sim, rng.uniform(0.0, 2.0), rng.uniform(-0.5, 0.9), vy=rng.uniform(-0.3, 0.3))
+        sim.run_for(float(rng.uniform(0.01, 0.7)))
+        seen += [tuple(sim.pose), sim.truth.velocity, sim.truth.distance, sim.latest("/odom"), sim.latest("/scan")]
+        if step == 40:
+            state = sim.save()
+            sim.run_for(1.0)
+            sim.restore(state)
+            sim.robot.slip(0.3)
+    return [*seen, list(sim.truth.contacts)], len(sim.truth.contacts)
+
+
+@pytest.mark.parametrize("contact", ["stop", "slide", "report"])
+@pytest.mark.parametrize("limits", [False, True])
+def test_steps_without_a_look_for_contact_change_no_bit(contact, limits, monkeypatch):
+    """The oracle looks for contact in each time step."""
+    looks = {True: 0, False: 0}
+    skip = ConstrainedMotion.skip
+
+    def counted(motion: ConstrainedMotion, time_ns: int) -> bool:
+        skipped = skip(motion, time_ns)
+        looks[skipped] += 1
+        return skipped
+
+    for seed in (1, 2):
+        monkeypatch.setattr(ConstrainedMotion, "skip", counted)
+        found, contacts = _wandered(contact, seed, limits)
+        monkeypatch.setattr(ConstrainedMotion, "skip", lambda motion, time_ns: False)
+        assert (found, contacts) == _wandered(contact, seed, limits) and contacts > 0
+    assert looks[True] > 100 and looks[False] > 100
