@@ -240,4 +240,5 @@ def test_robots_of_one_world_equal_those_of_a_simulation(case: str, duration: fl
             if step.contacts[robot]:
                 what = step.contact_obstacles[robot], step.contact_robots[robot]
                 met.add("robot" if what[1] >= 0 else "obstacle" if what[0] >= 0 else "wall")
-    assert len(met) >= 2, met
+    # Robots on slow wheels do not come as far as the others.
+    assert len(met) >= (1 if "drive" in parameters else 2), met
