@@ -6,7 +6,7 @@ import json
 import os
 import shlex
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..new_files import write_files
@@ -72,9 +72,9 @@ class Counterexample:
         text = read_text(path, 10_000_000)
         try:
             values = json.loads(text)
-            case = values["case"]
+            case, world = values["case"], World.from_json(json.dumps(values["world"]))
             return Counterexample(
-                World.from_json(json.dumps(values["world"])),
+                replace(world, map=world.map.from_folder(path.parent)),
                 float(values["robustness"]),
                 str(values["digest"]),
                 str(values["requirement"]),
@@ -100,7 +100,10 @@ class Counterexample:
         Raises:
             OSError: A file cannot be written.
         """
-        folder = corpus / drive.world.name
+        # The path of a map file is relative to the folder, so that the files can be moved together. The name of the folder
+        # depends on it too, and is the same wherever they are.
+        world = replace(drive.world, map=drive.world.map.in_folder(corpus / FILE))
+        folder = corpus / world.name
         folder.mkdir(parents=True, exist_ok=True)
         digest, notes = Digest(), []
         recorder = None
@@ -131,7 +134,7 @@ class Counterexample:
             notes.append("the drive does not repeat: does the controller use random numbers or keep state between drives?")
         case = Case.of(controller, requirement)
         values = {
-            "world": json.loads(drive.world.to_json()),
+            "world": json.loads(world.to_json()),
             # JSON has no infinity.
             "robustness": repr(drive.robustness),
             "digest": digest.text(),
@@ -146,8 +149,8 @@ class Counterexample:
         else:
             # Messages of errors can have anything that would end the docstring.
             shown = f"{requirement}: {drive}".replace("\\", "\\\\").replace('"', '\\"')
-            test = TEST.format(shown=shown, name=drive.world.name, file=FILE)
-            files[folder / f"test_counterexample_{drive.world.name}.py"] = test.encode()
+            test = TEST.format(shown=shown, name=world.name, file=FILE)
+            files[folder / f"test_counterexample_{world.name}.py"] = test.encode()
         write_files(files)
         return Counterexample.load(folder / FILE), notes
 

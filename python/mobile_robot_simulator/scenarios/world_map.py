@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -30,7 +31,7 @@ class WorldMap:
     """The map of a world: an empty room, a generated floor plan, or a map file.
 
     Args:
-        kind: "room", a kind of `floor_plan`, or the path of a map file.
+        kind: "room", a kind of `floor_plan`, or the path of a map file, absolute or relative to the working directory.
         seed: Seed of a floor plan.
         size: Width and height of a room or a floor plan [m].
         resolution: Side of a cell of a room or a floor plan [m].
@@ -46,6 +47,29 @@ class WorldMap:
         """True if the map is not a file."""
         return self.kind == ROOM or self.kind in KINDS
 
+    def in_folder(self, folder: Path) -> WorldMap:
+        """Returns this map as a file in a folder names it: the path of a map file becomes relative to the folder.
+
+        Args:
+            folder: The folder.
+        """
+        if self.is_generated:
+            return self
+        path = _absolute(self.kind)
+        try:
+            path = os.path.relpath(path, os.path.realpath(folder))
+        except ValueError:  # Another drive of Windows.
+            pass
+        return replace(self, kind=Path(path).as_posix())
+
+    def from_folder(self, folder: Path) -> WorldMap:
+        """Returns the map that a file in a folder names: a relative path of a map file is relative to the folder.
+
+        Args:
+            folder: The folder.
+        """
+        return self if self.is_generated else replace(self, kind=_absolute(folder / self.kind))
+
     def grid(self) -> OccupancyGrid:
         """Returns the grid. It is shared by all callers, so do not change its cells.
 
@@ -53,7 +77,8 @@ class WorldMap:
             OSError: The file cannot be read.
             ValueError: `floor_plan` refuses an argument, or the file is malformed.
         """
-        return _grid(self)
+        # The working directory may change, and another file have the same relative path then.
+        return _grid(self.from_folder(Path()))
 
     def places(self, radius: float) -> Places:
         """Returns the places of a lattice, 0.25 m wide, where a disc fits into known free space.
@@ -64,7 +89,7 @@ class WorldMap:
         Raises:
             ValueError: There is no such place.
         """
-        return _places(self, radius)
+        return _places(self.from_folder(Path()), radius)
 
 
 def floor_plans(
@@ -79,6 +104,12 @@ def floor_plans(
         resolution: Side of a cell [m].
     """
     return tuple(WorldMap(kind, seed, size, resolution) for kind in kinds or KINDS for seed in seeds)
+
+
+def _absolute(file: str | Path) -> str:
+    """Returns an absolute path without links to folders, so that ".." means the folder above. The file can be a link."""
+    folder, name = os.path.split(file)
+    return os.path.join(os.path.realpath(folder), name)
 
 
 @lru_cache(maxsize=256)

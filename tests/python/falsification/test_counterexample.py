@@ -15,6 +15,7 @@ import pytest
 import mobile_robot_simulator as mrs
 from falsification.crossing import SPACE, Halting, controller, requirement
 from mobile_robot_simulator.falsification import Counterexample, falsify
+from mobile_robot_simulator.scenarios import WorldMap
 
 HERE = Path(__file__).parent
 CASE = """
@@ -87,6 +88,36 @@ def test_the_command_and_the_test_repeat_the_drive(tmp_path):
     (tmp_path / "straight_case.py").write_text(CASE.replace("0.5, 0.0)", "0.0, 0.0)"))
     repaired = run(tmp_path, *test)
     assert repaired.returncode == 0, repaired.stdout + repaired.stderr
+
+
+@pytest.mark.slow
+def test_a_map_file_with_a_relative_path_is_found_from_any_folder(tmp_path):
+    project, elsewhere = tmp_path / "project", tmp_path / "else" / "where"
+    for folder in (project / "maps", project / "cases", elsewhere):
+        folder.mkdir(parents=True)
+    mrs.save_map(WorldMap("room", size=(6.0, 6.0), resolution=0.1).grid(), project / "maps" / "room.yaml")
+    text = CASE.replace('WorldMap("room", size=(6.0, 6.0), resolution=0.1)', 'WorldMap("maps/room.yaml")')
+    (project / "cases" / "mapped_case.py").write_text(text)
+    found = run(project, "mobile_robot_simulator", "falsify", "cases/mapped_case.py", "--corpus", "cases/found")
+    assert found.returncode == 2, found.stdout + found.stderr
+    (file,) = project.glob("cases/found/*/counterexample.json")
+    assert json.loads(file.read_text())["world"]["map"]["kind"] == "../../../maps/room.yaml"
+    command = found.stdout.splitlines()[-1].removeprefix("repeat with: mobile-robot-simulator ")
+    again = run(project, "mobile_robot_simulator", *shlex.split(command))
+    assert again.returncode == 2 and "the same bytes as when it was found" in again.stdout, again.stdout + again.stderr
+    project = project.rename(tmp_path / "moved")
+    (file,) = project.glob("cases/found/*/counterexample.json")
+    case = os.path.relpath(project / "cases" / "mapped_case.py", elsewhere)
+    again = run(elsewhere, "mobile_robot_simulator", "falsify", case, "--repeat", os.path.relpath(file, elsewhere))
+    assert again.returncode == 2 and "the same bytes as when it was found" in again.stdout, again.stdout + again.stderr
+    failed = run(elsewhere, "pytest", "-q", "-p", "no:cacheprovider", str(file.parent))
+    assert failed.returncode == 1 and "the same bytes as when it was found" in failed.stdout, failed.stdout + failed.stderr
+    recordings = [file.parent / "recording" / "recording.mcap"]
+    known = run(project, "mobile_robot_simulator", "falsify", "cases/mapped_case.py", "--corpus", "cases/new")
+    assert known.returncode == 2
+    recordings += project.glob("cases/new/*/recording/recording.mcap")
+    first, second = recordings
+    assert first.read_bytes() == second.read_bytes() and first.parents[1].name == second.parents[1].name
 
 
 def test_a_test_can_be_read_whatever_the_error_says(tmp_path):

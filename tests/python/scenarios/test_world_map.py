@@ -39,6 +39,27 @@ def test_places_are_all_points_of_the_lattice_where_the_disc_is_free():
         map.places(9.0)
 
 
+def test_a_map_file_can_be_named_from_any_folder(tmp_path, monkeypatch):
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "maps")
+    monkeypatch.chdir(tmp_path)
+    for path in ("maps/a.yaml", "link/a.yaml", str(tmp_path / "maps" / "a.yaml")):
+        named = WorldMap(path).in_folder(tmp_path / "cases" / "one")
+        assert named.kind == "../../maps/a.yaml"
+        assert named.from_folder(tmp_path / "cases" / "one").kind == str((tmp_path / "maps" / "a.yaml").resolve())
+    for map in (WorldMap(), WorldMap("office", 3)):
+        assert map.in_folder(tmp_path) == map == map.from_folder(tmp_path)
+
+
+def test_a_relative_path_is_that_of_the_working_directory_of_the_moment(tmp_path, monkeypatch):
+    for name, width in (("one", 20), ("two", 30)):
+        (tmp_path / name).mkdir()
+        mrs.save_map(mrs.OccupancyGrid(np.zeros((20, width), np.int8), resolution=0.1), tmp_path / name / "map.yaml")
+        monkeypatch.chdir(tmp_path / name)
+        assert WorldMap("map.yaml").grid().shape == (20, width)
+        assert max(WorldMap("map.yaml").places(0.1))[0] == 0.1 * width - 0.25
+
+
 def test_a_map_file_with_a_turned_origin(tmp_path):
     cells = np.zeros((20, 30), np.int8)
     cells[:, 0] = 100
