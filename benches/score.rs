@@ -31,8 +31,15 @@ fn main() {
         let mut readings = vec![0.0; BEAMS];
         laser.scan_batch(&grid, &poses[..1], None, None, &mut readings).expect("a scan");
         // The defaults of AMCL, and the same without short readings.
-        let amcl =
-            BeamModelOptions { sigma_hit: 0.2, lambda_short: 0.1, z_hit: 0.95, z_short: 0.1, z_max: 0.05, z_rand: 0.05 };
+        let amcl = BeamModelOptions {
+            sigma_hit: 0.2,
+            lambda_short: 0.1,
+            z_hit: 0.95,
+            z_short: 0.1,
+            z_max: 0.05,
+            z_rand: 0.05,
+            ..BeamModelOptions::default()
+        };
         let models = [amcl, BeamModelOptions { z_short: 0.0, ..amcl }];
         let models = models.map(|options| BeamModel::new(options).expect("a model"));
         let (mut ranges, mut scores) = (vec![0.0; POSES * BEAMS], vec![0.0; POSES]);

@@ -119,6 +119,8 @@ struct Sums {
 impl BeamModel {
     /// Returns the model of greatest likelihood for readings, given the true range at the same position in `ranges`.
     ///
+    /// It has one σ for all true ranges, no offset and no steps.
+    ///
     /// A reading of `max_range` or more, infinite too, and a true range of `max_range` or more mean no return. A reading below
     /// `min_range`, minus infinity too, counts as any reading from 0 to `min_range`. Readings that are NaN are left out, and so
     /// are those below 0 if `min_range` is 0, and those with a true range of 0. If the lengths differ, the extra elements of the
@@ -209,7 +211,7 @@ impl BeamModel {
     }
 
     /// Returns the σ of greatest likelihood \[m\] for each of [`INCIDENCE_BANDS`] equal bands of incidence, with everything else as in
-    /// this model. NaN for a band with fewer than ten hits.
+    /// this model except what depends on the true range, other than the offset. NaN for a band with fewer than ten hits.
     ///
     /// `incidences` are the angles between the beams and the normals of their walls \[rad\], from 0 to π/2. Readings with
     /// another incidence, such as NaN for a beam without a return, are left out.
@@ -230,11 +232,14 @@ impl BeamModel {
             let inside = readings.iter().zip(ranges).zip(incidences).filter(|(_, incidence)| is_inside(incidence));
             let (readings, ranges) =
                 (inside.clone().map(|((&reading, _), _)| reading), inside.map(|((_, &range), _)| range));
-            let data = match Data::new(readings, ranges, limits) {
+            let mut data = match Data::new(readings, ranges, limits) {
                 // A band without readings.
                 Err(Error::Count { .. }) => continue,
                 data => data?,
             };
+            if self.options().range_offset != 0.0 {
+                data.shift(self.options().range_offset);
+            }
             let start = BeamModelOptions { sigma_hit: data.spread(), ..self.options() };
             let only_sigma = |next: BeamModelOptions| BeamModelOptions { sigma_hit: next.sigma_hit, ..self.options() };
             let best = data.climb_by(start, &watch, only_sigma)?;
@@ -317,7 +322,8 @@ impl Data {
     fn start(&self, sigma_hit: f64) -> BeamModelOptions {
         let sigma_hit = self.sigma_within_limits(sigma_hit);
         let lambda_short = 3.0 / self.max_range;
-        BeamModelOptions { sigma_hit, lambda_short, z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1 }
+        let weights = BeamModelOptions { z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1, ..BeamModelOptions::default() };
+        BeamModelOptions { sigma_hit, lambda_short, ..weights }
     }
 
     /// Returns the higher one of two peaks.
@@ -421,6 +427,7 @@ impl Data {
             z_short: sums.short / count,
             z_max: sums.max / count,
             z_rand: sums.random / count,
+            ..*options
         }
     }
 

@@ -1,13 +1,13 @@
 //! Scorer: the log-likelihood of a scan under a beam model, from the true ranges as they are cast.
 
-use crate::beam_model::{BeamModel, BeamModelOptions};
+use crate::beam_model::{BeamModel, BeamModelOptions, HitPart};
 use crate::numeric::exponential::exp;
 use crate::numeric::{GROUP, Group, normal};
 
 /// Computes log-likelihoods of scans under one beam model.
 ///
 /// The likelihood of a scan is the product of [`BeamModel::likelihood`] over its beams. It is computed for a group of beams
-/// at a time, with a relative error of each factor below 1e-9. The product is kept as a significand and a power of two for
+/// at a time, with a relative error of each factor below 1e-9; if readings are rounded, one by one. The product is kept as a significand and a power of two for
 /// each place in a group, so its logarithm is taken only once, and it cannot underflow.
 #[derive(Debug, Clone)]
 pub(crate) struct Scorer {
@@ -17,6 +17,8 @@ pub(crate) struct Scorer {
     per_sigma: f64,
     /// Peak of the hit density, with its weight.
     hit_peak: f64,
+    /// The same times σ.
+    weight_of_peak: f64,
     /// Density of the random part, with its weight.
     random: f64,
     /// Distance from both ends of the interval from which on all of the hit part is in the interval, up to rounding \[m\].
@@ -62,6 +64,7 @@ impl Scorer {
             limits,
             per_sigma: 1.0 / sigma_hit,
             hit_peak: z_hit * normal::density(0.0) / sigma_hit,
+            weight_of_peak: z_hit * normal::density(0.0),
             random: z_rand / limits.1,
             far: normal::FAR * sigma_hit,
             lambda_short,
@@ -111,13 +114,20 @@ impl Scorer {
     /// Multiplies the likelihoods of a group of readings, whose beams have these true ranges, into a product.
     #[inline(always)]
     pub fn multiply(&self, columns: &ReadingColumns, ranges: &Group, product: &mut Product) {
-        let mut hit = [0.0; GROUP];
-        for slot in 0..GROUP {
-            let deviation = (columns.reading[slot] - ranges[slot]) * self.per_sigma;
-            // For a beam without a return, this is exp(-∞) = 0.
-            hit[slot] = self.hit_peak * exp(-0.5 * deviation * deviation);
+        if self.model.rounds() {
+            return self.multiply_rounded(columns, ranges, product);
         }
-        self.truncate(ranges, &mut hit);
+        let mut hit = [0.0; GROUP];
+        if self.model.has_one_hit_part() {
+            for slot in 0..GROUP {
+                let deviation = (columns.reading[slot] - ranges[slot]) * self.per_sigma;
+                // For a beam without a return, this is exp(-∞) = 0.
+                hit[slot] = self.hit_peak * exp(-0.5 * deviation * deviation);
+            }
+            self.truncate(ranges, &mut hit);
+        } else {
+            self.hits_by_range(columns, ranges, &mut hit);
+        }
         let mut likelihoods = [0.0; GROUP];
         for slot in 0..GROUP {
             let has_return = ranges[slot] < f64::INFINITY;
@@ -138,6 +148,39 @@ impl Scorer {
         }
         if has_odd {
             self.correct(columns, ranges, &mut likelihoods);
+        }
+        product.multiply(&likelihoods);
+    }
+
+    /// Computes the hit parts of a group of beams, if they depend on the true range.
+    #[inline(always)]
+    fn hits_by_range(&self, columns: &ReadingColumns, ranges: &Group, hit: &mut Group) {
+        let (max_range, mut is_truncated) = (self.limits.1, false);
+        for slot in 0..GROUP {
+            let has_return = ranges[slot] < f64::INFINITY;
+            let HitPart { center, sigma } = self.model.hit_part(if has_return { ranges[slot] } else { 0.0 }, max_range);
+            let deviation = (columns.reading[slot] - center) / sigma;
+            let density = self.weight_of_peak / sigma * exp(-0.5 * deviation * deviation);
+            hit[slot] = if has_return { density } else { 0.0 };
+            is_truncated |= (center < normal::FAR * sigma) | (center > max_range - normal::FAR * sigma);
+        }
+        if is_truncated {
+            for (hit, range) in hit.iter_mut().zip(ranges).filter(|(_, range)| **range < f64::INFINITY) {
+                *hit /= self.model.hit_part(*range, max_range).mass(max_range);
+            }
+        }
+    }
+
+    /// Multiplies the likelihoods of rounded readings into a product, one by one.
+    #[inline(never)]
+    fn multiply_rounded(&self, columns: &ReadingColumns, ranges: &Group, product: &mut Product) {
+        let mut likelihoods = [0.0; GROUP];
+        for slot in 0..GROUP {
+            let hit = (ranges[slot] < f64::INFINITY).then_some(ranges[slot]);
+            let fixed = if hit.is_some() { columns.of_return[slot] } else { columns.of_none[slot] };
+            let is_fixed = columns.has_density[slot] == 0.0 && columns.below & 1 << slot == 0;
+            let reading = if columns.below & 1 << slot == 0 { columns.reading[slot] } else { f64::NEG_INFINITY };
+            likelihoods[slot] = if is_fixed { fixed } else { self.model.likelihood(reading, hit, self.limits) };
         }
         product.multiply(&likelihoods);
     }
@@ -248,7 +291,22 @@ mod tests {
 
     fn model(sigma_hit: f64, lambda_short: f64, weights: [f64; 4]) -> BeamModel {
         let [z_hit, z_short, z_max, z_rand] = weights;
-        BeamModel::new(BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand }).unwrap()
+        BeamModel::new(BeamModelOptions {
+            sigma_hit,
+            lambda_short,
+            z_hit,
+            z_short,
+            z_max,
+            z_rand,
+            ..BeamModelOptions::default()
+        })
+        .unwrap()
+    }
+
+    fn changed(change: impl Fn(&mut BeamModelOptions)) -> BeamModel {
+        let mut options = model(0.05, 2.0, [0.8, 0.1, 0.05, 0.05]).options();
+        change(&mut options);
+        BeamModel::new(options).unwrap()
     }
 
     /// Compares the score of each group with the sum of the logarithms of its likelihoods.
@@ -282,6 +340,11 @@ mod tests {
             model(3.0, 5.0, [0.5, 0.3, 0.1, 0.1]),
             model(200.0, 1e-6, [0.5, 0.3, 0.1, 0.1]),
             model(0.3, 1.0, [0.0, 0.5, 0.0, 0.5]),
+            changed(|options| options.range_offset = 0.03),
+            changed(|options| (options.range_offset, options.range_sigma_per_metre) = (-0.03, 0.02)),
+            changed(|options| (options.range_sigma_base, options.range_sigma_per_metre) = (0.001, 40.0)),
+            changed(|options| options.range_step = 0.03),
+            changed(|options| (options.range_step_share, options.range_sigma_per_metre) = (0.01, 0.01)),
         ];
         for model in models {
             for max_range in [10.0, 0.7] {

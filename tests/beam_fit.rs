@@ -22,7 +22,7 @@ fn fit(options: BeamModelOptions, count: usize, seed: u64) -> BeamFit {
 }
 
 fn parameters(options: BeamModelOptions) -> [f64; 6] {
-    let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand } = options;
+    let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand, .. } = options;
     [sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand]
 }
 
@@ -34,6 +34,7 @@ fn models() -> Vec<BeamModelOptions> {
         z_short,
         z_max,
         z_rand,
+        ..BeamModelOptions::default()
     };
     vec![
         model(0.05, 1.0, [0.5, 0.2, 0.15, 0.15]),
@@ -148,6 +149,7 @@ fn what_the_readings_do_not_determine_is_named() {
         z_short,
         z_max,
         z_rand,
+        ..BeamModelOptions::default()
     };
     let hits = fit(only(1.0, 0.0, 0.0, 0.0), 10_000, 1);
     assert_eq!(hits.unidentified, ["lambda_short"]);

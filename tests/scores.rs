@@ -26,7 +26,15 @@ fn scanner(beam_count: usize, mount: Mount) -> LaserScanner {
 }
 
 fn model() -> BeamModel {
-    let options = BeamModelOptions { sigma_hit: 0.3, lambda_short: 0.7, z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1 };
+    let options = BeamModelOptions {
+        sigma_hit: 0.3,
+        lambda_short: 0.7,
+        z_hit: 0.7,
+        z_short: 0.1,
+        z_max: 0.1,
+        z_rand: 0.1,
+        ..BeamModelOptions::default()
+    };
     BeamModel::new(options).expect("a model")
 }
 

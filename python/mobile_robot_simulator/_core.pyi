@@ -586,10 +586,18 @@ class BeamModel:
         z_short: Weight of the short part.
         z_max: Weight of the max part.
         z_rand: Weight of the random part.
+        range_offset: Distance by which hits lie behind the true range [m]; negative for in front of it. The sum is kept within
+            [0, max_range].
+        range_sigma_base: Together with `range_sigma_per_metre`: the standard deviation of a hit is at least
+            `range_sigma_base + range_sigma_per_metre * true_range` [m].
+        range_sigma_per_metre: Growth of that standard deviation with the true range [m/m].
+        range_step: Readings are rounded to multiples of this step [m]; 0 for none. Readings of `max_range` stay as they are.
+        range_step_share: Largest share of a reading that its step may be, 0 to 0.5, if that is more than `range_step`: with
+            0.01, the step doubles where it is 1/100 of the reading. 0 for steps that do not grow.
 
     Raises:
-        ValueError: `sigma_hit` or `lambda_short` is not positive, a weight is negative, no weight is positive, or a number
-            is not finite.
+        ValueError: `sigma_hit` or `lambda_short` is not positive, a weight or another number but `range_offset` is negative, no
+            weight is positive, `range_step_share` is more than 0.5, or a number is not finite.
 
     Examples:
         >>> from mobile_robot_simulator import BeamModel
@@ -606,6 +614,11 @@ class BeamModel:
         z_short: float = 0.0,
         z_max: float = 0.005,
         z_rand: float = 0.0,
+        range_offset: float = 0.0,
+        range_sigma_base: float = 0.0,
+        range_sigma_per_metre: float = 0.0,
+        range_step: float = 0.0,
+        range_step_share: float = 0.0,
     ) -> Self: ...
     @property
     def sigma_hit(self) -> float:
@@ -625,6 +638,21 @@ class BeamModel:
     @property
     def z_rand(self) -> float:
         """Weight of the random part, after scaling."""
+    @property
+    def range_offset(self) -> float:
+        """Distance by which hits lie behind the true range [m]."""
+    @property
+    def range_sigma_base(self) -> float:
+        """Least standard deviation of a hit at a true range of 0 [m]."""
+    @property
+    def range_sigma_per_metre(self) -> float:
+        """Growth of that standard deviation with the true range [m/m]."""
+    @property
+    def range_step(self) -> float:
+        """Smallest step between readings [m]; 0 for none."""
+    @property
+    def range_step_share(self) -> float:
+        """Largest share of a reading that its step may be; 0 for steps that do not grow."""
     def sigma_by_incidence(
         self,
         true_ranges: ArrayLike,
@@ -637,7 +665,7 @@ class BeamModel:
         """Returns the standard deviation of the hits for six equal bands of incidence, from 0° to 90°.
 
         Real readings scatter more on walls that the beam meets at a grazing angle. Each is the one of greatest likelihood,
-        with everything else as in this model.
+        with everything else as in this model. `range_offset` counts; what else depends on the range does not.
 
         Args:
             true_ranges: float32 of any shape, true ranges [m], as for `fit`; with the offset added, if one was fitted.
@@ -670,7 +698,8 @@ class BeamModel:
     ) -> BeamFit:
         """Returns the model of greatest likelihood for measured readings.
 
-        Expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
+        It has one standard deviation for all true ranges, no offset and no steps: `range_offset` and the other `range_...` are 0.
+        Method: expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
         account. NaN is left out, and so are readings with a true range of 0.
 
         Args:
@@ -717,8 +746,8 @@ class BeamModel:
         Returns:
             float64 of the broadcast shape. A reading of `max_range` and above, +inf too, has the probability of a beam
                 without a return; one below `min_range`, -inf too, that of such a reading. Any other has a probability density
-                [1/m], except that 0 has a probability if the true range is 0. NaN has 1, so that it does not count in a
-                product.
+                [1/m], except that 0 has a probability if the true range is 0. If readings are rounded, it is the mean density over
+                all that are rounded to the same step. NaN has 1, so that it does not count in a product.
 
         Raises:
             ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in

@@ -465,6 +465,17 @@ class LaserParameters(Parameters):
     z_short: Weight = Field(0.0, description="weight of ranges to unexpected objects")
     z_max: Weight = Field(0.005, description="weight of failed measurements, which read laser_max_range")
     z_rand: Weight = Field(0.0, description="weight of random readings, uniform from 0 to laser_max_range")
+    range_offset: Number = Field(0.0, description="distance by which correct ranges lie behind the true ones [m]")
+    range_sigma_base: Weight = Field(
+        0.0,
+        description="the standard deviation of a correct range is at least this plus range_sigma_per_metre times the true "
+        "range [m]",
+    )
+    range_sigma_per_metre: Weight = Field(0.0, description="growth of that standard deviation with the range [m/m]")
+    range_step: Weight = Field(0.0, description="step to whose multiples readings are rounded [m]; 0 for none")
+    range_step_share: Annotated[Number, Field(ge=0.0, le=0.5)] = Field(
+        0.0, description="largest share of a reading that its step may be, if that is more than range_step; 0 for none"
+    )
     no_return: Literal["inf", "max", "below_max"] = Field(
         "inf",
         description="reading of a beam without a return: inf (REP-117), max (laser_max_range; range_max is then 1 mm more), "
@@ -521,6 +532,11 @@ class LaserParameters(Parameters):
             z_short=self.z_short,
             z_max=self.z_max,
             z_rand=self.z_rand,
+            range_offset=self.range_offset,
+            range_sigma_base=self.range_sigma_base,
+            range_sigma_per_metre=self.range_sigma_per_metre,
+            range_step=self.range_step,
+            range_step_share=self.range_step_share,
         )
 
     def scanner(self, mount: Pose | Sequence[float] | None = None) -> LaserScanner:

@@ -40,6 +40,17 @@ pub fn mass_around_mean(below: f64, above: f64) -> f64 {
     0.5 * (libm::erf(below * FRAC_1_SQRT_2) + libm::erf(above * FRAC_1_SQRT_2))
 }
 
+/// Returns the probability of the interval from `low` to `high`, Φ(high) - Φ(low), with a small relative error in both tails.
+pub fn mass_between(low: f64, high: f64) -> f64 {
+    if low > 0.0 {
+        0.5 * (libm::erfc(low * FRAC_1_SQRT_2) - libm::erfc(high * FRAC_1_SQRT_2))
+    } else if high < 0.0 {
+        mass_between(-high, -low)
+    } else {
+        mass_around_mean(-low, high)
+    }
+}
+
 /// From here on, [`mass_below`] is 1, with an error of 6e-10.
 pub const FAR: f64 = 6.1;
 
@@ -146,6 +157,16 @@ mod tests {
     fn the_bytes_do_not_change() {
         let bits = <[f32; 2]>::from(pair([0x1234_5678, 0x9abc_def0], 1 << 30)).map(f32::to_bits);
         assert_eq!(bits, [3_215_676_459, 1_072_647_996]);
+    }
+
+    #[test]
+    fn the_mass_between_is_the_same_in_both_tails() {
+        assert!((mass_between(-1.0, 1.0) - 0.682_689_492_137_085_9).abs() < 1e-15);
+        assert!((mass_between(0.0, 1.0) - 0.5 * mass_between(-1.0, 1.0)).abs() < 1e-16);
+        // Φ(-10) - Φ(-11) = 7.6198530241605e-24 - 1.9106595744987e-28
+        for mass in [mass_between(-11.0, -10.0), mass_between(10.0, 11.0)] {
+            assert!((mass / 7.619_661_958_203e-24 - 1.0).abs() < 1e-12, "{mass:e}");
+        }
     }
 
     #[test]

@@ -30,10 +30,18 @@ use crate::{BeamModelOptions, memory};
 ///     z_short: Weight of the short part.
 ///     z_max: Weight of the max part.
 ///     z_rand: Weight of the random part.
+///     range_offset: Distance by which hits lie behind the true range [m]; negative for in front of it. The sum is kept within
+///         [0, max_range].
+///     range_sigma_base: Together with `range_sigma_per_metre`: the standard deviation of a hit is at least
+///         `range_sigma_base + range_sigma_per_metre * true_range` [m].
+///     range_sigma_per_metre: Growth of that standard deviation with the true range [m/m].
+///     range_step: Readings are rounded to multiples of this step [m]; 0 for none. Readings of `max_range` stay as they are.
+///     range_step_share: Largest share of a reading that its step may be, 0 to 0.5, if that is more than `range_step`: with
+///         0.01, the step doubles where it is 1/100 of the reading. 0 for steps that do not grow.
 ///
 /// Raises:
-///     ValueError: `sigma_hit` or `lambda_short` is not positive, a weight is negative, no weight is positive, or a number
-///         is not finite.
+///     ValueError: `sigma_hit` or `lambda_short` is not positive, a weight or another number but `range_offset` is negative, no
+///         weight is positive, `range_step_share` is more than 0.5, or a number is not finite.
 ///
 /// Examples:
 ///     >>> from mobile_robot_simulator import BeamModel
@@ -52,7 +60,9 @@ impl BeamModel {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(*, sigma_hit=0.005, lambda_short=2.0, z_hit=0.995, z_short=0.0, z_max=0.005, z_rand=0.0)",
+        text_signature = "(*, sigma_hit=0.005, lambda_short=2.0, z_hit=0.995, z_short=0.0, z_max=0.005, z_rand=0.0, \
+                          range_offset=0.0, range_sigma_base=0.0, range_sigma_per_metre=0.0, range_step=0.0, \
+                          range_step_share=0.0)",
         signature = (
             *,
             sigma_hit = default().sigma_hit.into(),
@@ -61,8 +71,14 @@ impl BeamModel {
             z_short = default().z_short.into(),
             z_max = default().z_max.into(),
             z_rand = default().z_rand.into(),
+            range_offset = default().range_offset.into(),
+            range_sigma_base = default().range_sigma_base.into(),
+            range_sigma_per_metre = default().range_sigma_per_metre.into(),
+            range_step = default().range_step.into(),
+            range_step_share = default().range_step_share.into(),
         )
     )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn new(
         sigma_hit: Argument<f64>,
         lambda_short: Argument<f64>,
@@ -70,6 +86,11 @@ impl BeamModel {
         z_short: Argument<f64>,
         z_max: Argument<f64>,
         z_rand: Argument<f64>,
+        range_offset: Argument<f64>,
+        range_sigma_base: Argument<f64>,
+        range_sigma_per_metre: Argument<f64>,
+        range_step: Argument<f64>,
+        range_step_share: Argument<f64>,
     ) -> PyResult<Self> {
         let options = BeamModelOptions {
             sigma_hit: sigma_hit.named("sigma_hit")?,
@@ -78,6 +99,11 @@ impl BeamModel {
             z_short: z_short.named("z_short")?,
             z_max: z_max.named("z_max")?,
             z_rand: z_rand.named("z_rand")?,
+            range_offset: range_offset.named("range_offset")?,
+            range_sigma_base: range_sigma_base.named("range_sigma_base")?,
+            range_sigma_per_metre: range_sigma_per_metre.named("range_sigma_per_metre")?,
+            range_step: range_step.named("range_step")?,
+            range_step_share: range_step_share.named("range_step_share")?,
         };
         Ok(Self(crate::BeamModel::new(options)?))
     }
@@ -118,6 +144,36 @@ impl BeamModel {
         self.0.options().z_rand
     }
 
+    /// Distance by which hits lie behind the true range [m].
+    #[getter]
+    fn range_offset(&self) -> f64 {
+        self.0.options().range_offset
+    }
+
+    /// Least standard deviation of a hit at a true range of 0 [m].
+    #[getter]
+    fn range_sigma_base(&self) -> f64 {
+        self.0.options().range_sigma_base
+    }
+
+    /// Growth of that standard deviation with the true range [m/m].
+    #[getter]
+    fn range_sigma_per_metre(&self) -> f64 {
+        self.0.options().range_sigma_per_metre
+    }
+
+    /// Smallest step between readings [m]; 0 for none.
+    #[getter]
+    fn range_step(&self) -> f64 {
+        self.0.options().range_step
+    }
+
+    /// Largest share of a reading that its step may be; 0 for steps that do not grow.
+    #[getter]
+    fn range_step_share(&self) -> f64 {
+        self.0.options().range_step_share
+    }
+
     /// Returns the likelihood of each reading, given the true range of its beam.
     ///
     /// Args:
@@ -130,8 +186,8 @@ impl BeamModel {
     /// Returns:
     ///     float64 of the broadcast shape. A reading of `max_range` and above, +inf too, has the probability of a beam
     ///         without a return; one below `min_range`, -inf too, that of such a reading. Any other has a probability density
-    ///         [1/m], except that 0 has a probability if the true range is 0. NaN has 1, so that it does not count in a
-    ///         product.
+    ///         [1/m], except that 0 has a probability if the true range is 0. If readings are rounded, it is the mean density over
+    ///         all that are rounded to the same step. NaN has 1, so that it does not count in a product.
     ///
     /// Raises:
     ///     ValueError: The shapes cannot be broadcast, `max_range` is not positive and finite, `min_range` is not in
@@ -168,7 +224,8 @@ impl BeamModel {
 
     /// Returns the model of greatest likelihood for measured readings.
     ///
-    /// Expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
+    /// It has one standard deviation for all true ranges, no offset and no steps: `range_offset` and the other `range_...` are 0.
+    /// Method: expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
     /// account. NaN is left out, and so are readings with a true range of 0.
     ///
     /// Args:
@@ -229,7 +286,7 @@ impl BeamModel {
     /// Returns the standard deviation of the hits for six equal bands of incidence, from 0° to 90°.
     ///
     /// Real readings scatter more on walls that the beam meets at a grazing angle. Each is the one of greatest likelihood,
-    /// with everything else as in this model.
+    /// with everything else as in this model. `range_offset` counts; what else depends on the range does not.
     ///
     /// Args:
     ///     true_ranges: float32 of any shape, true ranges [m], as for `fit`; with the offset added, if one was fitted.
@@ -279,21 +336,39 @@ impl BeamModel {
     }
 
     fn __repr__(&self) -> String {
-        let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand } = self.0.options();
-        format!(
-            "BeamModel(sigma_hit={sigma_hit:?}, lambda_short={lambda_short:?}, \
-             z_hit={z_hit:?}, z_short={z_short:?}, z_max={z_max:?}, z_rand={z_rand:?})"
-        )
+        // What is off is left out.
+        let is_said = |(name, value): &(&str, f64)| !name.starts_with("range_") || *value != 0.0;
+        let numbers = self.numbers().into_iter().filter(is_said).map(|(name, value)| format!("{name}={value:?}"));
+        let numbers: Vec<String> = numbers.collect();
+        format!("BeamModel({})", numbers.join(", "))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
         let keywords = PyDict::new(py);
-        let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand } = self.0.options();
-        let names = ["sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand"];
-        for (name, value) in names.into_iter().zip([sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand]) {
+        for (name, value) in self.numbers() {
             keywords.set_item(name, value)?;
         }
         recipe::<Self>(py, PyTuple::empty(py), keywords)
+    }
+}
+
+impl BeamModel {
+    /// Returns the arguments, by name.
+    fn numbers(&self) -> [(&'static str, f64); 11] {
+        let options = self.0.options();
+        [
+            ("sigma_hit", options.sigma_hit),
+            ("lambda_short", options.lambda_short),
+            ("z_hit", options.z_hit),
+            ("z_short", options.z_short),
+            ("z_max", options.z_max),
+            ("z_rand", options.z_rand),
+            ("range_offset", options.range_offset),
+            ("range_sigma_base", options.range_sigma_base),
+            ("range_sigma_per_metre", options.range_sigma_per_metre),
+            ("range_step", options.range_step),
+            ("range_step_share", options.range_step_share),
+        ]
     }
 }
 

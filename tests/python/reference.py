@@ -121,13 +121,16 @@ def normal_cdf(x: NDArray[np.float64]) -> NDArray[np.float64]:
 def reading_cdf(z: NDArray[np.float64], noise: mrs.BeamModel, true_range: float, max_range: float, *, hits: bool) -> NDArray:
     """Probability of a reading of at most z < max_range (Probabilistic Robotics, table 6.1, each part normalised).
 
+    Readings are not rounded.
+
     If the beam hits nothing (`hits` is False), its hit part is all at max_range.
     """
-    sigma, rate = noise.sigma_hit, noise.lambda_short
+    sigma, rate = max(noise.sigma_hit, noise.range_sigma_base + noise.range_sigma_per_metre * true_range), noise.lambda_short
+    center = min(max(true_range + noise.range_offset, 0.0), max_range)
     total = noise.z_rand * z / max_range
     if hits:
-        low, high = normal_cdf(np.array([-true_range / sigma, (max_range - true_range) / sigma]))
-        total = total + noise.z_hit * (normal_cdf((z - true_range) / sigma) - low) / (high - low)
+        low, high = normal_cdf(np.array([-center / sigma, (max_range - center) / sigma]))
+        total = total + noise.z_hit * (normal_cdf((z - center) / sigma) - low) / (high - low)
     if true_range == 0.0:
         return total + noise.z_short
     return total + noise.z_short * np.expm1(-rate * np.minimum(z, true_range)) / math.expm1(-rate * true_range)

@@ -19,6 +19,10 @@ import reference
 SAMPLES_SEED = 1_234
 READINGS = 200_000
 
+WEIGHTS = ("z_hit", "z_short", "z_max", "z_rand")
+BY_RANGE_NAMES = ("range_offset", "range_sigma_base", "range_sigma_per_metre", "range_step", "range_step_share")
+NAMES = ("sigma_hit", "lambda_short", *WEIGHTS, *BY_RANGE_NAMES)
+
 FALSE_ALARM = 1e-9
 """Probability that a correct model fails one call of `assert_fits`."""
 
@@ -26,6 +30,11 @@ FALSE_ALARM = 1e-9
 def model(**weights: float) -> mrs.BeamModel:
     """A model that has only the given weights; all others are 0."""
     return mrs.BeamModel(**{"z_hit": 0.0, "z_max": 0.0, **weights})
+
+
+def options_of(noise: mrs.BeamModel) -> dict[str, float]:
+    """The arguments of a model."""
+    return {name: getattr(noise, name) for name in NAMES}
 
 
 def readings(
@@ -115,14 +124,56 @@ def test_readings_of_a_true_range_of_zero_fit_the_model(weights: dict[str, float
     assert_fits(found, noise, 0.0, 30.0)
 
 
+BY_RANGE = {"range_offset": 0.15, "range_sigma_base": 0.02, "range_sigma_per_metre": 0.04}
+
+
+@pytest.mark.parametrize("true_range", [0.02, 1.0, 5.0, 29.8])
+def test_readings_by_range_fit_the_model(true_range: float) -> None:
+    noise = model(sigma_hit=0.1, lambda_short=0.5, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1, **BY_RANGE)
+    found = readings(noise, true_range, 30.0)
+    assert_fits(found, noise, true_range, 30.0)
+    for change in ({"range_offset": 0.1}, {"range_sigma_per_metre": 0.06}):
+        if true_range > 1.0:
+            with pytest.raises(AssertionError):
+                assert_fits(found, mrs.BeamModel(**{**options_of(noise), **change}), true_range, 30.0)
+
+
+def test_steps_have_the_resolution_of_a_data_sheet() -> None:
+    """Readings of a beam that meets a wall at all distances: 1 % of the distance at most, and multiples of the step."""
+    noise = model(z_rand=1.0, range_step=0.001, range_step_share=0.01)
+    found = np.unique(readings(noise, 5.0, 30.0))
+    steps = np.diff(found)
+    # Nearer than 2 m, some multiples were not drawn.
+    far = found[:-1] > 2.0
+    assert (steps[far] <= 0.0101 * found[:-1][far]).all() and (steps[far] >= 0.0049 * found[:-1][far]).all()
+    assert np.abs(found / 0.001 - np.rint(found / 0.001)).max() < 2e-3
+    powers = np.log2(steps[far] / 0.001)
+    assert np.abs(powers - np.rint(powers)).max() < 0.01
+    assert found.max() < 30.0
+
+
+def test_what_is_off_leaves_the_bytes_as_they_are() -> None:
+    plain = mrs.BeamModel(sigma_hit=0.05, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)
+    same = mrs.BeamModel(**{**options_of(plain), "range_sigma_base": 0.05})
+    assert np.array_equal(readings(plain, 5.0, 30.0), readings(same, 5.0, 30.0))
+    # The same path as for numbers that count, with numbers that do not.
+    tiny = mrs.BeamModel(**{**options_of(plain), "range_sigma_per_metre": 1e-300})
+    assert np.array_equal(readings(plain, 5.0, 30.0), readings(tiny, 5.0, 30.0))
+
+
+def test_sigma_by_incidence_counts_the_offset() -> None:
+    noise = model(sigma_hit=0.05, z_hit=1.0, range_offset=0.4)
+    found = readings(noise, 5.0, 30.0, 20_000).astype(np.float32)
+    sigmas = noise.sigma_by_incidence(np.float32(5.0), found, np.float32(0.1), max_range=30.0)
+    assert sigmas[0] == pytest.approx(0.05, rel=0.03)
+
+
 def test_the_fit_test_rejects_wrong_parameters() -> None:
     right = model(sigma_hit=0.2, lambda_short=0.5, z_hit=0.7, z_short=0.1, z_max=0.1, z_rand=0.1)
     found = readings(right, 5.0, 30.0)
     assert_fits(found, right, 5.0, 30.0)
     for change in ({"sigma_hit": 0.22}, {"lambda_short": 0.8}, {"z_short": 0.13}, {"z_max": 0.12}, {"z_rand": 0.12}):
-        options = {
-            name: getattr(right, name) for name in ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
-        }
+        options = options_of(right)
         with pytest.raises(AssertionError):
             assert_fits(found, mrs.BeamModel(**{**options, **change}), 5.0, 30.0)
 
@@ -306,17 +357,15 @@ def test_invalid_likelihoods_are_rejected(arguments: Any, error: type[Exception]
 
 # --- Construction ---
 
-NAMES = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
-
 
 def test_defaults() -> None:
     noise = mrs.BeamModel()
-    assert [getattr(noise, name) for name in NAMES] == [0.005, 2.0, 0.995, 0.0, 0.005, 0.0]
+    assert [getattr(noise, name) for name in NAMES] == [0.005, 2.0, 0.995, 0.0, 0.005, *[0.0] * 6]
 
 
 def test_weights_are_scaled_to_sum_to_one() -> None:
     noise = mrs.BeamModel(z_hit=2.0, z_short=1.0, z_max=0.0, z_rand=1.0)
-    assert [getattr(noise, name) for name in NAMES[2:]] == [0.5, 0.25, 0.0, 0.25]
+    assert [getattr(noise, name) for name in WEIGHTS] == [0.5, 0.25, 0.0, 0.25]
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda noise: pickle.loads(pickle.dumps(noise))])
@@ -325,7 +374,9 @@ def test_weights_are_scaled_to_sum_to_one() -> None:
 )
 def test_copies_equal_the_model(duplicate: Any, weights: tuple[float, ...]) -> None:
     """Bit by bit, because a process that receives a copy must sample the same bytes."""
-    noise = mrs.BeamModel(**dict(zip(NAMES[2:], weights, strict=True)))
+    noise = mrs.BeamModel(
+        **dict(zip(WEIGHTS, weights, strict=True)), range_offset=-0.1, range_step=1e-3, range_step_share=0.01
+    )
     other = duplicate(noise)
     assert [getattr(other, name) for name in NAMES] == [getattr(noise, name) for name in NAMES]
     assert repr(other) == repr(noise) == repr(eval(repr(noise), {"BeamModel": mrs.BeamModel}))
@@ -349,6 +400,12 @@ def test_copies_equal_the_model(duplicate: Any, weights: tuple[float, ...]) -> N
         ({"z_hit": 0.0, "z_max": 0.0}, ValueError, "at least one of z_hit, z_short, z_max, z_rand must be positive"),
         ({"z_hit": 1.7e308, "z_max": 1.7e308}, ValueError, "weights"),
         ({"z_hit": None}, TypeError, "z_hit"),
+        ({"range_offset": math.inf}, ValueError, "range_offset must be finite, got inf"),
+        ({"range_sigma_base": -0.1}, ValueError, "range_sigma_base must be at least 0, got -0.1"),
+        ({"range_sigma_per_metre": math.nan}, ValueError, "range_sigma_per_metre must be at least 0, got NaN"),
+        ({"range_step": -1.0}, ValueError, "range_step must be at least 0, got -1"),
+        ({"range_step_share": 0.51}, ValueError, "range_step_share must be in 0..0.5, got 0.51"),
+        ({"range_step": "1 mm"}, TypeError, "range_step"),
         ({"sigma": 0.1}, TypeError, "sigma"),
     ],
 )
@@ -369,6 +426,6 @@ def test_no_argument_causes_a_panic(options: dict[str, Any]) -> None:
         noise = mrs.BeamModel(**options)
     except (ValueError, TypeError):
         return
-    assert sum(getattr(noise, name) for name in NAMES[2:]) == pytest.approx(1.0)
+    assert sum(getattr(noise, name) for name in WEIGHTS) == pytest.approx(1.0)
     found = readings(noise, 5.0, 30.0, 20)
     assert ((found >= 0.0) & (found <= 30.0)).all()

@@ -145,6 +145,11 @@ class Noise(Part):
     z_short: WeightRange = (0.0, 0.0)
     z_max: WeightRange = (0.005, 0.005)
     z_rand: WeightRange = (0.0, 0.0)
+    range_offset: Range = (0.0, 0.0)
+    range_sigma_base: WeightRange = (0.0, 0.0)
+    range_sigma_per_metre: WeightRange = (0.0, 0.0)
+    range_step: WeightRange = (0.0, 0.0)
+    range_step_share: WeightRange = (0.0, 0.0)
 
     def drawn(self, dice: random.Random) -> dict[str, float]:
         """Returns the parameters of a scene, with numbers drawn where the plan has ranges."""

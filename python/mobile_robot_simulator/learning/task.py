@@ -14,7 +14,19 @@ from .plans import training_plans
 PARTS = {"progress": 1.0, "goal": 10.0, "contact": -10.0, "time": -0.1, "turning": 0.0}
 """Parts of the reward and their default weights."""
 
-NOISE = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
+NOISE = (
+    "sigma_hit",
+    "lambda_short",
+    "z_hit",
+    "z_short",
+    "z_max",
+    "z_rand",
+    "range_offset",
+    "range_sigma_base",
+    "range_sigma_per_metre",
+    "range_step",
+    "range_step_share",
+)
 """Numbers of the noise that can be randomised."""
 
 

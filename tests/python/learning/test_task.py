@@ -32,7 +32,7 @@ NAN = float("nan")
         ({"goal_distances": (0.2, 2.0)}, ValueError, "goals must be farther than goal_radius, 0.45 m, got"),
         ({"rewards": {"gaol": 1.0}}, ValueError, "rewards must be of progress, goal, contact, time, turning, got 'gaol'"),
         ({"rewards": {"goal": NAN}}, ValueError, "rewards['goal'] must be finite, got nan"),
-        ({"randomisation": {"mass": (0.0, 1.0)}}, ValueError, "z_rand, slip, got 'mass'"),
+        ({"randomisation": {"mass": (0.0, 1.0)}}, ValueError, "range_step_share, slip, got 'mass'"),
         ({"randomisation": {"slip": (0.5, 2.0)}}, ValueError, "randomisation['slip'] must be in 0..1, got 2.0"),
         ({"randomisation": {"sigma_hit": (0.0, 1.0)}}, ValueError, "sigma_hit must be"),
         ({"goal_distances": (50.0, 60.0)}, ValueError, "50 m to 60 m from its start; got none in 1024 draws in world 0"),
