@@ -25,6 +25,14 @@ pub enum Error {
         /// Its domain.
         needed: &'static str,
     },
+    /// A name that no preset has.
+    #[error("the preset must be one of {}, got {value:?}", known.join(", "))]
+    Preset {
+        /// The name given, at most 60 characters of it.
+        value: String,
+        /// The names of all presets.
+        known: Vec<&'static str>,
+    },
     /// A tilted scanner where only one that measures in the plane can be used.
     #[error("the scanner must not be tilted: its beams meet walls of any height at angles in space")]
     Tilted,

@@ -71,6 +71,7 @@ mod mount;
 mod numeric;
 mod obstacles;
 mod pose;
+mod preset;
 #[cfg(feature = "python")]
 mod python;
 pub mod random;
@@ -96,6 +97,7 @@ pub use motion::{
 pub use mount::Mount;
 pub use obstacles::{MovingObstacle, Obstacles, Trajectory};
 pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
+pub use preset::Preset;
 pub use scanner::{Courses, Hit, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
 pub use world::World;

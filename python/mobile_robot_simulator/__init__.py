@@ -30,6 +30,7 @@ from ._core import (
     clearance,
     clearance_batch,
     integrate_twist,
+    laser_presets,
     touches,
 )
 
@@ -86,6 +87,7 @@ __all__ = [
     "clearance_batch",
     "floor_plan",
     "integrate_twist",
+    "laser_presets",
     "load_map",
     "save_map",
     "touches",

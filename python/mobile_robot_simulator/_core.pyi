@@ -32,6 +32,7 @@ __all__ = [
     "clearance",
     "clearance_batch",
     "integrate_twist",
+    "laser_presets",
     "stays_clear",
     "touches",
 ]
@@ -620,6 +621,21 @@ class BeamModel:
         range_step: float = 0.0,
         range_step_share: float = 0.0,
     ) -> Self: ...
+    @staticmethod
+    def preset(name: str) -> BeamModel:
+        """Returns the noise of a scanner that is sold. What is not known of it has the default.
+
+        Args:
+            name: Name of the preset, such as hokuyo_utm30lx; `laser_presets` lists all.
+
+        Raises:
+            ValueError: There is no such preset.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.BeamModel.preset("hokuyo_utm30lx").sigma_hit
+            0.018
+        """
     @property
     def sigma_hit(self) -> float:
         """Standard deviation of the hit part [m]."""
@@ -1391,6 +1407,25 @@ class LaserScanner:
         max_range: float = 30.0,
         mount: _PoseLike = (0.0, 0.0, 0.0),
     ) -> Self: ...
+    @staticmethod
+    def preset(name: str, *, mount: _PoseLike = (0.0, 0.0, 0.0)) -> LaserScanner:
+        """Returns a scanner that is sold, with the field, the beams and the ranges of its data sheet.
+
+        What is not known of it has the default. `laser_presets` lists all presets, and `BeamModel.preset` gives the noise.
+
+        Args:
+            name: Name of the preset, such as hokuyo_utm30lx.
+            mount: Pose of the scanner in the robot's frame, as in the constructor.
+
+        Raises:
+            ValueError: There is no such preset.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> laser = mrs.LaserScanner.preset("hokuyo_utm30lx")
+            >>> laser.beam_count, laser.max_range
+            (1081, 30.0)
+        """
     @property
     def fov(self) -> float:
         """Field of view [rad]: the one given, or the angle between the ends of the field."""
@@ -3006,6 +3041,21 @@ def cast_rays(
         >>> rays = np.array([[0.5, 0.5, 0.0], [0.5, 0.5, np.pi]])
         >>> mrs.cast_rays(grid, rays, max_range=9.0)
         array([1.5, 9. ], dtype=float32)
+    """
+
+def laser_presets() -> dict[str, dict[str, float]]:
+    """Returns the parameters of laser scanners that are sold, as their makers or their users published them.
+
+    `docs/reference/sensors.md` gives the source of each number. A parameter without a source is missing.
+
+    Returns:
+        Parameters of the laser node by name, for each preset by name.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> sensor = mrs.laser_presets().get("hokuyo_utm30lx")
+        >>> sensor.get("laser_beam_count")
+        1081
     """
 
 def integrate_twist(poses: ArrayLike, twists: ArrayLike, dt: float) -> NDArray[np.float64]:

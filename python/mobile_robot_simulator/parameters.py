@@ -13,7 +13,7 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from ._core import FULL_TURN_TOLERANCE, BeamModel, Drive, LaserScanner, Limits, MotionNoise, Pose, Shape
+from ._core import FULL_TURN_TOLERANCE, BeamModel, Drive, LaserScanner, Limits, MotionNoise, Pose, Shape, laser_presets
 from .quoting import nearest, quoted, shortened
 from .yaml_documents import parse, value_of
 
@@ -125,6 +125,13 @@ def _check_names_of(one: str, other: str) -> Callable[[object], object]:
     return check
 
 
+def _check_preset(name: str) -> str:
+    """Rejects what is neither empty nor the name of a preset."""
+    if name and name not in laser_presets():
+        raise ValueError(f"Input should be empty or one of {', '.join(laser_presets())}")
+    return name
+
+
 def _check_faults(texts: object) -> object:
     """Rejects what is not a list of texts."""
     if not (isinstance(texts, list | tuple) and all(isinstance(text, str) for text in texts)):
@@ -190,7 +197,8 @@ class Parameters(BaseModel):
         Raises:
             ValueError: A name is unknown or a value is invalid.
         """
-        return type(self).checked({**self.model_dump(), **values})
+        given = self.model_dump(include=self.model_fields_set)
+        return type(self).checked({**given, **values})
 
     @cached_property
     def frames(self) -> Mapping[str, str]:
@@ -439,6 +447,11 @@ class LaserParameters(Parameters):
         description="pose of the scanner on the robot, [x, y, yaw] or [x, y, z, roll, pitch, yaw] [m, rad], published to "
         "/tf_static; null for none",
     )
+    laser_preset: Annotated[str, AfterValidator(_check_preset)] = Field(
+        "",
+        description="a scanner that is sold, such as hokuyo_utm30lx: its field, beams, ranges, rate and noise replace the "
+        "defaults; other parameters that are given count more; empty for none",
+    )
     laser_fov: Annotated[Number, Field(gt=0.0, le=LARGEST_ANGLE)] = Field(4.71, description="field of view [rad]")
     laser_angle_min: Angle | None = Field(
         None, description="smallest angle of the beams [rad], together with laser_angle_max and instead of laser_fov"
@@ -496,6 +509,13 @@ class LaserParameters(Parameters):
     ground_truth_topic: OptionalTopic = Field(
         "ground_truth", description="topic of the true pose of the robot; empty for none (not in Simulation)"
     )
+
+    def __init__(self, **values: Any) -> None:
+        preset = values.get("laser_preset", "")
+        known = laser_presets().get(preset, {}) if isinstance(preset, str) else {}
+        super().__init__(**{**known, **values})
+        # What comes from the preset is not given, so that another preset replaces it.
+        self.model_fields_set.intersection_update(values)
 
     @model_validator(mode="after")
     def _check_laser(self) -> LaserParameters:

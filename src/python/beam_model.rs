@@ -108,6 +108,23 @@ impl BeamModel {
         Ok(Self(crate::BeamModel::new(options)?))
     }
 
+    /// Returns the noise of a scanner that is sold. What is not known of it has the default.
+    ///
+    /// Args:
+    ///     name: Name of the preset, such as hokuyo_utm30lx; `laser_presets` lists all.
+    ///
+    /// Raises:
+    ///     ValueError: There is no such preset.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> mrs.BeamModel.preset("hokuyo_utm30lx").sigma_hit
+    ///     0.018
+    #[staticmethod]
+    fn preset(name: &str) -> PyResult<Self> {
+        Ok(Self(crate::BeamModel::preset(name)?))
+    }
+
     /// Standard deviation of the hit part [m].
     #[getter]
     fn sigma_hit(&self) -> f64 {

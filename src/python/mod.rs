@@ -22,6 +22,7 @@ mod mount;
 mod number;
 mod obstacles;
 mod pose;
+mod preset;
 mod random_stream;
 mod raycast;
 mod scanner;
@@ -107,6 +108,8 @@ mod _core {
     use super::motion_noise::MotionNoise;
     #[pymodule_export]
     use super::pose::Pose;
+    #[pymodule_export]
+    use super::preset::laser_presets;
     #[pymodule_export]
     use super::random_stream::RandomStream;
     #[pymodule_export]

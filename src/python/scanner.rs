@@ -18,7 +18,7 @@ use super::scanner_options::{chosen_beams, default, keywords, layout, text};
 use super::sweep::SweepArguments;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{Courses, Hit, NoReturn, Noise, Readings, ScannerOptions, Score};
+use crate::{Courses, Hit, NoReturn, Noise, Preset, Readings, ScannerOptions, Score};
 
 /// A planar laser scanner with evenly spaced beams.
 ///
@@ -103,6 +103,29 @@ impl LaserScanner {
         let layout = layout(fov, angle_min, angle_max, angle_increment)?;
         let (min_range, max_range) = (min_range.named("min_range")?, max_range.named("max_range")?);
         let options = ScannerOptions { layout, beam_count, min_range, max_range, mount: mount.0 };
+        Ok(Self(crate::LaserScanner::new(options)?))
+    }
+
+    /// Returns a scanner that is sold, with the field, the beams and the ranges of its data sheet.
+    ///
+    /// What is not known of it has the default. `laser_presets` lists all presets, and `BeamModel.preset` gives the noise.
+    ///
+    /// Args:
+    ///     name: Name of the preset, such as hokuyo_utm30lx.
+    ///     mount: Pose of the scanner in the robot's frame, as in the constructor.
+    ///
+    /// Raises:
+    ///     ValueError: There is no such preset.
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> laser = mrs.LaserScanner.preset("hokuyo_utm30lx")
+    ///     >>> laser.beam_count, laser.max_range
+    ///     (1081, 30.0)
+    #[staticmethod]
+    #[pyo3(text_signature = "(name, *, mount=(0.0, 0.0, 0.0))", signature = (name, *, mount = MountArgument(default().mount)))]
+    fn preset(name: &str, mount: MountArgument) -> PyResult<Self> {
+        let options = ScannerOptions { mount: mount.0, ..Preset::named(name)?.scanner_options() };
         Ok(Self(crate::LaserScanner::new(options)?))
     }
 
