@@ -11,7 +11,11 @@ from typing import Any, NamedTuple
 from .job import Files, Job, Shard, digests_of
 from .map_pool import MapPool
 
-__all__ = ["MadeShard", "made", "make_on_threads"]
+__all__ = ["MadeShard", "Stopped", "made", "make_on_threads"]
+
+
+class Stopped(Exception):
+    """The work was given up before it was complete."""
 
 
 class MadeShard(NamedTuple):
@@ -23,24 +27,31 @@ class MadeShard(NamedTuple):
     """What is known about the shard, as JSON has it."""
 
 
-def made(job: Job, shard: Shard, pool: MapPool, is_stopped: Callable[[], bool] = lambda: False) -> MadeShard:
+def made(job: Job, shard: Shard, pool: MapPool, check: Callable[[], None] = lambda: None) -> MadeShard:
     """Makes a shard.
+
+    Args:
+        job: The job.
+        shard: The shard.
+        pool: Maps that are in memory.
+        check: Called many times a second. An exception of it ends the work.
 
     Raises:
         OSError: A map cannot be read.
         ValueError: A map has changed, or a scene is not possible.
-        Stopped: The work was given up.
     """
     from .formats import format_of
 
-    arrays, maps = job.make(shard, pool, is_stopped)
+    arrays, maps = job.make(shard, pool, check)
+    digests = digests_of(arrays)
+    check()
     record = {
         "split": shard.split,
         "first": shard.first,
         "count": shard.count,
         "seed": f"{job.plan.seed}/{shard.split}/{shard.first // job.plan.scans_per_scene}",
         "maps": {f"{index}": digest for index, digest in sorted(maps.items())},
-        "blake3": digests_of(arrays),
+        "blake3": digests,
     }
     return MadeShard(shard, format_of(job.plan.format).shard_files(job.plan, shard, arrays), record)
 
@@ -62,9 +73,13 @@ def make_on_threads(
     count = threads or os.cpu_count() or 1
     pool, stop, casting = MapPool(), threading.Event(), threading.Semaphore(count)
 
+    def check() -> None:
+        if stop.is_set():
+            raise Stopped
+
     def work(shard: Shard) -> Shard:
         with casting:
-            result = made(job, shard, pool, stop.is_set)
+            result = made(job, shard, pool, check)
         write(result)
         return shard
 

@@ -18,16 +18,12 @@ from .map_pool import MapPool, MapSource, shares, sources_by_split
 from .plan import Plan
 from .scenes import columns_of, fill_scene, poses_of_file
 
-__all__ = ["Arrays", "Files", "Job", "Shard", "Stopped", "digests_of", "job_of", "versions_of"]
+__all__ = ["Arrays", "Files", "Job", "Shard", "digests_of", "job_of", "versions_of"]
 
 Arrays = Mapping[str, NDArray[Any]]
 
 Files = Mapping[str, bytes | NDArray[np.uint8]]
 """Contents of files by their path in the folder of a data set."""
-
-
-class Stopped(Exception):
-    """The work was given up before it was complete."""
 
 
 @dataclass(frozen=True, order=True)
@@ -90,26 +86,21 @@ class Job:
         return content | ({"poses": self.poses_digest} if self.poses_digest else {})
 
     def make(
-        self, shard: Shard, pool: MapPool, is_stopped: Callable[[], bool] = lambda: False
+        self, shard: Shard, pool: MapPool, check: Callable[[], None] = lambda: None
     ) -> tuple[dict[str, NDArray[Any]], dict[int, str]]:
         """Returns the arrays of a shard, and the digest of each of its maps by index.
 
         Args:
             shard: The shard.
             pool: Maps that are in memory.
-            is_stopped: Asked many times a second whether to give up.
+            check: Called many times a second. An exception of it ends the work.
 
         Raises:
             OSError: A map cannot be read.
             ValueError: A map has changed, or a scene is not possible, for example because there is no free place.
-            Stopped: The work was given up.
         """
         plan = self.plan
         arrays = {name: np.empty((shard.count, *column.shape), column.dtype) for name, column in columns_of(plan).items()}
-
-        def check() -> None:
-            if is_stopped():
-                raise Stopped
 
         length, total, sources = plan.scans_per_scene, self.counts[shard.split], self.sources[shard.split]
         scenes = -(-total // length)

@@ -19,8 +19,8 @@ __all__ = ["Column", "columns_of", "fill_scene", "poses_of_file"]
 ROUNDS = 200
 """Number of times that poses are drawn until all are clear of obstacles."""
 
-PIECE = 2**17
-"""Number of beams that are cast without a look at whether to end: a few milliseconds, or 0.2 s with many obstacles."""
+PIECE = 2**16
+"""Number of beams that are cast without a look at whether to end: a few milliseconds, or 0.1 s with many obstacles."""
 
 _Obstacles = list[tuple[Shape, Pose]]
 
@@ -155,6 +155,7 @@ def fill_scene(
         if plan.quantization:
             scanner.quantize(ranges, plan.quantization, out=ranges)
         if "surfaces" in arrays or "incidences" in arrays:
+            check()
             places = poses[piece] if duration is None else scanner.beam_poses(poses[piece], twists[piece], duration)  # type: ignore[index]
             surfaces, incidences = scanner.hits(grid, places, obstacles=obstacles, threads=1)
             if "surfaces" in arrays:
@@ -162,6 +163,7 @@ def fill_scene(
             if "incidences" in arrays:
                 arrays["incidences"][written] = incidences
         if "true_ranges" in arrays:
+            check()
             scanner.scan_batch(grid, poses[piece], **fixed, out=arrays["true_ranges"][written])
     arrays["poses"][rows] = poses
     if "twists" in arrays:

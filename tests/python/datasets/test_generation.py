@@ -266,8 +266,9 @@ def test_ctrl_c_ends_a_long_shard(tmp_path: Path) -> None:
     )
     plan = plan.model_copy(update={"count": 100_000})
     (tmp_path / "slow_policy.py").write_text(
-        "import time\nclass Slow:\n    def __call__(self, observation):\n"
-        "        print('drives', flush=True)\n        time.sleep(0.05)\n        return 0.0, 0.0\n"
+        "import os, time\nclass Slow:\n    def __call__(self, observation):\n"
+        # One write, because two threads may print on one line.
+        "        os.write(1, b'drives\\n')\n        time.sleep(0.05)\n        return 0.0, 0.0\n"
     )
     script = MAKE.replace("generate(Plan", "try:\n    generate(Plan") + "except KeyboardInterrupt:\n    print('ended')\n"
     command = [sys.executable, "-c", script, json.dumps(plan.content), str(tmp_path / "data"), "2"]

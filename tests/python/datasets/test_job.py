@@ -9,7 +9,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from datasets.small_plans import small
-from mobile_robot_simulator.datasets.job import Stopped, digests_of, job_of
+from mobile_robot_simulator.datasets.job import digests_of, job_of
 from mobile_robot_simulator.datasets.map_pool import MapPool
 
 
@@ -51,15 +51,29 @@ def test_scenes_are_shared_among_the_maps_and_each_has_its_own_poses() -> None:
         assert np.median(np.abs(ranges - true)) < 0.05
 
 
+class GivenUp(Exception):
+    pass
+
+
 def test_work_is_given_up_when_asked() -> None:
     job, asked = job_of(small()), []
 
-    def is_stopped() -> bool:
+    def check() -> None:
         asked.append(1)
-        return len(asked) == 3
+        if len(asked) == 3:
+            raise GivenUp
 
-    with pytest.raises(Stopped):
-        job.make(job.shards[0], MapPool(), is_stopped)
+    with pytest.raises(GivenUp):
+        job.make(job.shards[0], MapPool(), check)
+
+
+def test_scans_of_many_beams_look_often_whether_to_give_up() -> None:
+    sizes = {"count": 40, "scans_per_scene": 40, "scans_per_shard": 40, "scanner": {"beam_count": 20_000}}
+    plan = small(**sizes, splits={"all": 1}, labels=["true_ranges", "surfaces"])
+    job, asked = job_of(plan), []
+    job.make(job.shards[0], MapPool(), lambda: asked.append(1))
+    # At most 2¹⁶ beams at a time, for each of the three arrays of the beams.
+    assert len(asked) >= 3 * 40 * 20_000 / 2**16
 
 
 def test_fewer_scans_than_splits() -> None:
