@@ -166,7 +166,7 @@ def kernels() -> list[str]:
     """Returns the names of the kernels that this machine supports, the plain traversal first."""
     code = "import mobile_robot_simulator as mrs; grid = mrs.floor_plan(); mrs.LaserScanner().scan(grid, (1.0, 1.0, 0.0))"
     supported = []
-    for name in ("traversal", "portable", "avx2", "avx512"):
+    for name in ("traversal", "portable", "avx2", "avx512", "avx512-gather"):
         environment = {**os.environ, "MOBILE_ROBOT_SIMULATOR_KERNEL": name}
         ran = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
         if ran.returncode == 0:

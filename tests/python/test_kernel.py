@@ -35,7 +35,7 @@ def scan(kernel: str | None) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kernel", ["traversal", "portable", "avx2", "avx512"])
+@pytest.mark.parametrize("kernel", ["traversal", "portable", "avx2", "avx512", "avx512-gather"])
 def test_every_kernel_gives_the_same_bytes(kernel: str) -> None:
     found = scan(kernel)
     if found.startswith("MOBILE"):

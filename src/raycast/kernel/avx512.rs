@@ -4,24 +4,26 @@
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
     _MM_FROUND_TO_NEG_INF, _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm_unpacklo_epi32, _mm_unpacklo_epi64, _mm512_abs_ps,
-    _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_loadu_ps,
-    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
-    _mm512_maskz_compress_epi32, _mm512_maskz_cvtepi32_ps, _mm512_min_epu32, _mm512_mul_ps, _mm512_mullo_epi32,
-    _mm512_permutexvar_epi32, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_set1_epi32,
-    _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_storeu_si512,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_i32gather_epi32,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
+    _mm512_maskz_compress_epi32, _mm512_maskz_cvtepi32_ps, _mm512_max_epu32, _mm512_min_epu32, _mm512_mul_ps,
+    _mm512_mullo_epi32, _mm512_permutexvar_epi32, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_srli_epi32,
+    _mm512_storeu_ps, _mm512_storeu_si512,
 };
 
 use super::lanes::{Lanes, Work};
 
-/// Proof that the processor has AVX-512 F, BW, DQ and VL, and POPCNT.
+/// Proof that the processor has AVX-512 F, BW, DQ and VL, and POPCNT. With `GATHER`, bytes are fetched by the gather
+/// instruction, else one by one.
 #[derive(Debug, Clone, Copy)]
-pub struct Avx512(());
+pub struct Avx512<const GATHER: bool>(());
 
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 
-impl Avx512 {
+impl<const GATHER: bool> Avx512<GATHER> {
     /// Returns the proof, if the processor has the instruction set.
     pub fn new() -> Option<Self> {
         let has = is_x86_feature_detected!("avx512f")
@@ -44,7 +46,7 @@ macro_rules! lanewise {
     };
 }
 
-impl Lanes for Avx512 {
+impl<const GATHER: bool> Lanes for Avx512<GATHER> {
     const COUNT: usize = 16;
     type Float = __m512;
     type Int = __m512i;
@@ -98,7 +100,17 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn gather(self, bytes: &[u8], indices: __m512i) -> __m512i {
-        assert!((1..=i32::MAX as usize).contains(&bytes.len()));
+        assert!((4..=i32::MAX as usize).contains(&bytes.len()));
+        if GATHER {
+            // SAFETY: `self` is proof that the processor has the instruction set. Each lane reads the byte at its index and
+            // the three before it. After the minimum and the maximum, these are within `bytes`.
+            return unsafe {
+                let indices = _mm512_min_epu32(indices, _mm512_set1_epi32((bytes.len() - 1) as i32));
+                let indices = _mm512_max_epu32(indices, _mm512_set1_epi32(3));
+                let words = _mm512_i32gather_epi32::<1>(indices, bytes.as_ptr().wrapping_sub(3).cast());
+                _mm512_srli_epi32::<24>(words)
+            };
+        }
         // SAFETY: `self` is proof that the processor has the instruction set. A vector and the array have the same size, and
         // all bits are valid. After the minimum no index is past the end.
         unsafe {

@@ -56,7 +56,8 @@ pub trait Lanes: Copy {
     fn multiply_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// 65536 · a + b.
     fn pack(self, a: Self::Int, b: Self::Int) -> Self::Int;
-    /// The unsigned bytes at these indices; an unspecified byte for an index past the end.
+    /// The unsigned bytes at these indices; an unspecified byte for an index past the end. An index below 3 may give the byte
+    /// at 3 instead.
     fn gather(self, bytes: &[u8], indices: Self::Int) -> Self::Int;
     /// Lanes of the mask with a < b.
     fn is_less(self, mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Mask;

@@ -280,6 +280,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
         let index = lanes.add_int(row, in_row);
         debug_assert!(self.are_on_grid(rays.active, index), "a ray is past the border");
+        // The bytes at 0 to 3 are border, in a grid of any width, so it does not matter which of them is read.
         let length = lanes.gather(lengths, index);
         let active = lanes.is_positive(rays.active, length);
 

@@ -11,6 +11,8 @@ mod lanes;
 mod march;
 mod portable;
 mod prefetch;
+#[cfg(target_arch = "x86_64")]
+mod processor;
 mod scalar;
 
 use super::Ray;
@@ -36,14 +38,16 @@ pub enum Kernel {
     Avx2,
     /// Jumps with vectors of 16 rays. Needs AVX-512.
     Avx512,
+    /// The same, with the gather instruction of AVX-512, which only some processors run fast.
+    Avx512Gather,
 }
 
 /// Environment variable that names the kernel to use instead of the fastest one.
 pub const KERNEL_VARIABLE: &str = "MOBILE_ROBOT_SIMULATOR_KERNEL";
 
 impl Kernel {
-    /// All kernels, slowest first.
-    pub const ALL: [Self; 4] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512];
+    /// All kernels. Each is usually faster than those before it; the last one only on some processors.
+    pub const ALL: [Self; 5] = [Self::Traversal, Self::Portable, Self::Avx2, Self::Avx512, Self::Avx512Gather];
 
     /// Returns the default kernel: the one named by [`KERNEL_VARIABLE`], else the fastest that this machine can run.
     ///
@@ -56,7 +60,8 @@ impl Kernel {
         let choose = || match std::env::var(KERNEL_VARIABLE) {
             Ok(name) => Kernel::named(&name),
             Err(std::env::VarError::NotPresent) => {
-                Ok(Kernel::ALL.into_iter().rfind(|kernel| kernel.is_available()).unwrap_or(Kernel::Portable))
+                let fastest = Kernel::ALL.into_iter().rfind(|kernel| kernel.is_available() && kernel.is_fast());
+                Ok(fastest.unwrap_or(Kernel::Portable))
             }
             Err(std::env::VarError::NotUnicode(name)) => Kernel::named(&name.to_string_lossy()),
         };
@@ -75,7 +80,7 @@ impl Kernel {
         })
     }
 
-    /// Returns the name of the kernel: `traversal`, `portable`, `avx2` or `avx512`.
+    /// Returns the name of the kernel: `traversal`, `portable`, `avx2`, `avx512` or `avx512-gather`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -83,6 +88,7 @@ impl Kernel {
             Self::Portable => "portable",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
+            Self::Avx512Gather => "avx512-gather",
         }
     }
 
@@ -91,7 +97,7 @@ impl Kernel {
     pub(super) fn with_features(self, work: impl Work) {
         #[cfg(target_arch = "x86_64")]
         {
-            if let (Self::Avx512, Some(lanes)) = (self, avx512::Avx512::new()) {
+            if let (Self::Avx512 | Self::Avx512Gather, Some(lanes)) = (self, avx512::Avx512::<false>::new()) {
                 return lanes.with_features(work);
             }
             if let (Self::Avx2, Some(lanes)) = (self, avx2::Avx2::new()) {
@@ -107,7 +113,16 @@ impl Kernel {
         match self {
             Self::Traversal | Self::Portable => 6,
             Self::Avx2 => 1,
-            Self::Avx512 => 0,
+            Self::Avx512 | Self::Avx512Gather => 0,
+        }
+    }
+
+    /// Returns true if the kernel is faster on this processor than those before it in [`ALL`](Self::ALL).
+    fn is_fast(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512Gather => processor::gathers_fast(),
+            _ => true,
         }
     }
 
@@ -124,9 +139,9 @@ impl Kernel {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::Avx2::new().is_some(),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::Avx512::new().is_some(),
+            Self::Avx512 | Self::Avx512Gather => avx512::Avx512::<false>::new().is_some(),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => false,
+            Self::Avx2 | Self::Avx512 | Self::Avx512Gather => false,
         }
     }
 }
@@ -146,7 +161,10 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     }
     #[cfg(target_arch = "x86_64")]
     {
-        if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::new()) {
+        if let (Kernel::Avx512Gather, Some(lanes)) = (kernel, avx512::Avx512::<true>::new()) {
+            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
+        }
+        if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::<false>::new()) {
             return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
         }
         if let (Kernel::Avx2, Some(lanes)) = (kernel, avx2::Avx2::new()) {
