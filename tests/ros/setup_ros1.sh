@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs ROS 1 from Debian packages and creates a virtual environment for it. Also generates the types of
-# robot_localization and gazebo_msgs that the nodes offer services of, because Debian has no packages of them.
+# ackermann_msgs, robot_localization and gazebo_msgs that the nodes use, because Debian has no packages of them.
 # Usage: setup_ros1.sh VENV. Needs Debian 12 or a derivative, and root or sudo.
 set -euo pipefail
 venv=$(realpath -m "$1")
@@ -25,7 +25,8 @@ site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("pureli
 
 source=$(mktemp -d)
 trap 'rm -rf "$source"' EXIT
-shared=(-I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg -I "gazebo_msgs:$source/gazebo_msgs/msg")
+shared=(-I geometry_msgs:/usr/share/geometry_msgs/msg -I std_msgs:/usr/share/std_msgs/msg -I "gazebo_msgs:$source/gazebo_msgs/msg"
+    -I "ackermann_msgs:$source/ackermann_msgs/msg")
 
 # Generates the Python module of an interface. Usage: generate PACKAGE msg|srv NAME CONTENT_OF_FILE
 generate() {
@@ -36,6 +37,9 @@ generate() {
     /usr/bin/python3 "/usr/lib/genpy/gen${kind}_py.py" -p "$package" -o "$target" "${shared[@]}" "$file"
     /usr/bin/python3 "/usr/lib/genpy/gen${kind}_py.py" -p "$package" -o "$target" --initpy
 }
+generate ackermann_msgs msg AckermannDrive $'float32 steering_angle\nfloat32 steering_angle_velocity
+float32 speed\nfloat32 acceleration\nfloat32 jerk'
+generate ackermann_msgs msg AckermannDriveStamped $'Header header\nAckermannDrive drive'
 generate robot_localization srv SetPose $'geometry_msgs/PoseWithCovarianceStamped pose\n---'
 generate gazebo_msgs msg ModelState $'string model_name\ngeometry_msgs/Pose pose\ngeometry_msgs/Twist twist\nstring reference_frame'
 answer=$'---\nbool success\nstring status_message'

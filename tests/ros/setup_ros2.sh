@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Creates a virtual environment with ROS 2 (Kilted over Fast DDS) from PyPI. Also builds the types that PyPI has no wheels
-# for: the message of tf2, and the services of nav2_msgs and simulation_interfaces (version 2) that the nodes offer.
+# for: the messages of tf2 and of ackermann_msgs, and the services of nav2_msgs and simulation_interfaces (version 2) that the
+# nodes offer.
 # Usage: setup_ros2.sh VENV. Needs g++ and CPython 3.10 to 3.13: $PYTHON, or any that is found. cmake comes from PyPI.
 set -euo pipefail
 venv=$(realpath -m "$1")
@@ -74,6 +75,10 @@ CMAKE
     } >"$source/log" 2>&1 || { tail -n 20 "$source/log" >&2; return 1; }
 }
 build tf2_msgs msg/TFMessage.msg 'geometry_msgs/TransformStamped[] transforms'
+build ackermann_msgs \
+    msg/AckermannDrive.msg $'float32 steering_angle\nfloat32 steering_angle_velocity
+float32 speed\nfloat32 acceleration\nfloat32 jerk' \
+    msg/AckermannDriveStamped.msg $'std_msgs/Header header\nAckermannDrive drive'
 build nav2_msgs srv/SetInitialPose.srv 'geometry_msgs/PoseWithCovarianceStamped pose
 ---'
 build simulation_interfaces \
@@ -86,5 +91,6 @@ geometry_msgs/PoseStamped initial_pose\n---\nResult result\nstring entity_name' 
     srv/DeleteEntity.srv $'string entity\n---\nResult result' \
     srv/SetEntityState.srv $'string entity\nEntityState state
 bool set_pose\nbool set_twist\nbool set_acceleration\n---\nResult result'
-"$venv/bin/python" -c 'import rclpy, tf2_msgs.msg as m, nav2_msgs.srv as s, simulation_interfaces.srv as e
-m.TFMessage(); s.SetInitialPose.Request(); e.SpawnEntity.Request()'
+"$venv/bin/python" -c 'import rclpy, tf2_msgs.msg as m, ackermann_msgs.msg as a, nav2_msgs.srv as s
+import simulation_interfaces.srv as e
+m.TFMessage(); a.AckermannDriveStamped(); s.SetInitialPose.Request(); e.SpawnEntity.Request()'
