@@ -73,6 +73,18 @@ pub enum Error {
         /// The row given.
         value: [f64; 3],
     },
+    /// A number of a batch outside its domain.
+    #[error("{name} must be {needed}, got {} in row {row}", shown(*value))]
+    Element {
+        /// Name of the batch.
+        name: &'static str,
+        /// Index of the first row with such a number.
+        row: usize,
+        /// The number given.
+        value: f64,
+        /// Its domain.
+        needed: &'static str,
+    },
     /// A command of a robot that is not finite, or too large.
     #[error("{} must be finite and at most 1000 on each axis, got {value:?}", command(*robot, *step))]
     Command {
@@ -98,6 +110,14 @@ pub enum Error {
         robot: usize,
         /// Its time, and that of another robot of its world \[s\].
         times: [f64; 2],
+    },
+    /// An obstacle in a world that no robot is in.
+    #[error("obstacle {obstacle} must be in the world of a robot, got world {world}, which has none")]
+    NoWorld {
+        /// Index of the obstacle.
+        obstacle: usize,
+        /// Number of the world given.
+        world: u64,
     },
     /// Robots of one world on different grids.
     #[error("robots that share a world must be on the same grid, got robots {robot} and {other}")]
@@ -292,6 +312,14 @@ pub(crate) fn check_number(
     is_valid: impl Fn(f64) -> bool,
 ) -> Result<f64, Error> {
     if value.is_finite() && is_valid(value) { Ok(value) } else { Err(Error::Number { name, value, needed }) }
+}
+
+/// Checks that all numbers of a batch are finite; `width` of them are a row.
+pub(crate) fn check_all_finite(name: &'static str, numbers: &[f64], width: usize) -> Result<(), Error> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        Some(index) => Err(Error::Element { name, row: index / width, value: numbers[index], needed: "finite" }),
+        None => Ok(()),
+    }
 }
 
 /// Returns `value` if it is finite.

@@ -875,8 +875,8 @@ class Fleet:
         clearance_limit: Distance up to which the clearance of each robot is measured after each step [m]; None to not measure it.
 
     Raises:
-        ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
-            free place for a robot.
+        ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, an obstacle is in
+            a world without a robot, or a map has no free place for a robot.
         TypeError: An argument has the wrong type or dtype.
 
     Examples:
@@ -933,7 +933,7 @@ class Fleet:
         Args:
             commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000. With a
                 drive, the wheels do what they can of it: see `Drive.command`. For Ackermann drives also (N, 2), the speed and
-                the steering angle of each robot [m/s, rad]. Anything that NumPy can convert to float64 without loss.
+                the steering angle of each robot [m/s, rad], limited to what the drive can do. Anything that NumPy can convert to float64 without loss.
             duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
             scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
             threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -1134,7 +1134,7 @@ class Fleet:
             and positive to the left.
 
         Raises:
-            ValueError: A shape is wrong, or `out` cannot be used.
+            ValueError: A shape is wrong, a goal is not finite, or `out` cannot be used.
             TypeError: An argument has the wrong type or dtype.
             RuntimeError: Another thread uses the fleet.
 
@@ -1161,6 +1161,7 @@ class Fleet:
             differential, 4 for an omni and 6 for an Ackermann drive, and 0 without a drive.
 
         Raises:
+            ValueError: A rate is too large for a number.
             RuntimeError: Another thread uses the fleet.
 
         Examples:
@@ -2156,7 +2157,7 @@ class Drive:
                 path. No limit by default.
 
         Raises:
-            ValueError: A number is not positive.
+            ValueError: A number is not positive, or `wheel_radius` has another count of numbers.
             TypeError: `wheel_radius` is neither a number nor two.
 
         Examples:
@@ -2180,7 +2181,7 @@ class Drive:
                 path. No limit by default.
 
         Raises:
-            ValueError: A number is not positive.
+            ValueError: A number is not positive, or `wheel_radius` has another count of numbers.
             TypeError: `wheel_radius` is neither a number nor two.
 
         Examples:
@@ -2256,7 +2257,7 @@ class Drive:
             track: Factor of the track.
 
         Raises:
-            ValueError: A factor is not positive.
+            ValueError: A factor or a product is not positive.
 
         Examples:
             >>> import mobile_robot_simulator as mrs
@@ -2272,13 +2273,15 @@ class Drive:
         Args:
             twists: (N, 3), one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s]. Anything that NumPy can
                 convert to float64 without loss.
-            steering: (N,) steering angles [rad]. Only an Ackermann drive has them. By default those of `steering_of_twist`.
+            steering: (N,) steering angles in -1.5..1.5 [rad]; 0 for drives that do not steer. By default those of
+                `steering_of_twist`.
 
         Returns:
             (N, wheel_count) float64, rate of each wheel [rad/s].
 
         Raises:
-            ValueError: An array has the wrong shape.
+            ValueError: An array has the wrong shape, a number or a result is not finite, or a steering angle is too large or
+                not 0 for a drive that does not steer.
             TypeError: An array cannot be converted to float64 without loss.
 
         Examples:
@@ -2297,7 +2300,7 @@ class Drive:
 
         Args:
             wheels: (N, wheel_count) rate of each wheel [rad/s]. Anything that NumPy can convert to float64 without loss.
-            steering: (N,) steering angles of Ackermann drives [rad]. If they are given, the turn rate follows from them. The
+            steering: (N,) steering angles of Ackermann drives in -1.5..1.5 [rad]. If they are given, the turn rate follows from them. The
                 speed is then the mean of what the rear wheels say, without a wheel that has less than half the speed of the
                 robot because it is too near to the centre of the turn. By default, the turn rate follows from the difference of
                 the rear wheels.
@@ -2306,7 +2309,8 @@ class Drive:
             (N, 3) float64, one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s].
 
         Raises:
-            ValueError: An array has the wrong shape.
+            ValueError: An array has the wrong shape, a number or a result is not finite, or a steering angle is too large or
+                not 0 for a drive that does not steer.
             TypeError: An array cannot be converted to float64 without loss.
 
         Examples:
@@ -2325,7 +2329,7 @@ class Drive:
             (N,) float64 [rad], within the steering limit; 0 where vx is 0, and for drives that do not steer.
 
         Raises:
-            ValueError: The array has the wrong shape.
+            ValueError: The array has the wrong shape, or a number is not finite.
             TypeError: The array cannot be converted to float64 without loss.
 
         Examples:
@@ -2338,13 +2342,13 @@ class Drive:
         """Returns the angles of the front wheels, whose axes meet that of the rear axle in one point.
 
         Args:
-            steering: (N,) steering angles of robots [rad].
+            steering: (N,) steering angles of robots in -1.5..1.5 [rad]; 0 for drives that do not steer.
 
         Returns:
             (N, 2) float64, one row (left, right) per robot [rad]; 0 for drives that do not steer.
 
         Raises:
-            ValueError: The array has the wrong shape.
+            ValueError: The array has the wrong shape, or an angle is out of range.
             TypeError: The array cannot be converted to float64 without loss.
 
         Examples:
@@ -2358,14 +2362,14 @@ class Drive:
         """Returns the rates at which the front wheels steer.
 
         Args:
-            steering: (N,) steering angles of robots [rad].
+            steering: (N,) steering angles of robots in -1.5..1.5 [rad]; 0 for drives that do not steer.
             rates: (N,) rates at which these angles change [rad/s].
 
         Returns:
             (N, 2) float64, one row (left, right) per robot [rad/s]; 0 for drives that do not steer.
 
         Raises:
-            ValueError: An array has the wrong shape, or the lengths differ.
+            ValueError: An array has the wrong shape, the lengths differ, an angle is out of range, or a rate is not finite.
             TypeError: An array cannot be converted to float64 without loss.
 
         Examples:
@@ -2383,13 +2387,14 @@ class Drive:
 
         Args:
             twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
-            steering_angle: Steering angle of the robot if the command does not say how to steer [rad].
+            steering_angle: Steering angle of the robot if the command does not say how to steer [rad]; 0 for drives that do not
+                steer.
 
         Returns:
             The velocity, and the steering angle to aim at [rad]. The velocity of an Ackermann drive is (vx, 0, 0).
 
         Raises:
-            ValueError: A number is not finite.
+            ValueError: A number is not finite, or there is a steering angle for a drive that does not steer.
 
         Examples:
             >>> import mobile_robot_simulator as mrs
@@ -2410,7 +2415,8 @@ class Drive:
         Args:
             poses: (N, 3), one row (x, y, yaw) per robot [m, m, rad]. Anything that NumPy can convert to float64 without loss.
             states: (N, 4), one row (vx, vy, wz, steering) per robot: velocity in the robot's frame and steering angle [m/s, m/s,
-                rad/s, rad]. On an Ackermann drive, only vx and steering count.
+                rad/s, rad]. On an Ackermann drive, only vx and steering count. Steering is in -1.5..1.5, and 0 for drives that
+                do not steer.
             commands: (N, 3), one row (vx, vy, wz) per robot; see `command`. For an Ackermann drive also (N, 2), one row (speed,
                 steering angle) per robot [m/s, rad].
             dt: Duration [s].
@@ -2420,7 +2426,8 @@ class Drive:
             Poses (N, 3) float64 and states (N, 4) float64 after the step. Yaws are not wrapped.
 
         Raises:
-            ValueError: A shape is wrong, a number is not finite, or `dt` is negative.
+            ValueError: A shape is wrong, a number or a result is not finite, a steering angle is out of range, or `dt` is
+                negative.
             TypeError: An array cannot be converted to float64 without loss.
 
         Examples:
@@ -2444,14 +2451,16 @@ class Drive:
         Args:
             before: Angle of each wheel before the motion [rad].
             after: Angle of each wheel after the motion [rad].
-            steering_angle: Mean steering angle during the motion [rad]; see `twist_of_wheels`. None if it is not measured.
+            steering_angle: Mean steering angle during the motion in -1.5..1.5 [rad]; see `twist_of_wheels`. None if it is not
+                measured.
             ticks: Counts of an encoder per turn of its wheel; 0 for exact encoders.
 
         Returns:
             Distances forward and to the left [m] and turn [rad] of an arc: `pose.integrate(arc, 1.0)` moves a pose along it.
 
         Raises:
-            ValueError: There is not one angle for each wheel, a number is not finite, or `ticks` is negative.
+            ValueError: There is not one angle for each wheel, a number or the result is not finite, the steering angle is out of
+                range or not 0 for a drive that does not steer, or `ticks` is negative.
 
         Examples:
             >>> import mobile_robot_simulator as mrs
@@ -2480,12 +2489,13 @@ class WheelMotion:
         current: Velocity (vx, vy, wz) at the start, in the robot's frame [m/s, m/s, rad/s].
         wanted: Commanded velocity, as `Drive.command` returns it. Of an Ackermann drive, only vx counts, here and in `current`.
         limits: Limits on the velocity and its change; of an Ackermann drive, only those of vx count. None for no limits.
-        steering_angle: Steering angle at the start [rad].
-        steering_goal: Steering angle to aim at [rad]. Default: `steering_angle`.
+        steering_angle: Steering angle at the start, in -1.5..1.5 [rad]; limited to what the drive can do.
+        steering_goal: Steering angle to aim at [rad]; limited to what the drive can do. Default: `steering_angle`.
         steering_rate: Largest change of the steering angle per second [rad/s], beside that of the drive.
 
     Raises:
-        ValueError: A number is not finite, or the rate is not positive. The rate can be infinite.
+        ValueError: A number is not finite, the angle at the start is out of range, the rate is not positive, or a drive that
+            does not steer has an angle other than 0 or a finite rate. The rate can be infinite.
 
     Examples:
         >>> import mobile_robot_simulator as mrs
@@ -2628,13 +2638,13 @@ class WheelMotion:
         Args:
             pose: Pose at the start.
             time: Duration [s].
-            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+            grip: Share of the motion of the wheels that the robot makes, in 0..1; 1 without slip.
 
         Returns:
             The pose after the time. Its yaw is not wrapped.
 
         Raises:
-            ValueError: A number or the resulting pose is not finite, or the time is negative.
+            ValueError: A number or the resulting pose is not finite, the grip is not in 0..1, or the time is negative.
 
         Examples:
             >>> import mobile_robot_simulator as mrs
@@ -2649,13 +2659,14 @@ class WheelMotion:
         Args:
             pose: Pose at the start.
             times: (N,) times from the start on [s]. Anything that NumPy can convert to float64 without loss.
-            grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+            grip: Share of the motion of the wheels that the robot makes, in 0..1; 1 without slip.
 
         Returns:
             (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
 
         Raises:
-            ValueError: `times` is not one-dimensional, a time is negative, or a number or a pose reached is not finite.
+            ValueError: `times` is not one-dimensional, a time is negative, the grip is not in 0..1, or a number or a pose reached
+                is not finite.
             TypeError: `times` cannot be converted to float64 without loss.
 
         Examples:

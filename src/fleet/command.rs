@@ -2,7 +2,7 @@
 
 use super::{Fleet, MAX_COMMAND};
 use crate::error::Error;
-use crate::motion::{Drive, DriveCommands, DriveKind, Twist};
+use crate::motion::{DriveCommands, DriveKind, Twist};
 
 /// What a robot is told to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,10 +27,15 @@ impl Command {
 }
 
 impl Fleet {
+    /// Returns true if the robots steer: then a command can be a speed and a steering angle.
+    #[must_use]
+    pub fn steers(&self) -> bool {
+        self.options.drives.first().is_some_and(|drive| drive.kind() == DriveKind::Ackermann)
+    }
+
     /// Checks commands: one for each robot, or `steps` in a row for each rollout.
     pub(super) fn check_commands(&self, commands: DriveCommands<'_>, steps: Option<usize>) -> Result<(), Error> {
-        let steers = |drive: &Drive| drive.kind() == DriveKind::Ackermann;
-        if matches!(commands, DriveCommands::Steered(_)) && !self.options.drives.first().is_some_and(steers) {
+        if matches!(commands, DriveCommands::Steered(_)) && !self.steers() {
             return Err(Error::Steered);
         }
         let is_bad = |row: &usize| !commands.row(*row).iter().all(|number| number.abs() <= MAX_COMMAND);

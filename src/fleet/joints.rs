@@ -2,7 +2,7 @@
 
 use super::Fleet;
 use super::robot::Joints;
-use crate::error::Error;
+use crate::error::{Error, check_all_finite};
 use crate::motion::{Drive, DriveKind};
 
 impl Fleet {
@@ -20,7 +20,7 @@ impl Fleet {
     ///
     /// # Errors
     /// - [`Error::Length`]: a list does not have [`joint_count`](Self::joint_count) elements for each robot.
-    /// - [`Error::Number`]: a number is not finite.
+    /// - [`Error::Number`], [`Error::Element`]: a number or a result is not finite.
     pub fn joints(&self, positions: &mut [f64], rates: &mut [f64]) -> Result<(), Error> {
         let (count, needed) = (self.joint_count(), self.joint_count() * self.len());
         for (name, value) in [("positions", positions.len()), ("rates", rates.len())] {
@@ -41,7 +41,7 @@ impl Fleet {
                 rates[wheels..].copy_from_slice(&drive.steering_angle_rates(angle, rate)[..count - wheels]);
             }
         }
-        Ok(())
+        check_all_finite("the resulting rates", rates, count)
     }
 
     /// Writes the steering angle of each robot \[rad\]; 0 for robots that do not steer.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use crate::batch::for_each_heavy_chunk_watched;
 use crate::beam_model::BeamModel;
 use crate::contact::ContactMode;
-use crate::error::{Error, check_number};
+use crate::error::{Error, check_all_finite, check_number};
 use crate::free_area::Distances;
 use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
@@ -241,6 +241,7 @@ impl Fleet {
     /// - [`Error::Index`]: a grid does not exist.
     /// - [`Error::Row`]: a pose is not finite.
     /// - [`Error::Number`]: the slip is not in 0..1, or the clearance is negative or not finite.
+    /// - [`Error::NoWorld`]: an obstacle is in a world without a robot.
     /// - Those of [`OccupancyGrid::draw_free_poses`].
     pub fn new(
         grids: Vec<Arc<OccupancyGrid>>,
@@ -562,13 +563,15 @@ impl Fleet {
     /// straight ahead, positive is to the left.
     ///
     /// # Errors
-    /// [`Error::Length`]: a list does not have one element for each robot.
+    /// - [`Error::Length`]: a list does not have one element for each robot.
+    /// - [`Error::Element`]: a goal is not finite. Nothing is written.
     pub fn relative(&self, goals: &[[f64; 2]], seen: &mut [[f64; 2]]) -> Result<(), Error> {
         for (name, value) in [("goals", goals.len()), ("out", seen.len())] {
             if value != self.len() {
                 return Err(Error::Length { name, value, needed: self.len() });
             }
         }
+        check_all_finite("goals", goals.as_flattened(), 2)?;
         for ((member, &goal), seen) in self.in_order().zip(goals).zip(seen) {
             let offset = member.pose.inverse().transform_point(goal.into());
             *seen = [offset.length(), libm::atan2(offset.y, offset.x)];

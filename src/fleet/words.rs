@@ -131,9 +131,8 @@ impl Reader<'_> {
             _ => Drive::ackermann(wheelbase, track, 1.0, limit, turn_rate),
         };
         let drive = drive?.with_radii(radius)?.with_wheel_speed_limit(speed_limit)?;
-        if !(angle.is_finite() && goal.is_finite() && rate > 0.0) {
-            return Err(Error::State { problem: "a steering angle that is not finite" });
-        }
-        Ok(Some(SteeringProfile { drive, start_ns, steering: Steering { angle, goal, rate } }))
+        let steering = Steering { angle, goal, rate };
+        steering.of(&drive).map_err(|_| Error::State { problem: "a steering angle that the drive cannot have" })?;
+        Ok(Some(SteeringProfile { drive, start_ns, steering }))
     }
 }

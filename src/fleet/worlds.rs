@@ -47,11 +47,19 @@ impl Worlds {
     /// Returns the worlds of robots with these numbers.
     ///
     /// # Errors
-    /// [`Error::Memory`].
+    /// - [`Error::NoWorld`]: an obstacle is in a world without a robot.
+    /// - [`Error::Memory`].
     pub fn new(world_of: &[u64], obstacles: Vec<FleetObstacle>) -> Result<Self, Error> {
         let count = world_of.len();
         let mut order = memory::collected(ROBOTS, 0..count)?;
         order.sort_by_key(|&robot| world_of[robot]);
+        for (obstacle, of) in obstacles.iter().enumerate() {
+            if let Some(world) = of.world
+                && order.binary_search_by_key(&world, |&robot| world_of[robot]).is_err()
+            {
+                return Err(Error::NoWorld { obstacle, world });
+            }
+        }
         let mut place_of = memory::filled(ROBOTS, 0, count)?;
         order.iter().enumerate().for_each(|(place, &robot)| place_of[robot] = place);
         let mut found = Self { order, place_of, all: Vec::new(), obstacles };

@@ -6,9 +6,11 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::{numbers, rows, shape, short_repr, typed};
-use super::limits::Limits;
-use super::number::Argument;
+use super::arrays::{numbers, rows, shape, typed};
+use super::limits::LimitsArgument;
+use super::number::{Argument, Numbers};
+use crate::batch::check_rows;
+use crate::error::check_all_finite;
 use crate::{DriveCommands, DriveKind, Twist, memory};
 
 /// The wheels of a robot: how they move it, and their limits.
@@ -46,13 +48,23 @@ type PosesAndStates<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>
 /// Name of what is read from an array, in an error.
 const WHAT: &str = "the rows of an array";
 
-/// Returns the radius of the left and of the right wheels.
-fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
-    let one = value.extract::<f64>().map(|radius| [radius; 2]);
-    one.or_else(|_| value.extract::<[f64; 2]>()).map_err(|_| {
-        let got = short_repr(value);
-        PyTypeError::new_err(format!("wheel_radius must be a number or two numbers (left, right), got {got}"))
-    })
+/// Radius of the left and of the right wheels: an argument that is one number or two.
+struct Radii([f64; 2]);
+
+impl Numbers for Radii {
+    const NEEDED: &'static str = "a number or two numbers (left, right)";
+}
+
+impl<'py> FromPyObject<'_, 'py> for Radii {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<f64>() {
+            Ok(radius) => Ok(Self([radius; 2])),
+            Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => value.extract().map(Self),
+            Err(error) => Err(error),
+        }
+    }
 }
 
 /// Returns a batch of shape `(N, width)`, one row after the other.
@@ -62,16 +74,6 @@ fn table(name: &str, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64
         [_, columns] if columns == width => Ok(memory::collected(WHAT, array.as_array().iter().copied())?),
         _ => Err(PyValueError::new_err(format!("{name} must have shape (N, {width}), got {}", shape(array.shape())))),
     }
-}
-
-/// Returns one steering angle for each row, if there are any.
-fn angles(value: Option<&Bound<'_, PyAny>>, count: usize) -> PyResult<Option<Vec<f64>>> {
-    let Some(value) = value else { return Ok(None) };
-    let angles = numbers("steering", value)?;
-    if angles.len() != count {
-        return Err(crate::Error::Length { name: "steering", value: angles.len(), needed: count }.into());
-    }
-    Ok(Some(angles))
 }
 
 #[pymethods]
@@ -87,7 +89,7 @@ impl Drive {
     ///         path. No limit by default.
     ///
     /// Raises:
-    ///     ValueError: A number is not positive.
+    ///     ValueError: A number is not positive, or `wheel_radius` has another count of numbers.
     ///     TypeError: `wheel_radius` is neither a number nor two.
     ///
     /// Examples:
@@ -101,10 +103,11 @@ impl Drive {
     )]
     fn differential(
         track: Argument<f64>,
-        wheel_radius: &Bound<'_, PyAny>,
+        wheel_radius: Argument<Radii>,
         wheel_speed_limit: Argument<f64>,
     ) -> PyResult<Self> {
-        let drive = crate::Drive::differential(track.named("track")?, 1.0)?.with_radii(radii(wheel_radius)?)?;
+        let drive =
+            crate::Drive::differential(track.named("track")?, 1.0)?.with_radii(wheel_radius.named("wheel_radius")?.0)?;
         Ok(Self(drive.with_wheel_speed_limit(wheel_speed_limit.named("wheel_speed_limit")?)?))
     }
 
@@ -120,7 +123,7 @@ impl Drive {
     ///         path. No limit by default.
     ///
     /// Raises:
-    ///     ValueError: A number is not positive.
+    ///     ValueError: A number is not positive, or `wheel_radius` has another count of numbers.
     ///     TypeError: `wheel_radius` is neither a number nor two.
     ///
     /// Examples:
@@ -135,11 +138,11 @@ impl Drive {
     fn omni(
         wheelbase: Argument<f64>,
         track: Argument<f64>,
-        wheel_radius: &Bound<'_, PyAny>,
+        wheel_radius: Argument<Radii>,
         wheel_speed_limit: Argument<f64>,
     ) -> PyResult<Self> {
         let drive = crate::Drive::omni(wheelbase.named("wheelbase")?, track.named("track")?, 1.0)?;
-        let drive = drive.with_radii(radii(wheel_radius)?)?;
+        let drive = drive.with_radii(wheel_radius.named("wheel_radius")?.0)?;
         Ok(Self(drive.with_wheel_speed_limit(wheel_speed_limit.named("wheel_speed_limit")?)?))
     }
 
@@ -183,14 +186,15 @@ impl Drive {
     fn ackermann(
         wheelbase: Argument<f64>,
         track: Argument<f64>,
-        wheel_radius: &Bound<'_, PyAny>,
+        wheel_radius: Argument<Radii>,
         steering_limit: Argument<f64>,
         steering_rate: Argument<f64>,
         wheel_speed_limit: Argument<f64>,
     ) -> PyResult<Self> {
         let (wheelbase, track) = (wheelbase.named("wheelbase")?, track.named("track")?);
         let (limit, rate) = (steering_limit.named("steering_limit")?, steering_rate.named("steering_rate")?);
-        let drive = crate::Drive::ackermann(wheelbase, track, 1.0, limit, rate)?.with_radii(radii(wheel_radius)?)?;
+        let drive = crate::Drive::ackermann(wheelbase, track, 1.0, limit, rate)?
+            .with_radii(wheel_radius.named("wheel_radius")?.0)?;
         Ok(Self(drive.with_wheel_speed_limit(wheel_speed_limit.named("wheel_speed_limit")?)?))
     }
 
@@ -254,7 +258,7 @@ impl Drive {
     ///     track: Factor of the track.
     ///
     /// Raises:
-    ///     ValueError: A factor is not positive.
+    ///     ValueError: A factor or a product is not positive.
     ///
     /// Examples:
     ///     >>> import mobile_robot_simulator as mrs
@@ -282,13 +286,15 @@ impl Drive {
     /// Args:
     ///     twists: (N, 3), one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s]. Anything that NumPy can
     ///         convert to float64 without loss.
-    ///     steering: (N,) steering angles [rad]. Only an Ackermann drive has them. By default those of `steering_of_twist`.
+    ///     steering: (N,) steering angles in -1.5..1.5 [rad]; 0 for drives that do not steer. By default those of
+    ///         `steering_of_twist`.
     ///
     /// Returns:
     ///     (N, wheel_count) float64, rate of each wheel [rad/s].
     ///
     /// Raises:
-    ///     ValueError: An array has the wrong shape.
+    ///     ValueError: An array has the wrong shape, a number or a result is not finite, or a steering angle is too large or
+    ///         not 0 for a drive that does not steer.
     ///     TypeError: An array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -306,10 +312,10 @@ impl Drive {
         steering: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let twists = rows("twists", twists, None)?;
-        let angles = angles(steering, twists.len())?;
+        let angles = steering.map(|angles| numbers("steering", angles)).transpose()?;
         let count = self.0.wheel_count();
         let twists: &[[f64; 3]] = &twists;
-        let rates: Vec<f64> = py.detach(|| self.0.wheels_batch(twists, angles.as_deref()));
+        let rates = py.detach(|| self.0.wheels_batch(twists, angles.as_deref()))?;
         Ok(Array2::from_shape_vec((twists.len(), count), rates).expect("one row per twist").into_pyarray(py))
     }
 
@@ -320,7 +326,7 @@ impl Drive {
     ///
     /// Args:
     ///     wheels: (N, wheel_count) rate of each wheel [rad/s]. Anything that NumPy can convert to float64 without loss.
-    ///     steering: (N,) steering angles of Ackermann drives [rad]. If they are given, the turn rate follows from them. The
+    ///     steering: (N,) steering angles of Ackermann drives in -1.5..1.5 [rad]. If they are given, the turn rate follows from them. The
     ///         speed is then the mean of what the rear wheels say, without a wheel that has less than half the speed of the
     ///         robot because it is too near to the centre of the turn. By default, the turn rate follows from the difference of
     ///         the rear wheels.
@@ -329,7 +335,8 @@ impl Drive {
     ///     (N, 3) float64, one row (vx, vy, wz) per robot, in the robot's frame [m/s, m/s, rad/s].
     ///
     /// Raises:
-    ///     ValueError: An array has the wrong shape.
+    ///     ValueError: An array has the wrong shape, a number or a result is not finite, or a steering angle is too large or
+    ///         not 0 for a drive that does not steer.
     ///     TypeError: An array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -345,8 +352,8 @@ impl Drive {
         steering: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let wheels = table("wheels", wheels, self.0.wheel_count())?;
-        let angles = angles(steering, wheels.len() / self.0.wheel_count())?;
-        let twists = py.detach(|| self.0.twist_batch(&wheels, angles.as_deref()));
+        let angles = steering.map(|angles| numbers("steering", angles)).transpose()?;
+        let twists = py.detach(|| self.0.twist_batch(&wheels, angles.as_deref()))?;
         Ok(Array2::from(twists).into_pyarray(py))
     }
 
@@ -359,7 +366,7 @@ impl Drive {
     ///     (N,) float64 [rad], within the steering limit; 0 where vx is 0, and for drives that do not steer.
     ///
     /// Raises:
-    ///     ValueError: The array has the wrong shape.
+    ///     ValueError: The array has the wrong shape, or a number is not finite.
     ///     TypeError: The array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -369,19 +376,20 @@ impl Drive {
     ///     array([ 0.4636, -0.4636,  0.6   ])
     fn steering_of_twist<'py>(&self, py: Python<'py>, twists: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let twists = rows("twists", twists, None)?;
+        check_rows("twists", &twists, Some(1))?;
         Ok(Array1::from_iter(twists.iter().map(|twist| self.0.command((*twist).into(), 0.0).1)).into_pyarray(py))
     }
 
     /// Returns the angles of the front wheels, whose axes meet that of the rear axle in one point.
     ///
     /// Args:
-    ///     steering: (N,) steering angles of robots [rad].
+    ///     steering: (N,) steering angles of robots in -1.5..1.5 [rad]; 0 for drives that do not steer.
     ///
     /// Returns:
     ///     (N, 2) float64, one row (left, right) per robot [rad]; 0 for drives that do not steer.
     ///
     /// Raises:
-    ///     ValueError: The array has the wrong shape.
+    ///     ValueError: The array has the wrong shape, or an angle is out of range.
     ///     TypeError: The array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -392,6 +400,7 @@ impl Drive {
     ///            [0.579, 0.439]])
     fn steering_angles<'py>(&self, py: Python<'py>, steering: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let angles = numbers("steering", steering)?;
+        self.0.check_steering(Some(&angles), angles.len())?;
         let angles: Vec<[f64; 2]> = angles.into_iter().map(|angle| self.0.steering_angles(angle)).collect();
         Ok(Array2::from(angles).into_pyarray(py))
     }
@@ -399,14 +408,14 @@ impl Drive {
     /// Returns the rates at which the front wheels steer.
     ///
     /// Args:
-    ///     steering: (N,) steering angles of robots [rad].
+    ///     steering: (N,) steering angles of robots in -1.5..1.5 [rad]; 0 for drives that do not steer.
     ///     rates: (N,) rates at which these angles change [rad/s].
     ///
     /// Returns:
     ///     (N, 2) float64, one row (left, right) per robot [rad/s]; 0 for drives that do not steer.
     ///
     /// Raises:
-    ///     ValueError: An array has the wrong shape, or the lengths differ.
+    ///     ValueError: An array has the wrong shape, the lengths differ, an angle is out of range, or a rate is not finite.
     ///     TypeError: An array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -425,6 +434,8 @@ impl Drive {
         if rates.len() != angles.len() {
             return Err(crate::Error::Length { name: "rates", value: rates.len(), needed: angles.len() }.into());
         }
+        self.0.check_steering(Some(&angles), angles.len())?;
+        check_all_finite("rates", &rates, 1)?;
         let rows = angles.into_iter().zip(rates).map(|(angle, rate)| self.0.steering_angle_rates(angle, rate));
         Ok(Array2::from(rows.collect::<Vec<_>>()).into_pyarray(py))
     }
@@ -436,13 +447,14 @@ impl Drive {
     ///
     /// Args:
     ///     twist: Commanded velocity (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
-    ///     steering_angle: Steering angle of the robot if the command does not say how to steer [rad].
+    ///     steering_angle: Steering angle of the robot if the command does not say how to steer [rad]; 0 for drives that do not
+    ///         steer.
     ///
     /// Returns:
     ///     The velocity, and the steering angle to aim at [rad]. The velocity of an Ackermann drive is (vx, 0, 0).
     ///
     /// Raises:
-    ///     ValueError: A number is not finite.
+    ///     ValueError: A number is not finite, or there is a steering angle for a drive that does not steer.
     ///
     /// Examples:
     ///     >>> import mobile_robot_simulator as mrs
@@ -453,8 +465,8 @@ impl Drive {
     ///     ((1.0, 0.0, 0.0), 0.6)
     #[pyo3(text_signature = "($self, twist, steering_angle=0.0)", signature = (twist, steering_angle = 0.0.into()))]
     fn command(&self, twist: Argument<[f64; 3]>, steering_angle: Argument<f64>) -> PyResult<((f64, f64, f64), f64)> {
-        let twist = Twist::from(twist.named("twist")?).checked()?;
-        let (wanted, goal) = self.0.command(twist, steering_angle.named("steering_angle")?);
+        let twist = Twist::from(twist.named("twist")?);
+        let (wanted, goal) = self.0.checked_command(twist, steering_angle.named("steering_angle")?)?;
         Ok((wanted.to_array().into(), goal))
     }
 
@@ -466,7 +478,8 @@ impl Drive {
     /// Args:
     ///     poses: (N, 3), one row (x, y, yaw) per robot [m, m, rad]. Anything that NumPy can convert to float64 without loss.
     ///     states: (N, 4), one row (vx, vy, wz, steering) per robot: velocity in the robot's frame and steering angle [m/s, m/s,
-    ///         rad/s, rad]. On an Ackermann drive, only vx and steering count.
+    ///         rad/s, rad]. On an Ackermann drive, only vx and steering count. Steering is in -1.5..1.5, and 0 for drives that
+    ///         do not steer.
     ///     commands: (N, 3), one row (vx, vy, wz) per robot; see `command`. For an Ackermann drive also (N, 2), one row (speed,
     ///         steering angle) per robot [m/s, rad].
     ///     dt: Duration [s].
@@ -476,7 +489,8 @@ impl Drive {
     ///     Poses (N, 3) float64 and states (N, 4) float64 after the step. Yaws are not wrapped.
     ///
     /// Raises:
-    ///     ValueError: A shape is wrong, a number is not finite, or `dt` is negative.
+    ///     ValueError: A shape is wrong, a number or a result is not finite, a steering angle is out of range, or `dt` is
+    ///         negative.
     ///     TypeError: An array cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -500,25 +514,25 @@ impl Drive {
         states: &Bound<'py, PyAny>,
         commands: &Bound<'py, PyAny>,
         dt: Argument<f64>,
-        limits: Option<Limits>,
+        limits: Option<LimitsArgument>,
     ) -> PyResult<PosesAndStates<'py>> {
         let (poses, states) = (rows("poses", poses, None)?, table("states", states, 4)?);
         if states.len() != 4 * poses.len() {
             return Err(crate::Error::Length { name: "states", value: states.len() / 4, needed: poses.len() }.into());
         }
-        let is_steered = matches!(typed::<f64>("commands", commands)?.shape(), [_, 2]);
-        if is_steered && self.0.kind() != DriveKind::Ackermann {
-            let got = shape(typed::<f64>("commands", commands)?.shape());
-            let needed = "must have shape (N, 3) for a drive that does not steer";
-            return Err(PyValueError::new_err(format!("commands {needed}, got {got}")));
+        let array = typed::<f64>("commands", commands)?;
+        let (is_steered, steers) = (matches!(array.shape(), [_, 2]), self.0.kind() == DriveKind::Ackermann);
+        if !(matches!(array.shape(), [_, 3]) || is_steered && steers) {
+            let needed = if steers { "(N, 3) or (N, 2)" } else { "(N, 3) for a drive that does not steer" };
+            return Err(PyValueError::new_err(format!("commands must have shape {needed}, got {}", shape(array.shape()))));
         }
-        let commands = table("commands", commands, if is_steered { 2 } else { 3 })?;
+        let commands = table("commands", array.as_any(), if is_steered { 2 } else { 3 })?;
         let commands = if is_steered {
             DriveCommands::Steered(commands.as_chunks().0)
         } else {
             DriveCommands::Twists(commands.as_chunks().0)
         };
-        let (dt, limits) = (dt.named("dt")?, limits.map_or(crate::Limits::NONE, |limits| limits.0));
+        let (dt, limits) = (dt.named("dt")?, limits.map_or(crate::Limits::NONE, |limits| limits.0.0));
         let states: &[[f64; 4]] = states.as_chunks().0;
         let mut rows = memory::collected(WHAT, poses.iter().copied().zip(states.iter().copied()))?;
         py.detach(|| self.0.step(&mut rows, commands, &limits, dt))?;
@@ -533,14 +547,16 @@ impl Drive {
     /// Args:
     ///     before: Angle of each wheel before the motion [rad].
     ///     after: Angle of each wheel after the motion [rad].
-    ///     steering_angle: Mean steering angle during the motion [rad]; see `twist_of_wheels`. None if it is not measured.
+    ///     steering_angle: Mean steering angle during the motion in -1.5..1.5 [rad]; see `twist_of_wheels`. None if it is not
+    ///         measured.
     ///     ticks: Counts of an encoder per turn of its wheel; 0 for exact encoders.
     ///
     /// Returns:
     ///     Distances forward and to the left [m] and turn [rad] of an arc: `pose.integrate(arc, 1.0)` moves a pose along it.
     ///
     /// Raises:
-    ///     ValueError: There is not one angle for each wheel, a number is not finite, or `ticks` is negative.
+    ///     ValueError: There is not one angle for each wheel, a number or the result is not finite, the steering angle is out of
+    ///         range or not 0 for a drive that does not steer, or `ticks` is negative.
     ///
     /// Examples:
     ///     >>> import mobile_robot_simulator as mrs

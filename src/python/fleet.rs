@@ -6,7 +6,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyString, PyTuple};
 
 use super::arrays::{
     check_array, elements, fill, length, rows, shape, short_repr, type_name, typed, vector, waypoints, whole_numbers,
@@ -62,8 +62,8 @@ use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Tra
 ///     clearance_limit: Distance up to which the clearance of each robot is measured after each step [m]; None to not measure it.
 ///
 /// Raises:
-///     ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, or a map has no
-///         free place for a robot.
+///     ValueError: There is no robot, a shape or an index is wrong, a number is not finite or out of range, an obstacle is in
+///         a world without a robot, or a map has no free place for a robot.
 ///     TypeError: An argument has the wrong type or dtype.
 ///
 /// Examples:
@@ -424,7 +424,7 @@ impl Fleet {
         }
         let slip = match slip {
             None => Vec::new(),
-            Some(slip) => match slip.extract::<f64>() {
+            Some(slip) => match slip.extract::<Argument<f64>>()?.named("slip") {
                 Ok(slip) => vec![slip],
                 Err(_) => elements("slip", slip, Some(count))?,
             },
@@ -465,7 +465,7 @@ impl Fleet {
     /// Args:
     ///     commands: (N, 3), the velocity (vx, vy, wz) in the frame of each robot [m/s, m/s, rad/s], each at most 1000. With a
     ///         drive, the wheels do what they can of it: see `Drive.command`. For Ackermann drives also (N, 2), the speed and
-    ///         the steering angle of each robot [m/s, rad]. Anything that NumPy can convert to float64 without loss.
+    ///         the steering angle of each robot [m/s, rad], limited to what the drive can do. Anything that NumPy can convert to float64 without loss.
     ///     duration: Duration of the step [s], at most 1e6. It is rounded to nanoseconds.
     ///     scan: Whether to take scans, if there is a scanner. They have the noise of the next index of each robot.
     ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
@@ -505,7 +505,7 @@ impl Fleet {
         let mut fleet = borrowed(slf)?;
         fleet.refresh(py)?;
         let count = fleet.core.len();
-        let commands = Commands::of_robots(commands, count)?;
+        let commands = Commands::of_robots(commands, &fleet.core)?;
         let beam_count = fleet.beam_count().filter(|_| scan);
         let options = fleet.core.options();
         let has_clearances = options.clearance_limit.is_some() && options.footprint.is_some();
@@ -732,7 +732,7 @@ impl Fleet {
     ///     and positive to the left.
     ///
     /// Raises:
-    ///     ValueError: A shape is wrong, or `out` cannot be used.
+    ///     ValueError: A shape is wrong, a goal is not finite, or `out` cannot be used.
     ///     TypeError: An argument has the wrong type or dtype.
     ///     RuntimeError: Another thread uses the fleet.
     ///
@@ -807,9 +807,9 @@ impl Fleet {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, threads, duration) = (slf.py(), thread_count(threads)?, duration.named("duration")?);
         let robot = robot.map_or(Ok(0), |robot| whole_number("robot", robot, "at least 0"))?;
-        let (commands, [count, steps]) = Commands::of_rollouts(commands)?;
         let mut fleet = borrowed(slf)?;
         fleet.refresh(py)?;
+        let (commands, [count, steps]) = Commands::of_rollouts(commands, &fleet.core)?;
         let (poses, contacts) = (zeros::<f64>(py, &[count, steps, 3])?, zeros::<bool>(py, &[count, steps])?);
         {
             let mut poses = writable::<f64>(&poses, &[count, steps, 3])?;
@@ -858,6 +858,7 @@ impl Fleet {
     ///     differential, 4 for an omni and 6 for an Ackermann drive, and 0 without a drive.
     ///
     /// Raises:
+    ///     ValueError: A rate is too large for a number.
     ///     RuntimeError: Another thread uses the fleet.
     ///
     /// Examples:
@@ -1102,6 +1103,9 @@ fn one_or_each<T>(
         let got = short_repr(got);
         PyTypeError::new_err(format!("{name} must be one {class} or a sequence of them, got {got}"))
     };
+    if value.is_instance_of::<PyString>() {
+        return Err(refused(value));
+    }
     let items = value.len().and_then(|_| value.try_iter()).map_err(|_| refused(value))?;
     let mut found = Vec::new();
     for item in items {
@@ -1140,6 +1144,10 @@ fn obstacles_of(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<FleetObstacle>> {
         let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
         let trajectory = match trajectory.extract::<PoseArgument>() {
             Ok(pose) => Trajectory::standing(pose.0),
+            Err(_) if typed::<f64>("the pose of an obstacle", &trajectory)?.ndim() == 1 => {
+                let needed = "the pose of an obstacle must be three finite numbers (x, y, yaw)";
+                return Err(PyValueError::new_err(format!("{needed}, got {}", short_repr(&trajectory))));
+            }
             Err(_) => Trajectory::new(&waypoints("the waypoints of an obstacle", &trajectory)?)?,
         };
         let world = world.filter(|world| !world.is_none());

@@ -1,10 +1,11 @@
 //! The Python class `Limits`.
 
 use numpy::{IntoPyArray, PyArray2, ndarray::Array2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arrays::numbers;
+use super::arrays::{numbers, type_name};
 use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::{Recipe, recipe};
@@ -33,6 +34,18 @@ use super::{Recipe, recipe};
 #[pyclass(frozen, eq, module = "mobile_robot_simulator", from_py_object)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct Limits(pub crate::Limits);
+
+/// An argument that must be limits.
+pub struct LimitsArgument(pub Limits);
+
+impl<'py> FromPyObject<'_, 'py> for LimitsArgument {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let needed = |_| PyTypeError::new_err(format!("limits must be a Limits, got {}", type_name(&value)));
+        value.cast::<Limits>().map(|limits| Self(*limits.get())).map_err(needed)
+    }
+}
 
 const NONE: crate::Limits = crate::Limits::NONE;
 

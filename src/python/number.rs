@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyBool, PyString};
 
 use super::arrays::short_repr;
 
@@ -57,6 +57,10 @@ impl<'py, T: Numbers> FromPyObject<'_, 'py> for Argument<T> {
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let py = value.py();
+        // A boolean is no number, although Python would take it for 0 or 1.
+        if value.is_instance_of::<PyBool>() {
+            return Ok(Self(Err(Refused::Type(short_repr(&value)))));
+        }
         match value.extract::<T>() {
             Ok(numbers) => Ok(Self(Ok(numbers))),
             // A text is a sequence too, and can have another length.

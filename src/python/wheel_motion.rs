@@ -8,10 +8,11 @@ use pyo3::types::PyDict;
 
 use super::arrays::{numbers, type_name};
 use super::drive::Drive;
-use super::limits::Limits;
+use super::limits::{Limits, LimitsArgument};
 use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::{Recipe, recipe};
+use crate::error::check_all_finite;
 use crate::{MAX_WHEELS, Steering};
 
 /// The motion of a robot from the time on at which its wheels begin to follow a command.
@@ -28,12 +29,13 @@ use crate::{MAX_WHEELS, Steering};
 ///     current: Velocity (vx, vy, wz) at the start, in the robot's frame [m/s, m/s, rad/s].
 ///     wanted: Commanded velocity, as `Drive.command` returns it. Of an Ackermann drive, only vx counts, here and in `current`.
 ///     limits: Limits on the velocity and its change; of an Ackermann drive, only those of vx count. None for no limits.
-///     steering_angle: Steering angle at the start [rad].
-///     steering_goal: Steering angle to aim at [rad]. Default: `steering_angle`.
+///     steering_angle: Steering angle at the start, in -1.5..1.5 [rad]; limited to what the drive can do.
+///     steering_goal: Steering angle to aim at [rad]; limited to what the drive can do. Default: `steering_angle`.
 ///     steering_rate: Largest change of the steering angle per second [rad/s], beside that of the drive.
 ///
 /// Raises:
-///     ValueError: A number is not finite, or the rate is not positive. The rate can be infinite.
+///     ValueError: A number is not finite, the angle at the start is out of range, the rate is not positive, or a drive that
+///         does not steer has an angle other than 0 or a finite rate. The rate can be infinite.
 ///
 /// Examples:
 ///     >>> import mobile_robot_simulator as mrs
@@ -71,7 +73,7 @@ impl WheelMotion {
         drive: &Bound<'_, PyAny>,
         current: Argument<[f64; 3]>,
         wanted: Argument<[f64; 3]>,
-        limits: Option<Limits>,
+        limits: Option<LimitsArgument>,
         steering_angle: Argument<f64>,
         steering_goal: Option<Argument<f64>>,
         steering_rate: Argument<f64>,
@@ -84,6 +86,7 @@ impl WheelMotion {
         let angle = steering_angle.named("steering_angle")?;
         let goal = steering_goal.map_or(Ok(angle), |goal| goal.named("steering_goal"))?;
         let steering = Steering { angle, goal, rate: steering_rate.named("steering_rate")? };
+        let limits = limits.map(|limits| limits.0);
         let of = limits.map_or(crate::Limits::NONE, |limits| limits.0);
         let motion = crate::WheelMotion::new(drive.0, &of, current.into(), wanted.into(), steering)?;
         Ok(Self { motion, drive, limits, current, wanted, steering })
@@ -197,7 +200,7 @@ impl WheelMotion {
     ///     >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (1.0, 0.0, 1.0)).wheels(0.0)
     ///     array([ 7.5, 12.5])
     fn wheels<'py>(&self, py: Python<'py>, time: Argument<f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.of_wheels(py, self.motion.wheels(checked_time(time)?)))
+        self.of_wheels(py, "the resulting rates", self.motion.wheels(checked_time(time)?))
     }
 
     /// Returns the angle by which each wheel has turned.
@@ -217,7 +220,7 @@ impl WheelMotion {
     ///     >>> mrs.WheelMotion(drive, (0.0, 0.0, 0.0), (1.0, 0.0, 1.0)).rolled(2.0)
     ///     array([15., 25.])
     fn rolled<'py>(&self, py: Python<'py>, time: Argument<f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.of_wheels(py, self.motion.rolled(time.named("time")?)?))
+        self.of_wheels(py, "the resulting angles", self.motion.rolled(time.named("time")?)?)
     }
 
     /// Returns the pose that the robot reaches.
@@ -225,13 +228,13 @@ impl WheelMotion {
     /// Args:
     ///     pose: Pose at the start.
     ///     time: Duration [s].
-    ///     grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+    ///     grip: Share of the motion of the wheels that the robot makes, in 0..1; 1 without slip.
     ///
     /// Returns:
     ///     The pose after the time. Its yaw is not wrapped.
     ///
     /// Raises:
-    ///     ValueError: A number or the resulting pose is not finite, or the time is negative.
+    ///     ValueError: A number or the resulting pose is not finite, the grip is not in 0..1, or the time is negative.
     ///
     /// Examples:
     ///     >>> import mobile_robot_simulator as mrs
@@ -249,13 +252,14 @@ impl WheelMotion {
     /// Args:
     ///     pose: Pose at the start.
     ///     times: (N,) times from the start on [s]. Anything that NumPy can convert to float64 without loss.
-    ///     grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+    ///     grip: Share of the motion of the wheels that the robot makes, in 0..1; 1 without slip.
     ///
     /// Returns:
     ///     (N, 3) float64, one row (x, y, yaw) per time [m, m, rad]. Yaws are not wrapped.
     ///
     /// Raises:
-    ///     ValueError: `times` is not one-dimensional, a time is negative, or a number or a pose reached is not finite.
+    ///     ValueError: `times` is not one-dimensional, a time is negative, the grip is not in 0..1, or a number or a pose reached
+    ///         is not finite.
     ///     TypeError: `times` cannot be converted to float64 without loss.
     ///
     /// Examples:
@@ -320,8 +324,15 @@ impl WheelMotion {
 }
 
 impl WheelMotion {
-    fn of_wheels<'py>(&self, py: Python<'py>, values: [f64; MAX_WHEELS]) -> Bound<'py, PyArray1<f64>> {
-        values[..self.drive.0.wheel_count()].to_vec().into_pyarray(py)
+    /// Returns the numbers of the wheels, after a check that they are finite.
+    fn of_wheels<'py>(
+        &self,
+        py: Python<'py>,
+        name: &'static str,
+        values: [f64; MAX_WHEELS],
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        check_all_finite(name, &values, 1)?;
+        Ok(values[..self.drive.0.wheel_count()].to_vec().into_pyarray(py))
     }
 }
 

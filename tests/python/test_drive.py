@@ -11,6 +11,7 @@ The reference values are those of the tests of ros2_controllers (commit 94e74de,
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -228,8 +229,132 @@ def test_the_errors_name_what_is_wrong() -> None:
         Drive.differential(track=0.4, wheel_radius=(0.1, -1.0))
     with pytest.raises(TypeError, match=r"wheel_radius must be a number or two numbers \(left, right\), got 'a'"):
         Drive.differential(track=0.4, wheel_radius="a")  # type: ignore[arg-type]
+    with pytest.raises(
+        ValueError, match=r"wheel_radius must be a number or two numbers \(left, right\), got \(0.1, 0.2, 0.3"
+    ):
+        Drive.differential(track=0.4, wheel_radius=(0.1, 0.2, 0.3))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="drive must be a Drive, got int; make one with"):
         WheelMotion(3, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="time must be at least 0, got -1"):
         WheelMotion(CAR, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)).velocity(-1.0)
     assert eval(repr(CAR), {"Drive": Drive, "inf": math.inf}) == CAR != DIFFERENTIAL
+
+
+NAN, INF = math.nan, math.inf
+STILL, AHEAD, HERE = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), [(0.0, 0.0, 0.0)]
+STANDS = [(0.0, 0.0, 0.0, 0.0)]
+SMALL_CAR = Drive.ackermann(wheelbase=0.1, track=0.1, wheel_radius=1.0, steering_limit=0.6)
+MOTION = WheelMotion(CAR, STILL, AHEAD)
+FAST = WheelMotion(CAR, (1e300, 0.0, 0.0), (1e300, 0.0, 0.0))
+NO_STEERING = "must be 0 for a drive that does not steer, got"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: DIFFERENTIAL.with_multipliers(left_radius=1e-323), "the left radius must be positive, got 0"),
+        (lambda: DIFFERENTIAL.with_multipliers(track=NAN), "track must be positive, got NaN"),
+        (
+            lambda: CAR.wheels_of_twist([AHEAD, (0.0, NAN, 0.0)]),
+            "twists must be finite, got [0.0, NaN, 0.0] in row 1",
+        ),
+        (lambda: CAR.wheels_of_twist([(1e308, 0.0, 0.0)]), "the resulting rates must be finite, got inf in row 0"),
+        (lambda: CAR.wheels_of_twist([AHEAD], [NAN]), "steering must be in -1.5..1.5 rad, got NaN in row 0"),
+        (lambda: CAR.wheels_of_twist([AHEAD] * 2, [0.1, 20.0]), "steering must be in -1.5..1.5 rad, got 20 in row 1"),
+        (lambda: OMNI.wheels_of_twist([AHEAD], [0.1]), f"steering {NO_STEERING} 0.1 in row 0"),
+        (lambda: DIFFERENTIAL.twist_of_wheels([(1.0, 1.0), (1.0, INF)]), "wheels must be finite, got inf in row 1"),
+        (lambda: DIFFERENTIAL.twist_of_wheels([(1.0, 1.0)], [0.1]), f"steering {NO_STEERING} 0.1 in row 0"),
+        (lambda: CAR.twist_of_wheels(np.ones((1, 4)), [1.57]), "steering must be in -1.5..1.5 rad, got 1.57 in row 0"),
+        (
+            lambda: SMALL_CAR.twist_of_wheels([(0.0, 0.0, -1.7e308, 1.7e308)]),
+            "the resulting velocities must be finite, got [0.0, 0.0, inf] in row 0",
+        ),
+        (lambda: CAR.steering_of_twist([(INF, 0.0, 0.0)]), "twists must be finite, got [inf, 0.0, 0.0] in row 0"),
+        (lambda: CAR.steering_angles([0.0, 3.0]), "steering must be in -1.5..1.5 rad, got 3 in row 1"),
+        (lambda: OMNI.steering_angles([0.1]), f"steering {NO_STEERING} 0.1 in row 0"),
+        (lambda: CAR.steering_angle_rates([NAN], [0.1]), "steering must be in -1.5..1.5 rad, got NaN in row 0"),
+        (lambda: CAR.steering_angle_rates([0.1], [NAN]), "rates must be finite, got NaN in row 0"),
+        (lambda: CAR.command((NAN, 0.0, 0.0)), "twist must be finite, got NaN"),
+        (lambda: CAR.command(AHEAD, INF), "steering_angle must be finite, got inf"),
+        (lambda: DIFFERENTIAL.command(AHEAD, 0.3), f"steering_angle {NO_STEERING} 0.3"),
+        (lambda: CAR.step([(NAN, 0.0, 0.0)], STANDS, [AHEAD], dt=0.1), "poses must be finite, got NaN in row 0"),
+        (lambda: CAR.step(HERE, [(0.0, NAN, 0.0, 0.0)], [AHEAD], dt=0.1), "states must be finite, got NaN in row 0"),
+        (
+            lambda: CAR.step(HERE, [(0.0, 0.0, 0.0, 2.0)], [AHEAD], dt=0.1),
+            "the steering angle of states must be in -1.5..1.5 rad, got 2 in row 0",
+        ),
+        (
+            lambda: OMNI.step(HERE, [(0.0, 0.0, 0.0, 0.3)], [AHEAD], dt=0.1),
+            f"the steering angle of states {NO_STEERING} 0.3 in row 0",
+        ),
+        (lambda: CAR.step(HERE, STANDS, [(1.0, NAN)], dt=0.1), "commands must be finite, got NaN in row 0"),
+        (
+            lambda: CAR.step(HERE, STANDS, [(1.0, 0.0, INF)], dt=0.1),
+            "commands must be finite, got [1.0, 0.0, inf] in row 0",
+        ),
+        (lambda: CAR.step(HERE, STANDS, [(1.0,)], dt=0.1), "commands must have shape (N, 3) or (N, 2), got (1, 1)"),
+        (lambda: CAR.step(HERE, STANDS, [AHEAD], dt=-1.0), "dt must be at least 0, got -1"),
+        (lambda: CAR.step(HERE, STANDS, [(1e300, 0.0, 0.0)], dt=1e10), "the resulting poses must be finite, got"),
+        (lambda: SMALL_CAR.step(HERE, STANDS, [(1e308, 0.6)], dt=0.0), "the resulting states must be finite, got"),
+        (lambda: DIFFERENTIAL.odometry((0.0, 0.0), (NAN, 0.0)), "after must be finite, got NaN"),
+        (lambda: DIFFERENTIAL.odometry((INF, 0.0), (0.0, 0.0)), "before must be finite, got inf"),
+        (lambda: DIFFERENTIAL.odometry((0.0, 0.0), (0.0, 0.0), ticks=INF), "ticks must be at least 0, got inf"),
+        (lambda: DIFFERENTIAL.odometry((0.0, 0.0), (1.0, 1.0), steering_angle=0.1), f"steering_angle {NO_STEERING} 0.1"),
+        (
+            lambda: CAR.odometry(np.zeros(4), np.ones(4), steering_angle=20.0),
+            "steering_angle must be in -1.5..1.5 rad, got 20; 20° is 0.3491 rad",
+        ),
+        (
+            lambda: DIFFERENTIAL.odometry((0.0, 0.0), (1e308, 1e308), ticks=1e300),
+            "the resulting motion must be finite, got inf",
+        ),
+        (lambda: WheelMotion(OMNI, STILL, AHEAD, steering_angle=0.3), f"steering_angle {NO_STEERING} 0.3"),
+        (lambda: WheelMotion(OMNI, STILL, AHEAD, steering_goal=0.3), f"steering_goal {NO_STEERING} 0.3"),
+        (
+            lambda: WheelMotion(OMNI, STILL, AHEAD, steering_rate=0.3),
+            "steering_rate must be inf for a drive that does not steer, got 0.3",
+        ),
+        (
+            lambda: WheelMotion(CAR, STILL, AHEAD, steering_angle=30.0),
+            "steering_angle must be in -1.5..1.5 rad, got 30; 30° is 0.5236 rad",
+        ),
+        (lambda: WheelMotion(CAR, STILL, AHEAD, steering_goal=NAN), "steering_goal must be finite, got NaN"),
+        (lambda: MOTION.integrate(Pose(), NAN), "time must be at least 0, got NaN"),
+        (lambda: MOTION.integrate(Pose(), 1.0, grip=2.0), "grip must be in 0..1, got 2"),
+        (lambda: MOTION.trace(Pose(), [1.0], grip=NAN), "grip must be in 0..1, got NaN"),
+        (lambda: MOTION.trace(Pose(), [0.0, -1.0]), "times must be at least 0, got -1"),
+        (lambda: MOTION.distance(-1.0), "time must be at least 0, got -1"),
+        (lambda: MOTION.rolled(INF), "time must be at least 0, got inf"),
+        (lambda: FAST.distance(1e300), "the resulting distance must be finite, got inf"),
+        (lambda: FAST.rolled(1e300), "the resulting angles must be finite, got inf"),
+    ],
+)
+def test_what_would_be_silently_wrong_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        call()
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Drive.differential(track=True, wheel_radius=0.1), "track must be a number, got True"),
+        (lambda: Drive.differential(track=0.4, wheel_radius=True), "wheel_radius must be a number or two numbers"),
+        (lambda: MOTION.integrate(Pose(), 1.0, grip=True), "grip must be a number, got True"),
+        (lambda: CAR.step(HERE, STANDS, [AHEAD], 0.1, limits=3), "limits must be a Limits, got int"),  # type: ignore[arg-type]
+        (lambda: WheelMotion(CAR, STILL, AHEAD, limits="no"), "limits must be a Limits, got str"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_of_another_type_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert str(caught.value).startswith(message)
+
+
+def test_a_steering_angle_of_0_is_good_for_every_drive() -> None:
+    for drive in (DIFFERENTIAL, OMNI, CAR):
+        assert drive.steering_angles([0.0]).tolist() == [[0.0, 0.0]]
+        assert drive.wheels_of_twist([AHEAD], [0.0]).tolist() == drive.wheels_of_twist([AHEAD]).tolist()
+        assert drive.command(AHEAD, 0.0)[0] == AHEAD
+    # Commands beyond the limit are limited.
+    assert WheelMotion(CAR, STILL, STILL, steering_goal=9.0).steering(9.0) == 0.6

@@ -13,7 +13,8 @@ pub use wheel_motion::{Steering, WheelMotion};
 use glam::DVec2;
 
 use super::Twist;
-use crate::error::{Error, check_number};
+use crate::batch::check_rows;
+use crate::error::{Error, check_all_finite, check_finite, check_number};
 
 /// Largest steering angle that a drive may have \[rad\]. A wheel that steers by a quarter turn cannot push the robot forward.
 pub const MAX_STEERING: f64 = 1.5;
@@ -149,7 +150,11 @@ impl Drive {
     pub fn with_multipliers(self, radius: [f64; 2], track: f64) -> Result<Self, Error> {
         let left = self.radius[0] * check_positive("left_radius", radius[0])?;
         let right = self.radius[1] * check_positive("right_radius", radius[1])?;
-        Ok(Self { radius: [left, right], track: self.track * check_positive("track", track)?, ..self })
+        let track = self.track * check_positive("track", track)?;
+        for (name, product) in [("the left radius", left), ("the right radius", right), ("the track", track)] {
+            check_positive(name, product)?;
+        }
+        Ok(Self { radius: [left, right], track, ..self })
     }
 
     /// Returns the kind of the drive.
@@ -267,20 +272,70 @@ impl Drive {
     /// Returns [`wheels`](Self::wheels) for each twist `[vx, vy, wz]`, one robot after the other.
     ///
     /// Without steering angles, the steering is that of [`command`](Self::command).
-    #[must_use]
-    pub fn wheels_batch(&self, twists: &[[f64; 3]], steering: Option<&[f64]>) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// - [`Error::Length`]: there is not one steering angle for each twist.
+    /// - [`Error::Row`], [`Error::Element`]: a number or a result is not finite, or a steering angle is refused as by
+    ///   [`check_steering`](Self::check_steering).
+    pub fn wheels_batch(&self, twists: &[[f64; 3]], steering: Option<&[f64]>) -> Result<Vec<f64>, Error> {
+        check_rows("twists", twists, Some(1))?;
+        self.check_steering(steering, twists.len())?;
         let rates = |(row, &twist): (usize, &[f64; 3])| {
             let steering = steering.map_or_else(|| self.command(twist.into(), 0.0).1, |angles| angles[row]);
             self.wheels(twist.into(), steering).into_iter().take(self.wheel_count())
         };
-        twists.iter().enumerate().flat_map(rates).collect()
+        let rates: Vec<f64> = twists.iter().enumerate().flat_map(rates).collect();
+        check_all_finite("the resulting rates", &rates, self.wheel_count())?;
+        Ok(rates)
     }
 
     /// Returns [`twist`](Self::twist) for each robot, as `[vx, vy, wz]`; `wheels` has the wheels of one robot after the other.
-    #[must_use]
-    pub fn twist_batch(&self, wheels: &[f64], steering: Option<&[f64]>) -> Vec<[f64; 3]> {
+    ///
+    /// # Errors
+    /// - [`Error::Length`]: there is not one steering angle for each robot.
+    /// - [`Error::Row`], [`Error::Element`]: a number or a result is not finite, or a steering angle is refused as by
+    ///   [`check_steering`](Self::check_steering).
+    pub fn twist_batch(&self, wheels: &[f64], steering: Option<&[f64]>) -> Result<Vec<[f64; 3]>, Error> {
+        check_all_finite("wheels", wheels, self.wheel_count())?;
+        self.check_steering(steering, wheels.len() / self.wheel_count())?;
         let twist = |(row, wheels)| self.twist(wheels, steering.map(|angles| angles[row])).to_array();
-        wheels.chunks_exact(self.wheel_count()).enumerate().map(twist).collect()
+        let twists: Vec<_> = wheels.chunks_exact(self.wheel_count()).enumerate().map(twist).collect();
+        check_rows("the resulting velocities", &twists, Some(1))?;
+        Ok(twists)
+    }
+
+    /// Checks the steering angles of `count` robots \[rad\], if there are any.
+    ///
+    /// # Errors
+    /// - [`Error::Length`]: there is not one for each robot.
+    /// - [`Error::Element`]: one is not within [`MAX_STEERING`], or not 0 for a drive that does not steer.
+    pub fn check_steering(&self, steering: Option<&[f64]>, count: usize) -> Result<(), Error> {
+        let Some(angles) = steering else { return Ok(()) };
+        if angles.len() != count {
+            return Err(Error::Length { name: "steering", value: angles.len(), needed: count });
+        }
+        let (needed, largest) = self.steering_domain();
+        match angles.iter().position(|angle| angle.is_nan() || angle.abs() > largest) {
+            Some(row) => Err(Error::Element { name: "steering", row, value: angles[row], needed }),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns what a steering angle of a robot with this drive must be, in words and as its largest absolute value \[rad\].
+    fn steering_domain(&self) -> (&'static str, f64) {
+        match self.kind {
+            DriveKind::Ackermann => ("in -1.5..1.5 rad", MAX_STEERING),
+            _ => ("0 for a drive that does not steer", 0.0),
+        }
+    }
+
+    /// Returns a steering angle \[rad\], if a robot with this drive can have it.
+    fn checked_steering(&self, name: &'static str, angle: f64) -> Result<f64, Error> {
+        let (needed, largest) = self.steering_domain();
+        if angle.abs() > largest && angle.is_finite() && largest > 0.0 {
+            return Err(Error::Degrees { name, value: angle, needed });
+        }
+        check_number(name, angle, needed, |angle| angle.abs() <= largest)
     }
 
     /// Returns the velocity of a robot that steers, from the speeds of its rear wheels \[m/s\].
@@ -353,6 +408,20 @@ impl Drive {
                 (Twist::from([speed, 0.0, 0.0]), angle.clamp(-self.steering_limit, self.steering_limit))
             }
         }
+    }
+
+    /// Returns [`command`](Self::command) after a check of its arguments.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: a number is not finite, or there is a steering angle for a drive that does not steer.
+    pub fn checked_command(&self, wanted: Twist, steering: f64) -> Result<(Twist, f64), Error> {
+        wanted.to_array().iter().try_for_each(|&number| check_finite("twist", number).map(|_| ()))?;
+        // An angle beyond the limit is limited.
+        check_finite("steering_angle", steering)?;
+        if self.kind != DriveKind::Ackermann {
+            self.checked_steering("steering_angle", steering)?;
+        }
+        Ok(self.command(wanted, steering))
     }
 
     /// Returns the velocity, scaled down so that no wheel of a differential or omni drive exceeds its limit.

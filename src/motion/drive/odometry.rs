@@ -16,7 +16,8 @@ impl Drive {
     ///
     /// # Errors
     /// - [`Error::Length`]: there is not one angle for each wheel.
-    /// - [`Error::Number`]: a number is not finite, or `ticks` is negative.
+    /// - [`Error::Number`]: a number or the result is not finite, `ticks` is negative, or there is a steering angle for a drive
+    ///   that does not steer. [`Error::Degrees`]: it is beyond [`MAX_STEERING`](super::MAX_STEERING).
     pub fn odometry(&self, before: &[f64], after: &[f64], steering: Option<f64>, ticks: f64) -> Result<Twist, Error> {
         let count = self.wheel_count();
         for (name, angles) in [("before", before), ("after", after)] {
@@ -26,7 +27,7 @@ impl Drive {
             angles.iter().try_for_each(|&angle| check_finite(name, angle).map(|_| ()))?;
         }
         check_number("ticks", ticks, "at least 0", |value| value >= 0.0)?;
-        check_finite("steering_angle", steering.unwrap_or(0.0))?;
+        self.checked_steering("steering_angle", steering.unwrap_or(0.0))?;
         let mut turned = [0.0; MAX_WHEELS];
         for (turned, (before, after)) in turned.iter_mut().zip(before.iter().zip(after)) {
             *turned = if ticks == 0.0 {
@@ -35,7 +36,9 @@ impl Drive {
                 (libm::floor(after * ticks / TAU) - libm::floor(before * ticks / TAU)) * (TAU / ticks)
             };
         }
-        Ok(self.twist(&turned[..count], steering))
+        let motion = self.twist(&turned[..count], steering);
+        motion.to_array().iter().try_for_each(|&number| check_finite("the resulting motion", number).map(|_| ()))?;
+        Ok(motion)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::{Limits, Twist};
 use super::{Drive, Steering, WheelMotion};
 use crate::batch::{check_rows, for_each_chunk};
-use crate::error::{Error, check_finite};
+use crate::error::{Error, check_all_finite, check_number};
 use crate::pose::Pose;
 
 /// What the wheels of a robot do: the velocity `[vx, vy, wz]` \[m/s, m/s, rad/s\] and the steering angle \[rad\].
@@ -63,8 +63,9 @@ impl Drive {
     ///
     /// # Errors
     /// - [`Error::Length`]: there is not one command for each row.
-    /// - [`Error::Row`]: a command or a resulting pose is not finite.
-    /// - [`Error::Number`]: another number is not finite, or `duration` is negative.
+    /// - [`Error::Row`], [`Error::Element`]: a pose, a state, a command, or a result is not finite, or a steering angle of a
+    ///   state is beyond [`MAX_STEERING`](super::MAX_STEERING), or not 0 for a drive that does not steer.
+    /// - [`Error::Number`]: `duration` is negative or not finite.
     /// - [`Error::Interrupted`]: the call was interrupted.
     pub fn step(
         &self,
@@ -78,13 +79,22 @@ impl Drive {
         if commands.len() != rows.len() {
             return Err(Error::Length { name: "commands", value: commands.len(), needed: rows.len() });
         }
-        if let DriveCommands::Twists(twists) = commands {
-            check_rows("commands", twists, None)?;
+        match commands {
+            DriveCommands::Twists(twists) => check_rows("commands", twists, None)?,
+            DriveCommands::Steered(rows) => check_all_finite("commands", rows.as_flattened(), 2)?,
+        }
+        check_number("dt", duration, "at least 0", |value| value >= 0.0)?;
+        let (needed, largest) = self.steering_domain();
+        for (row, (pose, state)) in rows.iter().enumerate() {
+            check_row("poses", row, pose)?;
+            check_row("states", row, state)?;
+            if state[3].abs() > largest {
+                return Err(Error::Element { name: "the steering angle of states", row, value: state[3], needed });
+            }
         }
         for_each_chunk(None, rows, CHUNK, |index, chunk| {
             for (offset, (pose, state)) in chunk.iter_mut().enumerate() {
                 let [vx, vy, wz, angle] = *state;
-                check_finite("states", angle)?;
                 let row = index * CHUNK + offset;
                 let (wanted, goal) = match commands {
                     DriveCommands::Twists(twists) => self.command(twists[row].into(), angle),
@@ -92,12 +102,22 @@ impl Drive {
                 };
                 let steering = Steering { angle, goal, rate: f64::INFINITY };
                 let motion = WheelMotion::new(*self, limits, [vx, vy, wz].into(), wanted, steering)?;
-                *pose = motion.integrate(Pose::from(*pose), duration, 1.0)?.to_array();
+                *pose = motion.moved(Pose::from(*pose), duration, 1.0).to_array();
                 let [vx, vy, wz] = motion.velocity(duration).to_array();
                 *state = [vx, vy, wz, motion.steering(duration)];
+                check_row("the resulting poses", row, pose)?;
+                check_row("the resulting states", row, state)?;
             }
             Ok(())
         })
+    }
+}
+
+/// Checks that the numbers of a row are finite.
+fn check_row(name: &'static str, row: usize, numbers: &[f64]) -> Result<(), Error> {
+    match numbers.iter().find(|number| !number.is_finite()) {
+        Some(&value) => Err(Error::Element { name, row, value, needed: "finite" }),
+        None => Ok(()),
     }
 }
 
@@ -132,6 +152,6 @@ mod tests {
         assert_eq!(text(DriveCommands::Twists(&[])), "commands must have 1 elements, got 0");
         let bad = [[f64::NAN, 0.0, 0.0]];
         assert_eq!(text(DriveCommands::Twists(&bad)), "commands must be finite, got [NaN, 0.0, 0.0] in row 0");
-        assert_eq!(text(DriveCommands::Steered(&[[f64::INFINITY, 0.0]])), "wanted must be finite, got inf");
+        assert_eq!(text(DriveCommands::Steered(&[[f64::INFINITY, 0.0]])), "commands must be finite, got inf in row 0");
     }
 }

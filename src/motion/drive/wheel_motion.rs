@@ -23,16 +23,23 @@ impl Steering {
     /// Straight ahead.
     pub const STRAIGHT: Self = Self { angle: 0.0, goal: 0.0, rate: f64::INFINITY };
 
-    /// Returns the steering of a robot with a drive: within its limits, and straight ahead if it does not steer.
+    /// Returns the steering of a robot with a drive: within its limits.
     ///
     /// # Errors
-    /// [`Error::Number`] if an angle is not finite or the rate is not positive. The rate can be infinite.
-    pub(super) fn of(self, drive: &Drive) -> Result<Self, Error> {
+    /// [`Error::Number`] if an angle is not finite, the rate is not positive, or the drive does not steer and this is not
+    /// [`STRAIGHT`](Self::STRAIGHT). The rate can be infinite. [`Error::Degrees`] if the angle at the start is beyond
+    /// [`MAX_STEERING`](super::MAX_STEERING).
+    pub(crate) fn of(self, drive: &Drive) -> Result<Self, Error> {
+        drive.checked_steering("steering_angle", self.angle)?;
         if drive.kind != DriveKind::Ackermann {
-            return Ok(Self::STRAIGHT);
+            drive.checked_steering("steering_goal", self.goal)?;
+            return if self.rate == f64::INFINITY {
+                Ok(Self::STRAIGHT)
+            } else {
+                Err(Error::Number { name: "steering_rate", value: self.rate, needed: "inf for a drive that does not steer" })
+            };
         }
         let limit = drive.steering_limit;
-        check_finite("steering_angle", self.angle)?;
         check_finite("steering_goal", self.goal)?;
         super::check_positive_or_infinite("steering_rate", self.rate)?;
         let rate = self.rate.min(drive.steering_rate);
@@ -153,27 +160,27 @@ impl WheelMotion {
     /// wheels. The yaw is not wrapped.
     ///
     /// # Errors
-    /// [`Error::Number`] if a number or the resulting pose is not finite, or the time is negative.
+    /// [`Error::Number`] if a number or the resulting pose is not finite, the grip is not in 0..1, or the time is negative.
     pub fn integrate(&self, start: Pose, time: f64, grip: f64) -> Result<Pose, Error> {
         start.checked()?;
-        check_finite("grip", grip)?;
-        check_time(time)?;
+        check_grip(grip)?;
+        check_time("time", time)?;
         self.moved(start, time, grip).checked()
     }
 
     /// Returns the pose of [`integrate`](Self::integrate) after each of several times \[s\], as `[x, y, yaw]`.
     ///
     /// # Errors
-    /// - [`Error::Number`]: a number is not finite, or a time is negative.
+    /// - [`Error::Number`]: a number is not finite, the grip is not in 0..1, or a time is negative.
     /// - [`Error::Row`]: a resulting pose is not finite.
     /// - [`Error::Memory`]: there is not enough memory.
     pub fn trace(&self, start: Pose, times: &[f64], grip: f64) -> Result<Vec<[f64; 3]>, Error> {
         start.checked()?;
-        check_finite("grip", grip)?;
-        traced(times, |time| Ok(self.moved(start, check_time(time)?, grip)))
+        check_grip(grip)?;
+        traced(times, |time| Ok(self.moved(start, check_time("times", time)?, grip)))
     }
 
-    fn moved(&self, start: Pose, time: f64, grip: f64) -> Pose {
+    pub(super) fn moved(&self, start: Pose, time: f64, grip: f64) -> Pose {
         let mut pose = start;
         self.for_each_piece(time, |from, duration, piece| {
             pose = match piece {
@@ -193,11 +200,11 @@ impl WheelMotion {
     /// Returns the length of the path driven in a time \[m\].
     ///
     /// # Errors
-    /// [`Error::Number`] if the time is negative or not finite.
+    /// [`Error::Number`] if the time is negative or not finite, or the length is too large for a number.
     pub fn distance(&self, time: f64) -> Result<f64, Error> {
-        check_time(time)?;
+        check_time("time", time)?;
         if self.drive.kind == DriveKind::Ackermann {
-            return Ok(self.ramp.distance(time));
+            return check_finite("the resulting distance", self.ramp.distance(time));
         }
         let mut driven = 0.0;
         self.for_each_piece(time, |from, duration, piece| {
@@ -209,7 +216,7 @@ impl WheelMotion {
                 }
             };
         });
-        Ok(driven)
+        check_finite("the resulting distance", driven)
     }
 
     /// Returns the angle by which each wheel turns in a time \[rad\].
@@ -217,7 +224,7 @@ impl WheelMotion {
     /// # Errors
     /// [`Error::Number`] if the time is negative or not finite.
     pub fn rolled(&self, time: f64) -> Result<[f64; MAX_WHEELS], Error> {
-        check_time(time)?;
+        check_time("time", time)?;
         let mut rolled = [0.0; MAX_WHEELS];
         self.for_each_piece(time, |from, duration, piece| {
             let part = match piece {
@@ -315,8 +322,12 @@ impl WheelMotion {
     }
 }
 
-fn check_time(time: f64) -> Result<f64, Error> {
-    check_number("times", time, "at least 0", |value| value >= 0.0)
+fn check_time(name: &'static str, time: f64) -> Result<f64, Error> {
+    check_number(name, time, "at least 0", |value| value >= 0.0)
+}
+
+fn check_grip(grip: f64) -> Result<f64, Error> {
+    check_number("grip", grip, "in 0..1", |value| (0.0..=1.0).contains(&value))
 }
 
 #[cfg(test)]

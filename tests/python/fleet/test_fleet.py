@@ -365,8 +365,8 @@ def test_wheels_that_still_steer_lead_a_robot_away_from_the_wall() -> None:
 def test_wrong_commands_of_robots_on_wheels_are_refused() -> None:
     car = fleet_of(slice(None), drive=CAR)
     cases: list[tuple[mrs.Fleet, Any, str]] = [
-        (car, np.zeros((2, 2)), "commands must have shape (60, 2), got (2, 2)"),
-        (car, np.zeros((COUNT, 4)), "commands must have shape (N, 3), got (60, 4)"),
+        (car, np.zeros((2, 2)), "commands must have shape (60, 3) or (60, 2), got (2, 2)"),
+        (car, np.zeros((COUNT, 4)), "commands must have shape (60, 3) or (60, 2), got (60, 4)"),
         (car, np.full((COUNT, 2), np.nan), "the command of robot 0 must be finite and at most 1000 on each axis, got [NaN"),
         (fleet_of(slice(None)), np.zeros((COUNT, 2)), "commands must be rows (vx, vy, wz) for robots without an Acker"),
     ]
@@ -377,6 +377,28 @@ def test_wrong_commands_of_robots_on_wheels_are_refused() -> None:
         assert fleet.save().words.tobytes() == before
     with pytest.raises(ValueError, match="without an Ackermann drive"):
         fleet_of(slice(None)).rollout(np.zeros((1, 3, 2)), 0.1)
+    with pytest.raises(ValueError, match=r"commands must have shape \(K, T, 3\) or \(K, T, 2\), got \(3, 2\)"):
+        car.rollout(np.zeros((3, 2)), 0.1)
+
+
+def test_a_steering_angle_that_a_drive_cannot_have_is_no_state() -> None:
+    drive = mrs.Drive.differential(track=0.3, wheel_radius=0.1)
+    fleet = mrs.Fleet(MAPS[0], [(1.0, 1.0, 0.0)], drive=drive)
+    words = fleet.save().words.copy()
+    # The steering angle of the profile is nine words after the kind of its drive.
+    (kind, *_) = np.flatnonzero(words[0] == np.float64(0.3).view(np.uint64)) - 2
+    assert words[0, kind] == 1
+    words[0, kind + 9] = np.float64(0.2).view(np.uint64)
+    with pytest.raises(ValueError, match="saved state, got a steering angle that the drive cannot have"):
+        mrs.FleetState(words)
+
+
+def test_rates_of_joints_that_are_no_numbers_are_refused() -> None:
+    tiny = mrs.Drive.differential(track=0.3, wheel_radius=1e-308)
+    fleet = mrs.Fleet(MAPS[0], [(1.0, 1.0, 0.0)], drive=tiny)
+    fleet.step([(5.0, 0.0, 0.0)], 1e-3)
+    with pytest.raises(ValueError, match="the resulting rates must be finite, got inf in row 0"):
+        fleet.joints()
 
 
 def test_the_time_of_a_world_is_bounded() -> None:
@@ -464,6 +486,11 @@ def test_a_robot_that_is_pressed_against_a_wall_moves_on_when_the_wall_is_gone()
         ),
         (lambda fleet: fleet.rollout(np.zeros((3, 3)), 0.1), ValueError, "commands must have shape (K, T, 3), got (3, 3)"),
         (lambda fleet: fleet.rollout(np.zeros((1, 3, 3)), 0.1, robot=60), ValueError, "the robot must be below 60, got 60"),
+        (
+            lambda fleet: fleet.relative(np.where(np.arange(COUNT)[:, np.newaxis] == 7, np.nan, np.zeros((COUNT, 2)))),
+            ValueError,
+            "goals must be finite, got NaN in row 7",
+        ),
         (lambda fleet: fleet.relative(np.zeros((3, 2))), ValueError, "goals must have shape (60, 2), got (3, 2)"),
         (
             lambda fleet: mrs.FleetState(np.ones((1, 2), np.uint64)),
@@ -493,12 +520,15 @@ def test_wrong_calls_say_what_is_wrong_and_change_nothing(
         ({"seeds": [1, 2, 3], "limits": [mrs.Limits()] * 2}, ValueError, "limits must have 3 elements, got 2"),
         ({"seeds": [1, 2, 3], "limits": 3.0}, TypeError, "limits must be one Limits or a sequence of them, got 3.0"),
         ({"seeds": [1, 2, 3], "drive": 3.0}, TypeError, "drive must be one Drive or a sequence of them, got 3.0"),
+        ({"seeds": [1, 2, 3], "drive": "omni"}, TypeError, "drive must be one Drive or a sequence of them, got 'omni'"),
         ({"seeds": [1, 2, 3], "drive": [CAR] * 2}, ValueError, "drive must have 3 elements, got 2"),
         (
             {"seeds": [1, 2, 3], "drive": [CAR, WIDE, mrs.Drive.differential(track=0.3, wheel_radius=0.1)]},
             ValueError,
             "the drives of a fleet must be of one kind, got another one for robot 2",
         ),
+        ({"seeds": [1, 2, 3], "slip": True}, TypeError, "slip must have dtype float64, got bool"),
+        ({"seeds": [1, 2, 3], "slip": [0.1, np.nan, 0.2]}, ValueError, "slip must be in 0..1, got NaN"),
         ({"seeds": [1, 2, 3], "slip": 2.0}, ValueError, "slip must be in 0..1, got 2"),
         ({"seeds": [1, 2, 3], "noise": mrs.BeamModel()}, ValueError, "noise needs a scanner, got scanner=None"),
         ({"seeds": [1, 2, 3], "clearance": 50.0}, ValueError, "no known free place for a disc of radius 50 m"),
@@ -512,6 +542,16 @@ def test_wrong_calls_say_what_is_wrong_and_change_nothing(
             {"seeds": [1, 2, 3], "obstacles": [(mrs.Shape.disc(0.1), [(1, 0, 0, 0), (1, 0, 0, 0)])]},
             ValueError,
             "the times of waypoints must increase, got 1 after 1 in row 1",
+        ),
+        (
+            {"seeds": [1, 2, 3], "obstacles": [(mrs.Shape.disc(0.1), (math.nan, 0, 0))]},
+            ValueError,
+            "the pose of an obstacle must be three finite numbers (x, y, yaw), got (nan, 0, 0)",
+        ),
+        (
+            {"seeds": [1, 2, 3], "obstacles": [(mrs.Shape.disc(0.1), (1, 0, 0)), (mrs.Shape.disc(0.1), (1, 0, 0), 7)]},
+            ValueError,
+            "obstacle 1 must be in the world of a robot, got world 7, which has none",
         ),
         ({"seeds": [1, 2, 3], "clearance_limit": 0.0}, ValueError, "clearance_limit must be positive, got 0"),
         ({"seeds": [1, 2, 3], "contact": "bounce"}, ValueError, "contact must be 'stop', 'slide' or 'report', got 'bounce'"),
