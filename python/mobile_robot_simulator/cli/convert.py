@@ -9,7 +9,7 @@ import typer
 
 from ..maps import load_map, save_map
 from .console import console
-from .options import MapFile
+from .options import MapFile, Resolution, Unit
 
 
 def convert(
@@ -17,13 +17,8 @@ def convert(
     file: Annotated[
         Path, typer.Argument(metavar="FILE.yaml", help="YAML file of map_server to write. Its folder must exist.")
     ],
-    resolution: Annotated[
-        float | None, typer.Option(help="Cell size in metres. Without it, the usual one of the format is used.")
-    ] = None,
-    unit: Annotated[
-        float | None,
-        typer.Option(help="Length of a unit of a drawing, SVG or DXF, in metres. Without it: that of a DXF file, or 1."),
-    ] = None,
+    resolution: Resolution = None,
+    unit: Unit = None,
 ) -> None:
     """Convert a world to a map of map_server: a YAML file and an image next to it."""
     save_map(load_map(map_file, resolution=resolution, unit=unit), file)

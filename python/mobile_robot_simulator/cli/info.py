@@ -8,18 +8,20 @@ from typing import Annotated
 import typer
 
 from .console import print_table
-from .options import Assignments, MapFile, ParamsFile, RosArgs, load_grid, read_values
+from .options import Assignments, MapFile, ParamsFile, Resolution, RosArgs, Unit, load_grid, read_values
 
 
 def info(
     map_file: MapFile,
     as_json: Annotated[bool, typer.Option("--json", help="Print the properties as JSON.")] = False,
+    resolution: Resolution = None,
+    unit: Unit = None,
     param: Assignments = None,
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
 ) -> None:
     """Show the size, resolution, origin and cell counts of a map."""
-    grid = load_grid(map_file, read_values(param, params_file))
+    grid = load_grid(map_file, read_values(param, params_file), resolution=resolution, unit=unit)
     height, width = grid.shape
     cells = grid.cells
     occupied, unknown = int((cells >= grid.occupied_threshold).sum()), int((cells < 0).sum())

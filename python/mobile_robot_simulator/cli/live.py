@@ -19,8 +19,10 @@ from .options import (
     Assignments,
     FaultTexts,
     ParamsFile,
+    Resolution,
     RosArgs,
     Seed,
+    Unit,
     check_positive,
     load_grid,
     pose_of,
@@ -75,6 +77,8 @@ def live(
         bool, typer.Option("--real-time", help="Accepted as by run. The view always keeps to speed_factor times real time.")
     ] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace recordings of the same name.")] = False,
+    resolution: Resolution = None,
+    unit: Unit = None,
     fault: FaultTexts = None,
     param: Assignments = None,
     params_file: ParamsFile = None,
@@ -112,6 +116,8 @@ def live(
             "--commands": commands,
             "--driver": driver != DriverName.viewer,
             "--seed": seed is not None,
+            "--resolution": resolution is not None,
+            "--unit": unit is not None,
             "--fault": fault,
             "--param": param,
             "--params-file": params_file,
@@ -122,11 +128,14 @@ def live(
         with signals_as_interrupt():
             _play(map_file, host=host, port=port, paused=paused, open_browser=open_browser)
         return
+    lengths = {name: value for name, value in (("resolution", resolution), ("unit", unit)) if value is not None}
+    if map_file is None and lengths:
+        raise ValueError(f"a generated office is no file, so it takes no {' and no '.join(f'--{name}' for name in lengths)}")
     with signals_as_interrupt():
         values = read_values(param, params_file)
         texts = [*(fault or ()), *(read_fault_texts(params_file) if params_file is not None else ())]
         faults = read_faults(texts)
-        grid = load_grid(map_file, values) if map_file is not None else floor_plan(PLAN, seed=1)
+        grid = load_grid(map_file, values, **lengths) if map_file is not None else floor_plan(PLAN, seed=1)
         script = Script.read(commands) if commands else None
         chosen_seed = seed_of(seed, values)
         pose = usual_start(grid, values, pose_of(start, "--start") if start else None, radius, chosen_seed)
@@ -135,7 +144,7 @@ def live(
         simulation = Simulation(grid, parameters=values, seed=chosen_seed, start=pose)
         for each in faults:
             simulation.add_fault(each)
-        source = _source(map_file, grid, values, chosen_seed, pose, texts)
+        source = _source(map_file, lengths, grid, values, chosen_seed, pose, texts)
         view = LiveView(
             simulation,
             host=host,
@@ -195,12 +204,19 @@ def _run(view: LiveView, duration: float | None, turn: Callable[[], None] = lamb
 
 
 def _source(
-    map_file: Path | None, grid: OccupancyGrid, values: dict[str, Any], seed: int, start: Pose | None, faults: list[str]
+    map_file: Path | None,
+    lengths: dict[str, float],
+    grid: OccupancyGrid,
+    values: dict[str, Any],
+    seed: int,
+    start: Pose | None,
+    faults: list[str],
 ) -> str:
     """Returns Python statements that create the simulation."""
     made = f"mrs.floor_plan({PLAN!r}, seed=1)"
     if map_file is not None:
-        made = f"mrs.load_map({str(map_file.resolve())!r}, unknown={grid.unknown!r})"
+        given = "".join(f", {name}={value!r}" for name, value in lengths.items())
+        made = f"mrs.load_map({str(map_file.resolve())!r}, unknown={grid.unknown!r}{given})"
     pose = "" if start is None else f", start={tuple(start)!r}"
     lines = [
         f"grid = {made}",

@@ -20,6 +20,13 @@ from .console import print_note
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="Map file: the YAML file of map_server, or a world in another format.")
 ]
+Resolution = Annotated[
+    float | None, typer.Option(help="Cell size of a world in metres. Without it, the usual one of the format is used.")
+]
+Unit = Annotated[
+    float | None,
+    typer.Option(help="Length of a unit of a drawing, SVG or DXF, in metres. Without it: that of a DXF file, or 1."),
+]
 Assignments = Annotated[
     list[str] | None,
     typer.Option("-p", "--param", metavar="NAME:=VALUE", help="Set a parameter. Can be given several times."),
@@ -89,14 +96,16 @@ def pose_of(numbers: tuple[float, float, float], option: str) -> Pose:
         raise ValueError(f"{option}: {error}") from None
 
 
-def load_grid(map_file: Path, values: dict[str, Any]) -> OccupancyGrid:
+def load_grid(
+    map_file: Path, values: dict[str, Any], *, resolution: float | None = None, unit: float | None = None
+) -> OccupancyGrid:
     """Returns the grid of a map file. The laser's parameter `unknown` decides whether unknown cells block beams.
 
-    Prints a hint if unknown cells shall block and a map of map_server has none, because its thresholds make the usual grey
-    free.
+    `resolution` and `unit` are those of `load_map`. Prints a hint if unknown cells shall block and a map of map_server has
+    none, because its thresholds make the usual grey free.
     """
     unknown = for_node(LaserParameters, values).unknown
-    grid = load_map(map_file, unknown=unknown)
+    grid = load_map(map_file, unknown=unknown, resolution=resolution, unit=unit)
     if unknown == "occupied" and map_file.suffix.lower() in (".yaml", ".yml") and (grid.cells >= 0).all():
         print_note(
             f"{map_file}: no cell is unknown, so unknown:=occupied has no effect. If grey areas should be unknown, "

@@ -16,8 +16,10 @@ from .options import (
     FaultTexts,
     MapFile,
     ParamsFile,
+    Resolution,
     RosArgs,
     Seed,
+    Unit,
     check_positive,
     load_grid,
     pose_of,
@@ -71,6 +73,8 @@ def run(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace an existing recording, its summary and its picture.")
     ] = False,
+    resolution: Resolution = None,
+    unit: Unit = None,
     fault: FaultTexts = None,
     param: Assignments = None,
     params_file: ParamsFile = None,
@@ -90,7 +94,7 @@ def run(
     with signals_as_interrupt() as interruption:
         values = read_values(param, params_file)
         faults = read_faults(fault, read_fault_texts(params_file) if params_file is not None else ())
-        grid = load_grid(map_file, values)
+        grid = load_grid(map_file, values, resolution=resolution, unit=unit)
         script = Script.read(commands) if commands else None
         for note in script.notes(duration) if script else []:
             print_note(f"{commands}: {note}")

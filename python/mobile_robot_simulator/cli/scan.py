@@ -12,7 +12,19 @@ import typer
 from .._core import LaserScanner
 from ..parameters import LaserParameters, for_node
 from .console import console, print_table
-from .options import Assignments, MapFile, ParamsFile, RosArgs, Seed, load_grid, pose_of, read_values, seed_of
+from .options import (
+    Assignments,
+    MapFile,
+    ParamsFile,
+    Resolution,
+    RosArgs,
+    Seed,
+    Unit,
+    load_grid,
+    pose_of,
+    read_values,
+    seed_of,
+)
 
 
 def scan(
@@ -21,6 +33,8 @@ def scan(
     plot: Annotated[Path | None, typer.Option(help="Picture to save: a .png, .pdf or .svg file.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print angles and ranges as JSON.")] = False,
     seed: Seed = None,
+    resolution: Resolution = None,
+    unit: Unit = None,
     param: Assignments = None,
     params_file: ParamsFile = None,
     ros_args: RosArgs = False,
@@ -28,7 +42,7 @@ def scan(
     """Take one scan of a map, as the laser node does. A range equal to range_max means no return."""
     place = pose_of(pose, "--pose")
     values = read_values(param, params_file)
-    grid = load_grid(map_file, values)
+    grid = load_grid(map_file, values, resolution=resolution, unit=unit)
     parameters = for_node(LaserParameters, values)
     scanner = parameters.scanner()
     noise = parameters.beam_model if parameters.apply_noise else None

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 import mobile_robot_simulator as mrs
 
@@ -40,3 +41,19 @@ def test_unknown_cells_of_worlds_are_no_matter_of_thresholds(command, tmp_path):
     (tmp_path / "room.map").write_text(ROOM)
     done = command("info", tmp_path / "room.map", "-p", "unknown:=occupied")
     assert done.returncode == 0 and done.stderr == ""
+
+
+def test_worlds_have_the_cell_size_that_is_asked_for(command, tmp_path):
+    world = tmp_path / "room.map"
+    world.write_text(ROOM)
+    assert json.loads(command("info", world, "--json", "--resolution", 0.5).stdout)["resolution"] == 0.5
+    # From the middle of the room, the walls at the sides are 2.5 m away, and not 5 m.
+    scan = ("scan", world, "--pose", 7.5, 3, 0, "--json", "--resolution", 0.5, "-p", "apply_noise:=false")
+    assert min(json.loads(command(*scan).stdout)["ranges"]) == pytest.approx(2.5)
+    out = tmp_path / "drive"
+    for option, message in (
+        ("--resolution", "resolution must be positive"),
+        ("--unit", "only drawings, SVG and DXF, have a"),
+    ):
+        done = command("run", world, "--out", out, option, 0 if option == "--resolution" else 0.5)
+        assert done.returncode == 1 and message in done.stderr and not out.exists()

@@ -188,3 +188,18 @@ def test_foxglove_shows_and_moves_the_same_simulation(room):
     finally:
         process.kill()
         process.wait()
+
+
+def test_a_world_has_the_cell_size_that_is_asked_for_in_the_script_too(views, tmp_path):
+    world = tmp_path / "room.map"
+    world.write_text("type octile\nheight 6\nwidth 9\nmap\n" + "@" * 9 + ("@" + "." * 7 + "@") * 4 + "@" * 9 + "\n")
+    live(world, "--resolution", "0.5", "--start", "2", "1.5", "0")
+    session = views[0].session
+    assert session.simulation.grid.resolution == 0.5
+    assert ", resolution=0.5)" in session.journal.to_python(session.now_ns)
+
+
+@pytest.mark.parametrize("option", ["--resolution", "--unit"])
+def test_a_generated_office_has_no_cell_size_of_its_own(option):
+    ran = CliRunner().invoke(app, ["live", "--port", "0", option, "0.5"])
+    assert isinstance(ran.exception, ValueError) and f"it takes no {option}" in str(ran.exception)
