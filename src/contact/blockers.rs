@@ -102,13 +102,16 @@ impl<'a> Blockers<'a> {
         }
         let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
         let corner = |col: usize, row: usize| grid.corner(Cell { col, row });
-        for row in rows.start..=rows.end {
+        // Most rows and columns have no edges. To find those that have takes far less time than to look for runs in all.
+        for row in (rows.start..=rows.end).filter(|&row| grid.has_edge_below(row, cols.clone())) {
             let is_edge = |col| blocks(col, row.wrapping_sub(1)) != blocks(col, row);
             for run in runs(cols.clone(), is_edge) {
                 self.add(Piece::Edge(corner(run.start, row), corner(run.end, row)), None)?;
             }
         }
-        for col in cols.start..=cols.end {
+        let mut has_edge = memory::filled("the columns near a footprint", false, cols.len() + 1)?;
+        rows.clone().for_each(|row| grid.mark_edges_on_left(row, cols.clone(), &mut has_edge));
+        for col in (cols.start..=cols.end).filter(|&col| has_edge[col - cols.start]) {
             let is_edge = |row| blocks(col.wrapping_sub(1), row) != blocks(col, row);
             for run in runs(rows.clone(), is_edge) {
                 self.add(Piece::Edge(corner(col, run.start), corner(col, run.end)), None)?;
@@ -240,4 +243,76 @@ fn runs(within: Range<usize>, holds: impl Fn(usize) -> bool) -> impl Iterator<It
         start = (first..end).find(|&index| !holds(index)).unwrap_or(end);
         Some(first..start)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use rand::RngExt;
+
+    use super::*;
+    use crate::grid::{GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
+    use crate::pose::Pose;
+    use crate::random;
+
+    /// The sides of length 1 that an edge consists of, as (col, row, whether it is upright).
+    fn unit_sides(blocker: &Blocker) -> Vec<(usize, usize, bool)> {
+        let Piece::Edge(start, end) = blocker.piece else { panic!("a grid has edges only") };
+        let length = (end - start).length();
+        assert!(start.x == end.x || start.y == end.y, "{start} {end}");
+        assert_eq!(length, length.round());
+        let is_upright = start.x == end.x;
+        let (col, row) = (start.x as usize, start.y as usize);
+        let side = |step: usize| if is_upright { (col, row + step, true) } else { (col + step, row, false) };
+        (0..length as usize).map(side).collect()
+    }
+
+    #[test]
+    fn edges_are_the_sides_between_blocking_and_free_cells() {
+        let mut stream = random::stream(6, 0);
+        for (width, height, share) in
+            [(1, 1, 1.0), (1, 9, 0.5), (9, 1, 0.5), (70, 40, 0.02), (40, 70, 0.3), (50, 50, 0.9), (20, 20, 0.0)]
+        {
+            // -1 is unknown and blocks here, as 60 does; 59 does not.
+            let value = |number: f64| if number > share { 59 } else { [-1, 60, 100][(1e6 * number) as usize % 3] };
+            let cells: Vec<i8> = (0..width * height).map(|_| value(stream.random())).collect();
+            let options = GridOptions {
+                resolution: 1.0,
+                origin: Pose::default(),
+                occupied_threshold: OCCUPIED_THRESHOLD,
+                unknown: Unknown::Occupied,
+            };
+            let grid = OccupancyGrid::new(cells, width, options).expect("a good grid");
+            let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
+            for _ in 0..100 {
+                let center = DVec2::new(stream.random(), stream.random()) * DVec2::new(width as f64, height as f64);
+                let radius = stream.random_range(0.1..1.2 * width.max(height) as f64);
+                let found = Blockers::around((&grid).into(), center, radius).expect("enough memory");
+                let (cols, rows) = grid.cells_between(center - radius, center + radius);
+                let mut expected = BTreeSet::new();
+                if rows.clone().any(|row| cols.clone().any(|col| blocks(col, row))) {
+                    for row in rows.start..=rows.end {
+                        for col in cols.start..=cols.end {
+                            if col < cols.end && blocks(col, row) != blocks(col, row.wrapping_sub(1)) {
+                                expected.insert((col, row, false));
+                            }
+                            if row < rows.end && blocks(col, row) != blocks(col.wrapping_sub(1), row) {
+                                expected.insert((col, row, true));
+                            }
+                        }
+                    }
+                }
+                let sides: Vec<_> = found.iter().flat_map(unit_sides).collect();
+                assert_eq!(sides.len(), expected.len(), "{center} {radius}");
+                assert_eq!(sides.into_iter().collect::<BTreeSet<_>>(), expected, "{center} {radius}");
+                // Neighbouring edges in a straight line are one edge.
+                let starts: Vec<_> =
+                    found.iter().map(|blocker| (blocker.piece.ends().0, unit_sides(blocker)[0].2)).collect();
+                for blocker in found.iter() {
+                    assert!(!starts.contains(&(blocker.piece.ends().1, unit_sides(blocker)[0].2)), "{center} {radius}");
+                }
+            }
+        }
+    }
 }
