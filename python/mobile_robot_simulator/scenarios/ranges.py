@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..faults.reading import FAULTS
+import numpy as np
+
+from ..faults.reading import FAULTS, read_fault
 from ..parameters import unknown_name
 from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0, check_numbers
+from .checks import check_integers, check_kinds
 
 __all__ = ["Dimension", "FaultRange", "Free", "Moving", "Range"]
 
@@ -53,8 +56,9 @@ class Range:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        """Checks the limits."""
+        """Checks the limits and the unit."""
         check_numbers(low=self.low, high=self.high)
+        check_kinds("a text", str, unit=self.unit)
         if not -math.inf < self.low <= self.high < math.inf:
             raise ValueError(f"a range must have two finite limits, the smaller first, got {self.low} and {self.high}")
 
@@ -72,14 +76,16 @@ class Free:
 
     Raises:
         ValueError: The radius is negative or not finite.
+        TypeError: The radius is not a number, or the heading is not a `Range`.
     """
 
     radius: float = 0.5
     yaw: Range = FULL_TURN
 
     def __post_init__(self) -> None:
-        """Checks the radius."""
+        """Checks the radius and the heading."""
         check_at_least_0(radius=self.radius)
+        check_kinds("a scenarios.Range", Range, yaw=self.yaw)
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,7 @@ class Moving:
 
     Raises:
         ValueError: A number is negative, or `at_least` is larger than `at_most`.
+        TypeError: An argument has a wrong type.
     """
 
     at_most: int
@@ -105,6 +112,8 @@ class Moving:
 
     def __post_init__(self) -> None:
         """Checks the numbers."""
+        check_integers(at_most=self.at_most, at_least=self.at_least)
+        check_kinds("a scenarios.Range", Range, radius=self.radius, speed=self.speed)
         check_at_least_0(at_least=self.at_least, from_start=self.from_start, radius=self.radius.low, speed=self.speed.low)
         if not self.at_least <= self.at_most <= 1000:
             raise ValueError(f"at_most must be {self.at_least} to 1000, got {quoted(self.at_most)}")
@@ -121,7 +130,8 @@ class FaultRange:
         chance: Share of the worlds that have the fault.
 
     Raises:
-        ValueError: The class is unknown, or the share is not in 0..1.
+        ValueError: The class is unknown, it refuses the arguments, or the share is not in 0..1.
+        TypeError: An argument has a wrong type.
 
     Example:
         >>> from mobile_robot_simulator.scenarios import FaultRange, Range
@@ -134,9 +144,30 @@ class FaultRange:
     chance: float = 0.5
 
     def __post_init__(self) -> None:
-        """Checks the class and the share."""
+        """Checks the class, its arguments and the share."""
+        check_kinds("the name of a fault such as 'Drop'", str, kind=self.kind)
         if self.kind not in FAULTS:
             raise ValueError(unknown_name(self.kind, FAULTS, kind="fault"))
+        check_kinds("a mapping from names to values", Mapping, arguments=self.arguments)
+        check_kinds("a scenarios.Range or None", Range | None, duration=self.duration)
         check_numbers(chance=self.chance)
         if not 0.0 <= self.chance <= 1.0:
-            raise ValueError(f"the chance must be in 0..1, got {quoted(self.chance)}")
+            raise ValueError(f"chance must be in 0..1, got {quoted(self.chance)}")
+        for end in ("low", "high"):
+            read_fault(self.text(lambda _, limits, end=end: getattr(limits, end)))
+
+    def text(self, number: Callable[[str, Range], float]) -> str:
+        """Returns a fault as a text that `--fault` takes.
+
+        Args:
+            number: Returns the value of an argument from its name and its range.
+        """
+        arguments = {key: number(key, value) if isinstance(value, Range) else value for key, value in self.arguments.items()}
+        if self.duration is not None:
+            arguments["end"] = round(arguments.get("start", 0.0) + number("duration", self.duration), DIGITS)
+        return f"{self.kind}({', '.join(f'{key}={_plain(value)!r}' for key, value in arguments.items())})"
+
+
+def _plain(value: object) -> object:
+    """Returns a number of NumPy as one of Python."""
+    return value.item() if isinstance(value, np.generic) else value

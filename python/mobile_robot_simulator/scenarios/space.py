@@ -6,11 +6,13 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Protocol, TypeVar
 
+from ..physics.obstacles import PoseLike
 from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0
+from .checks import check_kinds, items_of, to_goal, to_place
 from .ranges import DIGITS, Dimension, FaultRange, Free, Moving, Range
 from .world import MovingDisc, Place, World
 from .world_map import Places, WorldMap
@@ -50,7 +52,7 @@ class Space:
 
     Args:
         maps: The maps to choose from; see `floor_plans`.
-        start: A pose (x, y, yaw) [m, m, rad], or `Free` for any.
+        start: A pose, or (x, y, yaw) [m, m, rad], or `Free` for any.
         goal: A position (x, y) [m], `Free` for any, or None.
         obstacles: The obstacles, or None.
         faults: Faults that a world can have.
@@ -60,7 +62,8 @@ class Space:
         is_noisy: False if all worlds have the noise of seed 0; else they have 1,000 different seeds.
 
     Raises:
-        ValueError: There is no map, or the duration is not positive and finite.
+        ValueError: There is no map, the start or the goal is not finite, or the duration is not positive and finite.
+        TypeError: An argument has a wrong type.
 
     Example:
         >>> from mobile_robot_simulator.scenarios import Free, Moving, Range, Space, WorldMap
@@ -75,7 +78,7 @@ class Space:
     """
 
     maps: Sequence[WorldMap] = (WorldMap(),)
-    start: Place | Free = ANYWHERE
+    start: PoseLike | Free = ANYWHERE
     goal: tuple[float, float] | Free | None = ANYWHERE
     obstacles: Moving | None = None
     faults: Sequence[FaultRange] = ()
@@ -85,12 +88,22 @@ class Space:
     is_noisy: bool = True
 
     def __post_init__(self) -> None:
-        """Checks the maps and the duration."""
-        if not self.maps or not all(isinstance(map, WorldMap) for map in self.maps):
-            raise ValueError(f"maps must be one or more of WorldMap, got {quoted(self.maps)}")
+        """Checks the arguments, and converts start and goal to tuples."""
+        set_field = partial(object.__setattr__, self)
+        set_field("maps", items_of("maps", "scenarios.WorldMap", WorldMap, self.maps))
+        if not self.maps:
+            raise ValueError("maps must be one or more of scenarios.WorldMap, got none")
+        if not isinstance(self.start, Free):
+            set_field("start", to_place(self.start))
+        if not isinstance(self.goal, Free | None):
+            set_field("goal", to_goal(self.goal))
+        check_kinds("a scenarios.Moving or None", Moving | None, obstacles=self.obstacles)
+        set_field("faults", items_of("faults", "scenarios.FaultRange", FaultRange, self.faults))
+        check_kinds("a mapping from names to values", Mapping, parameters=self.parameters)
         check_at_least_0(duration=self.duration, tolerance=self.tolerance)
         if not self.duration:
-            raise ValueError("the duration must be positive, got 0 s")
+            raise ValueError(f"duration must be positive, got {quoted(self.duration)} s")
+        check_kinds("True or False", bool, is_noisy=self.is_noisy)
 
     @cached_property
     def dimensions(self) -> tuple[Dimension, ...]:
@@ -122,7 +135,7 @@ class Space:
             choices: Where they come from.
         """
         map = self.maps[choices.index("map", len(self.maps))]
-        start = self.start if not isinstance(self.start, Free) else _pose(choices, map, self.start)
+        start = to_place(self.start) if not isinstance(self.start, Free) else _pose(choices, map, self.start)
         goal = self.goal if not isinstance(self.goal, Free) else choices.place("goal", map.places(self.goal.radius))
         return World(
             map,
@@ -175,14 +188,8 @@ def _fault(choices: Choices, number: int, fault: FaultRange) -> str | None:
     """Returns the text of a fault, or None if the world does not have it. All numbers are drawn in either case."""
     name = f"fault {number} {fault.kind}"
     happens = choices.happens(name, fault.chance)
-    arguments = {
-        key: choices.number(f"{name} {key}", value) if isinstance(value, Range) else value
-        for key, value in fault.arguments.items()
-    }
-    if fault.duration is not None:
-        lasts = choices.number(f"{name} duration", fault.duration)
-        arguments["end"] = round(arguments.get("start", 0.0) + lasts, DIGITS)
-    return f"{fault.kind}({', '.join(f'{key}={value!r}' for key, value in arguments.items())})" if happens else None
+    text = fault.text(lambda key, limits: choices.number(f"{name} {key}", limits))
+    return text if happens else None
 
 
 class _Point:

@@ -9,10 +9,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import numpy as np
+
 from .._core import Shape
 from ..faults.reading import read_fault
 from ..quoting import quoted, shortened
 from ..simulation.simulation import Simulation
+from .checks import to_goal, to_place
 from .world_map import WorldMap
 
 __all__ = ["MovingDisc", "World"]
@@ -45,7 +48,7 @@ class World:
 
     Args:
         map: The map.
-        start: Start pose (x, y, yaw) in the map frame [m, m, rad].
+        start: Start in the map frame: a pose, or (x, y, yaw) [m, m, rad]. It is kept as a tuple.
         goal: Goal (x, y) in the map frame [m], or None.
         obstacles: The obstacles.
         faults: Faults as texts that `--fault` takes, such as "Drop('/scan', probability=0.1)".
@@ -53,6 +56,10 @@ class World:
         duration: Longest duration of the drive [s].
         tolerance: The robot has arrived when its origin is at most so far from the goal [m].
         seed: Seed of the noise.
+
+    Raises:
+        ValueError: The start or the goal is not finite.
+        TypeError: The start or the goal has a wrong type.
 
     Example:
         >>> from mobile_robot_simulator.scenarios import World, WorldMap
@@ -72,6 +79,12 @@ class World:
     duration: float = 30.0
     tolerance: float = 0.3
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Converts start and goal to tuples of numbers."""
+        object.__setattr__(self, "start", to_place(self.start))
+        if self.goal is not None:
+            object.__setattr__(self, "goal", to_goal(self.goal))
 
     @property
     def things(self) -> int:
@@ -103,7 +116,7 @@ class World:
 
     def to_json(self) -> str:
         """Returns the world as a JSON text, from which `from_json` makes an equal world."""
-        return json.dumps(asdict(self), indent=2, allow_nan=False) + "\n"
+        return json.dumps(asdict(self), indent=2, allow_nan=False, default=_as_json) + "\n"
 
     @staticmethod
     def from_json(text: str) -> World:
@@ -134,3 +147,10 @@ class World:
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise ValueError(f"not a world: {shortened(error)}, got {quoted(text)}") from None
         return world
+
+
+def _as_json(value: object) -> Any:
+    """Returns a number or an array of NumPy as JSON has it."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"parameters of a world must be numbers, texts or sequences of them, got {quoted(value)}")
