@@ -44,7 +44,10 @@ def falsify(
         bool, typer.Option("--keep-going", help="Use the whole budget, and do not stop at failures.")
     ] = False,
     repeat: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Only repeat this counterexample.json, and compare its bytes.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Only repeat this counterexample.json, and compare its bytes, or this world.json."
+        ),
     ] = None,
 ) -> None:
     """Search worlds in which a controller violates a requirement, and shrink the worst.
@@ -85,11 +88,16 @@ def falsify(
 
 
 def _repeat(case: Case, file: Path) -> None:
-    from ..falsification import Counterexample
+    from ..falsification import Counterexample, load_world, run_drive
+    from ..falsification.lost_drive import WORLD_FILE
 
-    drive, is_same = Counterexample.load(file).repeat(case.controller, case.requirement)
-    bytes_are = "the same bytes as when it was found" if is_same else "other bytes than when it was found"
-    text = f"{'violated' if drive.failed else 'holds'}: {case.requirement}\n{drive}\n{bytes_are}"
+    bytes_are = ""
+    if file.name == WORLD_FILE:
+        drive = run_drive(load_world(file), case.controller, case.requirement)
+    else:
+        drive, is_same = Counterexample.load(file).repeat(case.controller, case.requirement)
+        bytes_are = f"\n{'the same bytes as' if is_same else 'other bytes than'} when it was found"
+    text = f"{'violated' if drive.failed else 'holds'}: {case.requirement}\n{drive}{bytes_are}"
     console.print(text, markup=False, highlight=False, soft_wrap=True)
     if drive.failed:
         raise typer.Exit(FAILED)

@@ -10,6 +10,7 @@ from .counterexample import Counterexample
 from .drive import Drive, Setup, run_drive
 from .estimation import Estimate, estimate
 from .falsifier import Falsification, falsify
+from .lost_drive import LostDrive, load_world
 from .shrinking import shrink
 
 __all__ = [
@@ -17,11 +18,13 @@ __all__ = [
     "Drive",
     "Estimate",
     "Falsification",
+    "LostDrive",
     "PairedResult",
     "Setup",
     "compare_controllers",
     "estimate",
     "falsify",
+    "load_world",
     "run_drive",
     "shrink",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,18 @@ from ..requirements.formula import Requirement
 from ..scenarios.space import Space
 from .drive import Setup
 
-__all__ = ["Case"]
+__all__ = ["Case", "repeat_command"]
+
+
+def repeat_command(case: Path, file: Path) -> str:
+    """Returns the command that repeats a drive, for the present working directory.
+
+    Args:
+        case: File with the controller and the requirement.
+        file: File with the world of the drive.
+    """
+    shown = (shlex.quote(os.path.relpath(path)) for path in (case, file))
+    return "mobile-robot-simulator falsify {} --repeat {}".format(*shown)
 
 
 @dataclass(frozen=True)

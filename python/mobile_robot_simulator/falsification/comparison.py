@@ -8,8 +8,8 @@ from operator import index
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
+from .arguments import check_counts, check_seed, check_task
 from .drive import Setup
-from .estimation import check_drives
 from .intervals import mcnemar
 from .runner import Runner
 from .samplers import sampler
@@ -69,8 +69,11 @@ def compare_controllers(
     Raises:
         ValueError: An argument is out of range, or a world cannot be simulated.
         TypeError: An argument has a wrong type.
+        LostDrive: Something ended one of several processes during a drive.
     """
-    check_drives(budget)
+    check_task(space, requirement, first=first, second=second)
+    check_counts(budget=budget, processes=processes)
+    check_seed(seed)
     counts: Counter[tuple[bool, bool]] = Counter()
     with Runner([first, second], space, requirement, processes) as runner:
         source, left = sampler("random", len(space.dimensions), seed), index(budget)

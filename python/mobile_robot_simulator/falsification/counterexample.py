@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from ..requirements.formula import Requirement
 from ..scenarios.world import World
 from ..simulation.simulation import Simulation
 from ..user_files import read_text
-from .case import Case
+from .case import Case, repeat_command
 from .digest import Digest
 from .drive import Drive, Setup, run_drive
 
@@ -173,8 +172,7 @@ class Counterexample:
         """Command that repeats the drive; empty if there is no case."""
         if self.case is None:
             return ""
-        case, file = (os.path.relpath(path) for path in (self.case, self.folder / FILE))
-        return f"mobile-robot-simulator falsify {shlex.quote(case)} --repeat {shlex.quote(file)}"
+        return repeat_command(self.case, self.folder / FILE)
 
     def repeat(self, controller: Setup, requirement: Requirement) -> tuple[Drive, bool]:
         """Drives again.

@@ -60,7 +60,7 @@ def run_drive(
 ) -> Drive:
     """Runs a controller in a world until contact, arrival or the end of the time.
 
-    An error that the controller raises, or a command that is not finite, is a violation.
+    An error that the controller raises, a call of `sys.exit`, or a command that is not finite, is a violation.
 
     Args:
         world: The world.
@@ -81,7 +81,7 @@ def run_drive(
         try:
             control = controller(sim)
             ending = _run(sim, world, control if callable(control) else None)
-        except Exception as raised:
+        except (Exception, SystemExit) as raised:
             ending, error = ERROR, shortened(f"{type(raised).__name__}: {raised}")
         if control is not None and not callable(control):
             # Not a violation: the robot has stood still, and nothing was tested.

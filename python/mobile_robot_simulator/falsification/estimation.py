@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import index
-from typing import SupportsIndex
 
 from ..quoting import quoted
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
 from ..simulation.arguments import check_numbers
+from .arguments import check_counts, check_progress, check_seed, check_task
 from .drive import Setup
 from .intervals import clopper_pearson, confidence_sequence
 from .runner import Runner
 from .samplers import BATCH, sampler
 
-__all__ = ["Estimate", "check_drives", "estimate"]
+__all__ = ["Estimate", "estimate"]
 
 
 @dataclass(frozen=True)
@@ -81,15 +81,19 @@ def estimate(
     Raises:
         ValueError: An argument is out of range, or a world cannot be simulated.
         TypeError: An argument has a wrong type.
+        LostDrive: Something ended one of several processes during a drive.
     """
-    check_drives(budget)
+    check_task(space, requirement, controller=controller)
+    check_counts(budget=budget, processes=processes)
+    check_seed(seed)
+    check_progress(progress)
     check_numbers(confidence=confidence)
     if not 0.0 < confidence < 1.0:
-        raise ValueError(f"the confidence must be between 0 and 1, got {quoted(confidence)}")
+        raise ValueError(f"confidence must be between 0 and 1, got {quoted(confidence)}")
     if width is not None:
         check_numbers(width=width)
         if not 0.0 < width < 1.0:
-            raise ValueError(f"the width must be between 0 and 1, got {quoted(width)}")
+            raise ValueError(f"width must be between 0 and 1, got {quoted(width)}")
     drives = failures = 0
     with Runner([controller], space, requirement, processes) as runner:
         source = sampler("random", len(space.dimensions), seed)
@@ -105,16 +109,3 @@ def estimate(
                     break
     interval = clopper_pearson if width is None else confidence_sequence
     return Estimate(failures, drives, *interval(failures, drives, confidence), confidence)
-
-
-def check_drives(budget: object) -> None:
-    """Checks a number of drives.
-
-    Args:
-        budget: The number.
-
-    Raises:
-        ValueError: It is not an integer of at least 1.
-    """
-    if not isinstance(budget, SupportsIndex) or index(budget) < 1:
-        raise ValueError(f"the budget must be at least 1 drive, got {quoted(budget)}")

@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import index
-from pathlib import Path
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
+from .arguments import check_corpus, check_counts, check_flags, check_progress, check_seed, check_task
+from .case import Case
 from .counterexample import Counterexample
 from .drive import Drive, Setup
-from .estimation import check_drives
+from .lost_drive import LostDrive
 from .runner import Runner
 from .samplers import Method, sampler
 from .shrinking import shrink
@@ -106,31 +107,41 @@ def falsify(
         TypeError: An argument has a wrong type.
         ImportError: The method needs an extra.
         OSError: The corpus cannot be read or written.
+        LostDrive: Something ended one of several processes during a drive. The corpus then has the world of the drive.
     """
-    check_drives(budget)
-    folder = None if corpus is None else Path(corpus)
-    source = sampler(method, len(space.dimensions) if isinstance(space, Space) else 0, seed)
-    with Runner([controller], space, requirement, processes) as runner:
-        old = [runner.drive(each.world) for each in Counterexample.all_in(folder)] if folder is not None else []
-        known = tuple(drive for drive in old if drive.failed)
-        if known and not keep_going:
-            return Falsification(0, 0, None, min(known, key=_robustness), None, known, None, ())
-        worst: Drive | None = None
-        drives, failures, first = 0, 0, None
-        while drives < budget and (keep_going or not failures):
-            points = source.ask()[: budget - drives]
-            values = []
-            for (drive,) in runner.run(points):
-                drives += 1
-                values.append(drive.robustness)
-                failures += drive.failed
-                first = drives if drive.failed and first is None else first
-                worst = drive if worst is None or drive.robustness < worst.robustness else worst
-                if progress is not None:
-                    progress(drives, index(budget), worst.robustness)
-            source.tell(points, values)
-        assert worst is not None
-        shrunk = shrink(worst, runner.drive) if worst.failed and is_shrunk else None
+    check_task(space, requirement, controller=controller)
+    check_counts(budget=budget, processes=processes)
+    check_seed(seed)
+    check_flags(keep_going=keep_going, is_shrunk=is_shrunk)
+    check_progress(progress)
+    folder = check_corpus(corpus)
+    source = sampler(method, len(space.dimensions), seed)
+    try:
+        with Runner([controller], space, requirement, processes) as runner:
+            old = [runner.drive(each.world) for each in Counterexample.all_in(folder)] if folder is not None else []
+            known = tuple(drive for drive in old if drive.failed)
+            if known and not keep_going:
+                return Falsification(0, 0, None, min(known, key=_robustness), None, known, None, ())
+            worst: Drive | None = None
+            drives, failures, first = 0, 0, None
+            while drives < budget and (keep_going or not failures):
+                points = source.ask()[: budget - drives]
+                values = []
+                for (drive,) in runner.run(points):
+                    drives += 1
+                    values.append(drive.robustness)
+                    failures += drive.failed
+                    first = drives if drive.failed and first is None else first
+                    worst = drive if worst is None or drive.robustness < worst.robustness else worst
+                    if progress is not None:
+                        progress(drives, index(budget), worst.robustness)
+                source.tell(points, values)
+            assert worst is not None
+            shrunk = shrink(worst, runner.drive) if worst.failed and is_shrunk else None
+    except LostDrive as lost:
+        if folder is None:
+            raise
+        raise lost.saved(folder, Case.of(controller, requirement)) from None
     saved, notes = None, list[str]()
     if worst.failed and folder is not None:
         saved, notes = Counterexample.save(folder, shrunk or worst, controller, requirement)

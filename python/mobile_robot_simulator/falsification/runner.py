@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from operator import index
 from types import TracebackType
-from typing import SupportsIndex
+from typing import TypeAlias
 
-from ..quoting import quoted
-from ..requirements.formula import Requirement, checked
+from ..requirements.formula import Requirement
 from ..scenarios.space import Space
 from ..scenarios.world import World
 from .drive import Drive, Setup, run_drive
+from .lost_drive import LostDrive
+from .worker_pool import WorkerDied, WorkerPool
 
 __all__ = ["Runner"]
+
+_Task: TypeAlias = "World | Sequence[float]"
+"""A world, or a point of the unit cube."""
 
 
 class Runner:
@@ -29,25 +31,13 @@ class Runner:
         processes: Number of processes. The results do not depend on it.
 
     Raises:
-        ValueError: `processes` is below 1.
-        TypeError: A controller is not callable, or the space or the requirement is something else.
+        ValueError: With several processes, a controller or the requirement cannot be pickled.
     """
 
     def __init__(self, controllers: Sequence[Setup], space: Space, requirement: Requirement, processes: int = 1) -> None:
-        for controller in controllers:
-            if not callable(controller):
-                raise TypeError(f"a controller must be a function of the simulation, got {quoted(controller)}")
-        if not isinstance(space, Space):
-            raise TypeError(f"the space must be a scenarios.Space, got {quoted(space)}")
-        if not isinstance(processes, SupportsIndex) or index(processes) < 1:
-            raise ValueError(f"processes must be at least 1, got {quoted(processes)}")
-        self.space = space
-        self._work = _Work(tuple(controllers), space, checked(requirement))
-        self._pool: ProcessPoolExecutor | None = None
-        if processes > 1:
-            self._pool = ProcessPoolExecutor(
-                index(processes), multiprocessing.get_context("spawn"), initializer=_begin, initargs=(self._work,)
-            )
+        self._space, self._begun = space, 0
+        self._work = _Work(tuple(controllers), space, requirement)
+        self._pool = WorkerPool(self._work, index(processes)) if processes > 1 else None
 
     def __enter__(self) -> Runner:
         return self
@@ -56,7 +46,7 @@ class Runner:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+            self._pool.close(at_once=kind is not None)
 
     def run(self, points: Sequence[Sequence[float]]) -> Iterator[tuple[Drive, ...]]:
         """Yields the drives of each point of the unit cube, one for each controller, in order.
@@ -66,21 +56,38 @@ class Runner:
 
         Raises:
             ValueError: A world cannot be simulated, or the requirement needs something that it does not have.
+            LostDrive: Something ended one of several processes during a drive.
         """
+        begun, self._begun = self._begun, self._begun + len(points)
         if self._pool is None:
-            return map(self._work.drive_point, points)
-        return self._pool.map(_drive_point, points, chunksize=2)
+            yield from map(self._work, points)
+            return
+        try:
+            yield from self._pool.run(points)
+        except WorkerDied as died:
+            if died.index is None:
+                raise
+            world, number = self._space.world(points[died.index]), begun + died.index + 1
+            raise LostDrive(world, number, died.exit_code) from None
 
     def drive(self, world: World) -> Drive:
-        """Runs the first controller in a world, in this process.
+        """Runs the first controller in a world.
 
         Args:
             world: The world.
 
         Raises:
             ValueError: As for `run`.
+            LostDrive: As for `run`.
         """
-        return self._work.drive(world)[0]
+        if self._pool is None:
+            return self._work(world)[0]
+        try:
+            return next(self._pool.run([world]))[0]
+        except WorkerDied as died:
+            if died.index is None:
+                raise
+            raise LostDrive(world, None, died.exit_code) from None
 
 
 class _Work:
@@ -89,20 +96,6 @@ class _Work:
     def __init__(self, controllers: tuple[Setup, ...], space: Space, requirement: Requirement) -> None:
         self._controllers, self._space, self._requirement = controllers, space, requirement
 
-    def drive_point(self, point: Sequence[float]) -> tuple[Drive, ...]:
-        return self.drive(self._space.world(point))
-
-    def drive(self, world: World) -> tuple[Drive, ...]:
+    def __call__(self, task: _Task) -> tuple[Drive, ...]:
+        world = task if isinstance(task, World) else self._space.world(task)
         return tuple(run_drive(world, controller, self._requirement) for controller in self._controllers)
-
-
-_work: list[_Work] = []
-"""The work of this process, if it is one of a pool."""
-
-
-def _begin(work: _Work) -> None:
-    _work[:] = [work]
-
-
-def _drive_point(point: Sequence[float]) -> tuple[Drive, ...]:
-    return _work[0].drive_point(point)

@@ -49,7 +49,7 @@ def sampler(method: Method, dimensions: int, seed: int) -> Sampler:
         ImportError: The method needs an extra.
     """
     if method not in get_args(Method):
-        raise ValueError(f"the method must be one of {', '.join(get_args(Method))}, got {quoted(method)}")
+        raise ValueError(f"method must be one of {', '.join(get_args(Method))}, got {quoted(method)}")
     if method == "random":
         return _Random(dimensions, seed)
     return _Sobol(dimensions, seed) if method == "sobol" else _Cma(dimensions, seed)

@@ -56,7 +56,7 @@ def test_arguments_are_checked(confidence):
         estimate(Stands, SPACE, requirement, 10, confidence=confidence)
     with pytest.raises(ValueError, match="width must be between 0 and 1, got"):
         estimate(Stands, SPACE, requirement, 10, width=confidence)
-    with pytest.raises(ValueError, match="budget must be at least 1 drive, got 0"):
+    with pytest.raises(ValueError, match="budget must be at least 1, got 0"):
         estimate(Stands, SPACE, requirement, 0)
-    with pytest.raises(ValueError, match="budget must be at least 1 drive, got 0"):
+    with pytest.raises(ValueError, match="budget must be at least 1, got 0"):
         compare_controllers(Stands, Stands, SPACE, requirement, 0)
