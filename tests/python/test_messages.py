@@ -149,3 +149,32 @@ def test_messages_are_only_in_their_module() -> None:
     for name in FIELDS:
         assert getattr(messages, name).ros_type
         assert name in ("Pose", "OccupancyGrid") or not hasattr(mrs, name)
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_checked_copies_equal_the_message_and_share_nothing_that_can_change(name):
+    message = getattr(messages, name)()
+    copied = messages.checked_copy(message)
+    assert copied == message == messages.copied(message) and type(copied) is type(message) and copied is not message
+    for field in fields(message):
+        value = getattr(copied, field.name)
+        if isinstance(value, messages.Message | list) or (isinstance(value, np.ndarray) and value.flags.writeable):
+            assert value is not getattr(message, field.name)
+
+
+def test_checked_copies_keep_each_value_and_refuse_what_the_checks_refuse():
+    odd = messages.Twist(messages.Vector3(np.float32(0.5), 1, -math.inf), messages.Vector3(math.nan, True, -0.0))
+    copied = messages.checked_copy(odd)
+    values = [getattr(part, axis) for part in (copied.linear, copied.angular) for axis in "xyz"]
+    kinds = [np.float32, int, float, float, bool, float]
+    assert [type(value) for value in values] == kinds and repr(copied) == repr(odd)
+    for wrong in (messages.Twist(linear=3), messages.Twist(messages.Vector3(x="a")), messages.Header(messages.Time(0.5, 0))):
+        with pytest.raises(TypeError) as caught:
+            messages.checked_copy(wrong)
+        with pytest.raises(TypeError) as expected:
+            messages.check_fields(wrong)
+        assert str(caught.value) == str(expected.value)
+    nested = messages.TwistStamped(messages.Header(messages.Time(1, 2), "base"), messages.Twist())
+    copied = messages.checked_copy(nested)
+    nested.header.stamp.sec, nested.twist.linear.x = 5, 1.0
+    assert (copied.header.stamp.sec, copied.twist.linear.x, copied.header.frame_id) == (1, 0.0, "base")

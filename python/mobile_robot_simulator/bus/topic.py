@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Generic
 
 from ..handle import Handle
-from ..messages import Message, check_fields, copied
+from ..messages import Message, checked_copy
 from ..nodes.interface import M
 from ..quoting import quoted
 
@@ -158,8 +158,7 @@ class BusPublisher(Handle, Generic[M]):
         """
         if not isinstance(message, self.topic.msg_type):
             raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")
-        check_fields(message)
-        self.send(self, copied(message))
+        self.send(self, checked_copy(message))
 
     def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
         """Sends the message that `build(*arguments)` returns.
