@@ -9,11 +9,11 @@ from typing import Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Contact, Drive, Limits, Pose, advance, stays_clear
+from .._core import Contact, Drive, Limits, OccupancyGrid, Pose, Shape, advance, stays_clear
 from ..instant import NANOSECONDS
 from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
-from .world import Body, World
+from .world import Body, Placed, World
 
 C = TypeVar("C", bound="ConstrainedMotion")
 
@@ -21,6 +21,9 @@ Mode = Literal["stop", "slide", "report"]
 
 LARGEST_TURN = 3.0
 """Turn in a time step [rad] up to which the twist between two poses is unique. It must be below pi."""
+
+LOOK_NS = 1_000_000_000
+"""Time for which a look for contact shall hold [ns]. A longer one finds something more often, and is then in vain."""
 
 
 class _Step(NamedTuple):
@@ -79,6 +82,12 @@ class ConstrainedMotion(Motion):
         self._touched: str | None = None
         self._preview: ConstrainedMotion | None = None
         self._preview_key = (time_ns, 0)
+        self._looked_at: list[Placed] | None = None
+        """What was around the robot at the last look that found it free; None if it may have moved faster since."""
+        self._clear_ns = self._look_again_ns = time_ns
+        """Time until which this look holds, and time from which on another one for as long is worth while [ns]."""
+        self._clear_speeds = (0.0, 0.0)
+        """Speeds along x and y for which it holds [m/s]."""
         self._reached: Pose | None = None
         """Pose in the map frame after the last step, if contact moved the robot there. Else that of the profile, once it is
         needed; None before."""
@@ -100,13 +109,35 @@ class ConstrainedMotion(Motion):
         grid, footprint, profile, start_ns = self._world.grid, self._body.footprint, self._profile, self._stepped_ns
         if grid is None or footprint is None or self.is_blocked or type(profile) is not VelocityProfile:
             return False
-        pose, duration = self.pose_for_others(start_ns), (time_ns - start_ns) / NANOSECONDS
         others = self._world.obstacles_for(self._body)
-        if not stays_clear(grid, footprint, pose, profile.velocity, profile.command, duration, obstacles=others):
-            return False
+        if others is not self._looked_at or time_ns > self._clear_ns or not self._is_slow(profile):
+            until_ns = time_ns if start_ns < self._look_again_ns else max(time_ns, start_ns + LOOK_NS)
+            if not self._look(grid, footprint, others, until_ns):
+                self._look_again_ns = start_ns + LOOK_NS
+                if until_ns == time_ns or not self._look(grid, footprint, others, time_ns):
+                    return False
         self._stepped_ns = time_ns
         self._preview = self._reached = self._touched = None
         return True
+
+    def _look(self, grid: OccupancyGrid, footprint: Shape, others: list[Placed], until_ns: int) -> bool:
+        """Returns True if a quick look shows that the robot touches nothing before a time [ns], and remembers it.
+
+        It then also holds for any other velocities that are not larger, because it looks at all places that the robot can
+        reach. Whatever moves or changes around the robot makes another list of `others`.
+        """
+        profile, start_ns = self._profile, self._stepped_ns
+        (vx, vy, _), (to_vx, to_vy, _) = profile.velocity, profile.command
+        pose, duration = self.pose_for_others(start_ns), (until_ns - start_ns) / NANOSECONDS
+        is_clear = stays_clear(grid, footprint, pose, profile.velocity, profile.command, duration, obstacles=others)
+        self._looked_at, self._clear_ns = others if is_clear else None, until_ns
+        self._clear_speeds = max(abs(vx), abs(to_vx)), max(abs(vy), abs(to_vy))
+        return is_clear
+
+    def _is_slow(self, profile: VelocityProfile) -> bool:
+        """Returns True if the last look holds for the velocities of a profile."""
+        (vx, vy, _), (to_vx, to_vy, _), (most_vx, most_vy) = profile.velocity, profile.command, self._clear_speeds
+        return abs(vx) <= most_vx and abs(to_vx) <= most_vx and abs(vy) <= most_vy and abs(to_vy) <= most_vy
 
     def pose_for_others(self, time_ns: int) -> Pose:
         """Pose in the map frame after the last step. Other robots can collide with it during their current step."""
@@ -178,7 +209,7 @@ class ConstrainedMotion(Motion):
         """Changes the pose of the motion's own frame in the map. The robot keeps its pose in this frame."""
         self.step(time_ns)
         super().move_frame(map_from_own, time_ns)
-        self._reached = None
+        self._reached = self._looked_at = None
 
     def slip(self, share: float, time_ns: int) -> None:
         """Sets the slip from now on; see `Motion.slip`."""
@@ -198,7 +229,7 @@ class ConstrainedMotion(Motion):
         assert stepping is not None
         self._stepped_ns, self.is_blocked, self._touched = stepping.stepped_ns, stepping.is_blocked, stepping.touched
         self._requested, self._requested_until_ns = stepping.requested, stepping.requested_until_ns
-        self._preview, self._reached = None, stepping.reached
+        self._preview, self._reached, self._looked_at = None, stepping.reached, None
 
     def _save_stepping(self) -> SteppingSnapshot:
         return SteppingSnapshot(
@@ -221,7 +252,7 @@ class ConstrainedMotion(Motion):
         profile = self._following(*self._request_at(start_ns)) if self.is_blocked else self._profile
         start, contact = self.pose_for_others(start_ns), None
         self._stepped_ns = end_ns
-        self._reached = None
+        self._reached = self._looked_at = None
         if grid is not None and footprint is not None:
             duration = (end_ns - start_ns) / NANOSECONDS
             twist = self._twist(profile, start, start_ns, end_ns)

@@ -76,7 +76,7 @@ class Steering:
         return max(0, time_ns - self.start_ns) / NANOSECONDS
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class DriveProfile(VelocityProfile):
     """A `VelocityProfile` of a robot on wheels: they do what `WheelMotion` says.
 

@@ -31,9 +31,12 @@ LEVER = 0.3
 """Distance [m] that turns a difference in heading [rad] into a distance: about the radius of a robot."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Segment:
     """A part of a trajectory, in which the robot follows one velocity profile.
+
+    Segments never change, since trajectories share them. The class is not `frozen`, because such an object takes three times
+    as long to make, and each command makes one.
 
     Attributes:
         start_ns: Start time [ns]. The segment ends where the next one starts.
@@ -193,6 +196,10 @@ class Motion:
     ) -> None:
         self.map_from_own = map_from_own
         self.timeout = timeout
+        self._read_ns: int | None = None
+        """Time of the last call of `pose`; None if a segment has begun since."""
+        self._read_pose, self._read_profile = start, VelocityProfile(time_ns, STANDING, STANDING, time_ns)
+        """Result of that call, and the profile at that time."""
         self._limits = limits
         self._steering = None if drive is None else Steering(drive, time_ns)
         self._rolled = None if drive is None else np.zeros(drive.wheel_count)
@@ -226,7 +233,12 @@ class Motion:
 
     def pose(self, time_ns: int) -> Pose:
         """Pose of the robot in the motion's own frame."""
-        return self._profile.move(self._start, time_ns, self._grip)
+        # Odometry, scanner and driver often read the same pose.
+        profile = self._profile
+        if self._read_ns != time_ns or self._read_profile is not profile:
+            self._read_pose = profile.move(self._start, time_ns, self._grip)
+            self._read_ns, self._read_profile = time_ns, profile
+        return self._read_pose
 
     def map_pose(self, time_ns: int) -> Pose:
         """Pose of the robot in the map frame, now."""
@@ -457,7 +469,7 @@ class Motion:
         """Returns to the state of a snapshot."""
         self.map_from_own, self.timeout = state.map_from_own, state.timeout
         self._start, self._profile = state.start, state.profile
-        self._grip, self._wheels, self._driven = state.grip, state.wheels, state.driven
+        self._grip, self._wheels, self._driven, self._read_ns = state.grip, state.wheels, state.driven, None
         self.segments, self.contacts = list(state.segments), list(state.contacts)
         self._steering, self._rolled = state.steering, state.rolled
 
@@ -471,7 +483,7 @@ class Motion:
         if self._rolled is not None:
             self._rolled = self.rolled(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
-        self._profile, self._driven, self._wheels, self._start = profile, driven, wheels, start
+        self._profile, self._driven, self._wheels, self._start, self._read_ns = profile, driven, wheels, start, None
         segment = Segment(time_ns, (self.map_from_own * start).wrapped(), profile, self._grip)
         if self.segments and (self.segments[-1].start_ns, self.segments[-1].pose) == (time_ns, segment.pose):
             # Nothing has happened in the last segment.
@@ -496,4 +508,5 @@ class Motion:
         return replace(self._profile, start_ns=time_ns, velocity=velocity, until_ns=max(time_ns, self._profile.until_ns))
 
     def _end_of_command(self, time_ns: int) -> int:
-        return time_ns + round(min(self.timeout * NANOSECONDS, FOREVER)) if self.timeout else FOREVER
+        held_ns = self.timeout * NANOSECONDS
+        return time_ns + (round(held_ns) if held_ns < FOREVER else FOREVER) if held_ns else FOREVER

@@ -21,9 +21,11 @@ FOREVER = 2**62
 """End time of a command without a timeout [ns]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class VelocityProfile:
     """The velocity of a robot's wheels while it follows a command, and after the command has ended.
+
+    Profiles never change, as segments; see `Segment`.
 
     Without limits, the velocity is that of the command from the start until `until_ns`, then zero. With limits, it
     approaches the command, and after `until_ns` zero, as fast as they allow.

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator._core import stays_clear
+from mobile_robot_simulator.physics import constrained_motion
 from mobile_robot_simulator.physics.constrained_motion import ConstrainedMotion
 from simulations import drive, hall, pair, simulation
 
@@ -172,3 +176,84 @@ def test_steps_without_a_look_for_contact_change_no_bit(contact, limits, monkeyp
         monkeypatch.setattr(ConstrainedMotion, "skip", lambda motion, time_ns: False)
         assert (found, contacts) == _wandered(contact, seed, limits) and contacts > 0
     assert looks[True] > 100 and looks[False] > 100
+
+
+def _slowly(seed: int) -> tuple[list[object], int]:
+    """Returns where a robot is that drives in circles while one thing after another appears near it, and its contacts."""
+    rng = np.random.default_rng(seed)
+    sim = simulation((6.0, 6.0, 0.4), robot_radius=0.2, contact="slide", velocity_timeout=0.0)
+    seen: list[object] = []
+    ball = None
+    for step in range(160):
+        drive(sim, 0.2 if step % 40 < 30 else 1.5, 0.8)
+        sim.run_for(0.1 if seed else 0.03)
+        seen.append((tuple(sim.pose), len(sim.truth.contacts)))
+        x, y, yaw = sim.pose
+        ahead = (x + 0.24 * np.cos(yaw), y + 0.24 * np.sin(yaw), 0.0)
+        change = rng.integers(0, 60)
+        if change == 0:
+            ball = sim.add_obstacle(mrs.Shape.disc(0.02), ahead)
+        elif change == 1 and ball is not None:
+            sim.move_obstacle(ball, ahead)
+        elif change == 2:
+            with suppress(ValueError):  # The new cells may be there.
+                sim.set_pose((0.35, 8.0, 3.0))
+        elif change == 3:
+            sim.set_cells(*(round(ahead[axis] / sim.grid.resolution) for axis in (1, 0)), np.array([[100]], np.int8))
+        elif change == 4:
+            sim.restore(sim.save())
+        elif change == 5:
+            sim.robot.set_parameters(robot_radius=float(rng.uniform(0.15, 0.22)))
+    return seen, len(sim.truth.contacts)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_look_for_contact_holds_until_something_changes(seed, monkeypatch):
+    """The oracle looks in each time step. Looks count as one for a second in which nothing changes."""
+    skip, looks, skips = ConstrainedMotion.skip, [], []
+    monkeypatch.setattr(
+        constrained_motion, "stays_clear", lambda *args, **more: looks.append(1) or stays_clear(*args, **more)
+    )
+    monkeypatch.setattr(ConstrainedMotion, "skip", lambda motion, time_ns: skips.append(1) or skip(motion, time_ns))
+    found = _slowly(seed)
+    monkeypatch.setattr(ConstrainedMotion, "skip", lambda motion, time_ns: False)
+    assert found == _slowly(seed) and found[1] > 0
+    assert len(looks) < 0.9 * len(skips)
+
+
+def test_a_faster_command_needs_another_look():
+    """The robot creeps, then crosses a gap of 0.5 m at 2 m/s."""
+    sim = simulation((6.0, 6.0, 0.0), robot_radius=0.2, velocity_timeout=0.0)
+    sim.add_obstacle(mrs.Shape.disc(0.1), (6.8, 6.0, 0.0))
+    drive(sim, 0.05)
+    sim.run_for(0.2)
+    drive(sim, 2.0)
+    sim.run_for(0.4)
+    (contact,) = sim.truth.contacts
+    assert contact.time == pytest.approx(0.2 + 0.49 / 2.0, abs=1e-6)
+
+
+def test_a_leap_between_two_time_steps_needs_another_look():
+    """The robot creeps, leaps 0.48 m of a gap of 0.5 m within a time step, and creeps on until it touches."""
+    sim = simulation((6.0, 6.0, 0.0), robot_radius=0.2, velocity_timeout=0.0)
+    sim.add_obstacle(mrs.Shape.disc(0.1), (6.8, 6.0, 0.0))
+    for speed, duration in ((0.05, 0.102), (30.0, 0.016), (0.05, 0.001), (0.04, 0.8)):
+        drive(sim, speed)
+        sim.run_for(duration)
+    (contact,) = sim.truth.contacts
+    assert contact.time == pytest.approx(0.119 + (0.5 - 0.0051 - 0.48 - 0.00005) / 0.04, abs=1e-4)
+
+
+def test_a_second_in_the_open_takes_one_look(monkeypatch):
+    looks = []
+    monkeypatch.setattr(
+        constrained_motion, "stays_clear", lambda *args, **more: looks.append(1) or stays_clear(*args, **more)
+    )
+    sim = simulation((6.0, 6.0, 0.0), robot_radius=0.2, velocity_timeout=0.0)
+    drive(sim, 0.2, 1.0)
+    sim.run_for(0.1)
+    looks.clear()
+    for _ in range(100):
+        drive(sim, 0.2, 1.0)
+        sim.run_for(0.1)
+    assert 10 <= len(looks) <= 12
