@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from .._core import Pose
+from ..bus.topic import absolute
 from ..messages import LaserScan, Odometry, Twist, Vector3
 from ..simulation.simulation import Simulation
 
@@ -51,8 +52,9 @@ class ControlLoop:
     ) -> None:
         self._simulation, self._control, self._name = simulation, control, name
         self._goal = None if goal is None else Pose(*goal)
-        robot, self._scans = simulation.robot.parameters, simulation.laser.parameters.laser_topic
-        self._odometry, self._commands = robot.odometry_topic, robot.velocity_topic
+        robot, scans = simulation.robot.parameters, simulation.laser.parameters.laser_topic
+        self._scans, self._odometry = absolute(scans), absolute(robot.odometry_topic)
+        self._commands = absolute(robot.velocity_topic)
         self._start = simulation.pose
         # The odometry has a frame of its own, in which the start need not be 0.
         self._map_from_odom: Pose | None = None
@@ -71,11 +73,11 @@ class ControlLoop:
         scan, odometry = sim.latest(self._scans), sim.latest(self._odometry)
         if scan is None or odometry is None:
             return None
-        odom_from_base = _pose(odometry)
-        if self._map_from_odom is None:
-            self._map_from_odom = self._start * odom_from_base.inverse()
         goal = (math.nan, math.nan)
         if self._goal is not None:
+            odom_from_base = _pose(odometry)
+            if self._map_from_odom is None:
+                self._map_from_odom = self._start * odom_from_base.inverse()
             seen = (self._map_from_odom * odom_from_base).inverse() * self._goal
             goal = seen.x, seen.y
         speed, turn_rate = _checked(self._name, self._control(Observation(sim.time, scan, odometry, goal)))
@@ -90,7 +92,8 @@ def _pose(odometry: Odometry) -> Pose:
 
 def _checked(name: str, command: Sequence[float]) -> tuple[float, float]:
     try:
-        speed, turn_rate = map(float, command)
+        speed, turn_rate = command
+        speed, turn_rate = float(speed), float(turn_rate)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: a command must be two numbers (speed, turn rate), got {command!r}") from None
     if not (math.isfinite(speed) and math.isfinite(turn_rate)):

@@ -279,7 +279,8 @@ class Bus(Handle):
 
     def find_topic(self, name: str) -> BusTopic | None:
         """Returns the topic of a name, or None if it does not exist."""
-        return self._topics.get(absolute(name))
+        found = self._topics.get(name) if type(name) is str else None  # names are absolute, as most callers write them
+        return self._topics.get(absolute(name)) if found is None else found
 
     def latest(self, topic: str) -> Message | None:
         """Returns the last message sent to a topic, or None if there is none."""
@@ -446,11 +447,10 @@ class Bus(Handle):
                     seconds = self.time_ns / NANOSECONDS
                     raise RuntimeError(f"time stands still at {seconds} s: callbacks keep sending messages to each other")
             elif events and events[0][0] <= time_ns:
-                before_ns = self.time_ns
-                self.time_ns, _, _, action = heapq.heappop(events)
+                due_ns, _, _, action = heapq.heappop(events)
                 self._chain_length = 0
-                if self.time_ns != before_ns:
-                    self._reply_count = 0
+                if due_ns != self.time_ns:
+                    self.time_ns, self._reply_count = due_ns, 0
             else:
                 break
             action()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Protocol
 
@@ -39,11 +37,20 @@ def current_bus() -> Times | None:
     return _current.get()
 
 
-@contextmanager
-def using(bus: Times) -> Iterator[None]:
-    """Makes a bus the one in use in the block."""
-    token = _current.set(bus)
-    try:
-        yield
-    finally:
-        _current.reset(token)
+class using:
+    """Makes a bus the one in use in a `with` block.
+
+    Args:
+        bus: The bus.
+    """
+
+    __slots__ = ("_bus", "_token")
+
+    def __init__(self, bus: Times) -> None:
+        self._bus = bus
+
+    def __enter__(self) -> None:
+        self._token = _current.set(self._bus)
+
+    def __exit__(self, *_: object) -> None:
+        _current.reset(self._token)

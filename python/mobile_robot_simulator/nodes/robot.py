@@ -606,8 +606,8 @@ class MobileRobotSimulator(Handle):
         self._take_command(message.twist)
 
     def _take_command(self, twist: TwistMessage) -> None:
-        velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
-        if not all(math.isfinite(value) and abs(value) <= MAX_COMMAND for value in velocity):
+        vx, vy, wz = velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
+        if not (abs(vx) <= MAX_COMMAND and abs(vy) <= MAX_COMMAND and abs(wz) <= MAX_COMMAND):  # False for NaN too
             self._node.get_logger().warning(
                 f"velocity command refused: |vx|, |vy| and |wz| must be finite and at most {MAX_COMMAND:g}, got {velocity}"
             )

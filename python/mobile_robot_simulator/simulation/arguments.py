@@ -70,7 +70,7 @@ def to_nanoseconds(seconds: float, what: str) -> int:
         TypeError: It is not a number.
         ValueError: The duration is negative, infinite or NaN.
     """
-    if not isinstance(seconds, Real):
+    if type(seconds) is not float and not isinstance(seconds, Real):  # the second one takes longer
         raise TypeError(f"{what} must be a number of seconds, got {quoted(seconds)}")
     if not 0.0 <= seconds < math.inf:
         raise ValueError(f"{what} must be finite and at least 0 s, got {quoted(seconds)}")

@@ -228,10 +228,15 @@ class GroundTruth(Handle):
         return self._robot.footprint or POINT
 
     def _past_times_ns(self, times: ArrayLike) -> NDArray[np.int64]:
-        times_ns = np.array([self._past_ns(float(time)) for time in np.asarray(times, np.float64)], np.int64)
+        seconds = np.asarray(times, np.float64)
+        with np.errstate(over="ignore"):
+            times_ns = np.rint(seconds * NANOSECONDS)
+        first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()
+        for wrong in seconds[~((times_ns >= first) & (times_ns <= now))]:
+            self._past_ns(float(wrong))  # raises
         if not len(times_ns) or np.any(np.diff(times_ns) < 0):
             raise ValueError(f"the times must be one or more and must not decrease, got {quoted(times)}")
-        return times_ns
+        return times_ns.astype(np.int64)
 
     def _past_ns(self, time: float) -> int:
         first, now = self._robot.motion.segments[0].start_ns, self._world.now_ns()

@@ -146,7 +146,7 @@ class Robots(Handle):
         """
         if not self._robots:
             raise ValueError("the simulation has no robot yet: add one with add_robot")
-        return next(iter(self))
+        return next(iter(self._robots.values()))
 
     def named(self, name: str | None) -> SimulatedRobot:
         """Returns the robot with this name, or the first robot if the name is None.

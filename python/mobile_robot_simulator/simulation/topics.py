@@ -88,7 +88,8 @@ class Topics:
 
     def latest(self, name: str) -> Message | None:
         """Returns the last message of a topic, as described for `Simulation.latest`."""
-        return find_topic(self._bus, name).latest
+        found = self._bus.find_topic(name)
+        return (find_topic(self._bus, name) if found is None else found).latest
 
     def record(self, tap: Tap) -> None:
         """Passes all messages to a tap, as described for `Simulation.record`."""
