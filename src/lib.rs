@@ -80,6 +80,7 @@ mod scanner;
 mod scorer;
 mod shape;
 mod slant;
+mod wall_directions;
 mod world;
 
 pub use beam_fit::{BeamFit, INCIDENCE_BANDS};

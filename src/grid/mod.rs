@@ -2,6 +2,7 @@
 
 mod distances;
 mod free_poses;
+mod walls;
 
 use std::ops::Range;
 
@@ -15,6 +16,7 @@ use crate::interrupt::is_pool_thread;
 use crate::lazy::Lazy;
 use crate::memory;
 use crate::pose::Pose;
+use crate::wall_directions::WallDirections;
 
 /// How unknown cells act on beams and robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,6 +95,7 @@ pub struct OccupancyGrid {
     free_boxes: Lazy<FreeBoxes>,
     free_areas: FreeAreas,
     kept_field: KeptField,
+    wall_directions: Lazy<WallDirections>,
 }
 
 /// Usual value of [`GridOptions::occupied_threshold`].
@@ -151,6 +154,7 @@ impl OccupancyGrid {
             free_boxes: Lazy::new(),
             free_areas: FreeAreas::default(),
             kept_field: KeptField::default(),
+            wall_directions: Lazy::new(),
         })
     }
 
@@ -205,8 +209,13 @@ impl OccupancyGrid {
             Some(built) => Lazy::from(built.try_clone()?),
             None => Lazy::new(),
         };
+        let wall_directions = match self.wall_directions.get() {
+            Some(built) => Lazy::from(built.try_clone()?),
+            None => Lazy::new(),
+        };
         let cells = memory::collected("the cells of the grid", self.cells.iter().copied())?;
-        Ok(Self { cells, free_boxes, free_areas: self.free_areas.clone(), kept_field: self.kept_field.clone(), ..*self })
+        let (free_areas, kept_field) = (self.free_areas.clone(), self.kept_field.clone());
+        Ok(Self { cells, free_boxes, free_areas, kept_field, wall_directions, ..*self })
     }
 
     /// Returns the free boxes of the cells; the first call builds them on all cores.
@@ -236,7 +245,7 @@ impl OccupancyGrid {
 
     /// Sets the cells of a rectangle: `values` row by row, `width` values in each row, from the cell `corner` on.
     ///
-    /// Free boxes that exist are updated, at a cost that grows with the rectangle, not with the grid.
+    /// Free boxes and wall directions that exist are updated, at a cost that grows with the rectangle, not with the grid.
     ///
     /// # Errors
     /// The grid is unchanged after an error.
@@ -262,12 +271,15 @@ impl OccupancyGrid {
         }
         self.free_areas = FreeAreas::default();
         self.kept_field = KeptField::default();
-        if let Some(free_boxes) = self.free_boxes.get_mut() {
-            let region = (corner.col..corner.col + width, corner.row..corner.row + height);
-            if free_boxes.update(&self.cells, region, |&value| self.options.blocks(value)).is_err() {
-                // There is not enough memory to update them. The next cast builds them again.
-                self.free_boxes = Lazy::new();
-            }
+        let region = (corner.col..corner.col + width, corner.row..corner.row + height);
+        if let Some(walls) = self.wall_directions.get_mut() {
+            walls.update(&self.cells, region.clone(), |&value| self.options.blocks(value));
+        }
+        if let Some(free_boxes) = self.free_boxes.get_mut()
+            && free_boxes.update(&self.cells, region, |&value| self.options.blocks(value)).is_err()
+        {
+            // There is not enough memory to update them. The next cast builds them again.
+            self.free_boxes = Lazy::new();
         }
         Ok(())
     }
@@ -373,6 +385,12 @@ impl OccupancyGrid {
     /// Returns true if a cell is on the grid and blocks beams and robots.
     pub(crate) fn blocks(&self, Cell { col, row }: Cell) -> bool {
         col < self.width && row < self.height && self.options.blocks(self.cells[row * self.width + col])
+    }
+
+    /// Returns true if a cell, given by its place among all cells, blocks beams and robots.
+    #[inline(always)]
+    pub(crate) fn blocks_at(&self, place: usize) -> bool {
+        self.options.blocks(self.cells[place])
     }
 
     /// Returns true if one of these cells of a row blocks beams and robots.
@@ -565,10 +583,12 @@ mod tests {
     fn setting_cells_updates_the_free_boxes() {
         let mut grid = grid(&[0; 12], 4, OPTIONS);
         grid.prepare(Some(1)).expect("enough memory");
+        assert_eq!(grid.walls(Some(1)).unwrap().steps(), [crate::wall_directions::UNKNOWN; 12]);
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
         let rebuilt = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
         assert_eq!(grid.free_boxes().lengths(), rebuilt.free_boxes().lengths());
+        assert_eq!(grid.walls(None).unwrap().steps(), rebuilt.walls(None).unwrap().steps());
         let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
             grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()
         };

@@ -313,6 +313,42 @@ impl OccupancyGrid {
         fill(py, out, &[core.height(), core.width()], |distances| core.distances(max_distance, distances))
     }
 
+    /// Returns the direction of the wall at each cell.
+    ///
+    /// Only blocking cells with a free neighbour have one: that of the straight line through such cells around it that are
+    /// connected with it, in a window of 11 x 11 cells, near corners of 9 x 9 or 7 x 7. The grid keeps what it found, 1 byte for
+    /// each cell, and follows `set_cells`.
+    ///
+    /// Args:
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: (H, W) float32 in C order, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (H, W) float32, which is `out` if it was given: the angle from the x axis of the grid to the wall [rad], 0 to below π in
+    ///         steps of π/252; NaN where it is unknown, such as in free cells and within about three cells of a corner. Row 0 is
+    ///         at the bottom.
+    ///
+    /// Raises:
+    ///     ValueError: `threads` is out of range, or `out` is read-only, in use, not in C order or of another shape.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> slanting = mrs.OccupancyGrid(np.eye(4, dtype=np.int8) * 100, resolution=0.05)
+    ///     >>> np.degrees(slanting.wall_directions().diagonal())
+    ///     array([45., 45., 45., 45.], dtype=float32)
+    #[pyo3(signature = (*, threads = None, out = None))]
+    fn wall_directions<'py>(
+        &self,
+        py: Python<'py>,
+        threads: Option<&Bound<'py, PyAny>>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (core, threads) = (self.core(), thread_count(threads)?);
+        fill(py, out, &[core.height(), core.width()], |directions| core.wall_directions(threads, directions))
+    }
+
     /// Returns a random pose at which a disc is free.
     ///
     /// It is the first pose of `draw_free_poses`. The same seed gives the same pose on every machine.

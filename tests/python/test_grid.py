@@ -286,3 +286,39 @@ def test_cells_cannot_be_made_writeable():
     for array in (grid.cells, grid.cells[0], grid.cells.base):
         with pytest.raises(ValueError, match="cannot set WRITEABLE"):
             array.flags.writeable = True
+
+
+def slanted_half_plane(angle: float, size: int = 41) -> mrs.OccupancyGrid:
+    """A grid whose cells block on the left of a line through its middle, at an angle to the x axis."""
+    y, x = np.mgrid[0:size, 0:size] + 0.5 - size / 2
+    return mrs.OccupancyGrid((100 * (y * math.cos(angle) - x * math.sin(angle) > 0.0)).astype(np.int8), resolution=0.05)
+
+
+def test_wall_directions_are_those_of_known_walls() -> None:
+    errors = []
+    for angle in np.linspace(0.0, PI, 200, endpoint=False):
+        directions = slanted_half_plane(float(angle)).wall_directions()
+        middle = directions[14:27, 14:27]
+        found = middle[np.isfinite(middle)]
+        errors += [abs((direction - angle + PI / 2) % PI - PI / 2) for direction in found.tolist()]
+    assert len(errors) > 2000
+    median, most = np.degrees(np.percentile(errors, [50, 95]))
+    assert median < 1.0 and most < 4.0 and np.degrees(max(errors)) < 9.0
+
+
+def test_wall_directions_follow_changes_and_are_the_same_for_any_threads() -> None:
+    grid = mrs.floor_plan("office", seed=1)
+    before = grid.wall_directions(threads=1)
+    assert grid.wall_directions().tobytes() == before.tobytes()
+    assert np.isnan(before[grid.cells < 60]).all() and np.isfinite(before).any()
+    patch = np.full((5, 9), 100, np.int8)
+    grid.set_cells(20, 30, patch)
+    cells = grid.cells
+    again = mrs.OccupancyGrid(cells, resolution=grid.resolution, origin=grid.origin)
+    out = np.empty(grid.shape, np.float32)
+    assert grid.wall_directions(out=out) is out
+    assert out.tobytes() == again.wall_directions(threads=2).tobytes() != before.tobytes()
+    with pytest.raises(ValueError, match="out must have shape"):
+        grid.wall_directions(out=np.empty((2, 3), np.float32))
+    with pytest.raises(ValueError, match="threads must be"):
+        grid.wall_directions(threads=0)
