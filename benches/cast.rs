@@ -16,7 +16,7 @@ fn scan(criterion: &mut Criterion) {
 
 fn noisy_scan(criterion: &mut Criterion) {
     let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
-    scans(criterion, "noisy_scan", Some(Noise { model, seed: 1, first_index: 0 }));
+    scans(criterion, "noisy_scan", Some(Noise { model, surface: None, seed: 1, first_index: 0 }));
 }
 
 fn scans(criterion: &mut Criterion, workload: &str, noise: Option<Noise>) {

@@ -25,8 +25,19 @@ WAYS: dict[str, dict[str, Any]] = {
     "default": {"noise": mrs.BeamModel(), "seed": 1},
     "sigma by range": {"noise": mrs.BeamModel(range_sigma_base=0.002, range_sigma_per_metre=0.001), "seed": 1},
     "offset": {"noise": mrs.BeamModel(range_offset=0.02), "seed": 1},
+    "incidence": {
+        "noise": mrs.BeamModel(),
+        "surfaces": mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.03),
+        "seed": 1,
+    },
+    "correlation": {"noise": mrs.BeamModel(), "surfaces": mrs.SurfaceModel(correlation=0.5), "seed": 1},
     "steps of 1 mm": {"noise": mrs.BeamModel(range_step=0.001), "seed": 1},
     "steps of 1 %": {"noise": mrs.BeamModel(range_step=0.001, range_step_share=0.01), "seed": 1},
+    "all": {
+        "noise": mrs.BeamModel(range_offset=0.02, range_sigma_per_metre=0.001, range_step=0.001, range_step_share=0.01),
+        "surfaces": mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.03, correlation=0.5),
+        "seed": 1,
+    },
 }
 """Arguments of `scan_batch` for each part."""
 

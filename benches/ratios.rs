@@ -75,7 +75,7 @@ fn line(name: &str, build: f64, times: &[f64], ratio: impl Fn(usize) -> f64) {
 fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
     let poses = poses(grid, SCANS);
     let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
-    let noise = [None, Some(Noise { model, seed: 1, first_index: 0 })];
+    let noise = [None, Some(Noise { model, surface: None, seed: 1, first_index: 0 })];
     in_turns(kernels, poses.len() * 541, |kernel, way, ranges| {
         laser(grid, kernel).scan_batch(grid, &poses, noise[way], Some(1), ranges).expect("a scan");
     })

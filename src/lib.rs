@@ -80,6 +80,7 @@ mod scanner;
 mod scorer;
 mod shape;
 mod slant;
+mod surface;
 mod wall_directions;
 mod world;
 
@@ -101,4 +102,5 @@ pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use preset::Preset;
 pub use scanner::{Courses, Hit, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
+pub use surface::{SurfaceModel, SurfaceOptions};
 pub use world::World;

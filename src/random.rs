@@ -55,6 +55,12 @@ impl BeamBits {
         Self { state, increment: increment | 1 }
     }
 
+    /// Returns the random bits of places, which do not depend on the index of a scan.
+    #[must_use]
+    pub fn of_places(seed: u64) -> Self {
+        Self::new(!seed, PLACES)
+    }
+
     /// Returns the 64 random bits of a beam.
     #[inline(always)]
     #[must_use]
@@ -69,6 +75,9 @@ impl BeamBits {
         SplitMix64::from_seed(self.of(!beam).to_le_bytes())
     }
 }
+
+/// Index of the bits of places.
+const PLACES: u64 = 0x5eed_0f91_ace5_0001;
 
 /// 2⁶⁴ divided by the golden ratio, rounded to an odd number.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;

@@ -179,7 +179,7 @@ fn tilted_batches_have_the_same_bytes_on_any_thread_kernel_and_chunk() {
     let poses: Vec<[f64; 3]> = (0..300).map(|index| [1.0 + 0.02 * f64::from(index), 5.0, 0.1 * f64::from(index)]).collect();
     let batch = |laser: &LaserScanner, threads, poses: &[[f64; 3]], first_index| {
         let mut readings = vec![0.0; 333 * poses.len()];
-        let noise = Some(Noise { model, seed: 3, first_index });
+        let noise = Some(Noise { model, surface: None, seed: 3, first_index });
         laser.scan_batch(&grid, poses, noise, Some(threads), &mut readings).expect("a batch");
         readings
     };

@@ -247,7 +247,7 @@ fn a_batch_does_not_depend_on_threads_or_splits() {
     let model = BeamModel::new(BeamModelOptions { z_rand: 0.1, z_short: 0.1, ..BeamModelOptions::default() }).unwrap();
     let scan = |poses: &[[f64; 3]], first_index: u64, threads: usize| {
         let mut readings = vec![0.0; poses.len() * 541];
-        let noise = Some(Noise { model, seed: SEED, first_index });
+        let noise = Some(Noise { model, surface: None, seed: SEED, first_index });
         scanner.scan_batch((&grid, &obstacles), poses, noise, Some(threads), &mut readings).unwrap();
         readings
     };
@@ -264,7 +264,7 @@ fn obstacles_out_of_sight_do_not_change_a_scan() {
     let model = BeamModel::new(BeamModelOptions::default()).unwrap();
     let scan = |obstacles: &Obstacles| {
         let mut readings = vec![0.0; 541];
-        let noise = Some(Noise { model, seed: SEED, first_index: 3 });
+        let noise = Some(Noise { model, surface: None, seed: SEED, first_index: 3 });
         scanner.scan_batch((&grid, obstacles), &[[5.1, 5.1, 0.0]], noise, None, &mut readings).unwrap();
         readings
     };

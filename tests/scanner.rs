@@ -97,7 +97,7 @@ fn a_batch_does_not_depend_on_threads_or_chunks() {
     let model = BeamModelOptions { z_hit: 0.7, z_short: 0.1, z_max: 0.1, z_rand: 0.1, ..BeamModelOptions::default() };
     let model = BeamModel::new(model).expect("a good model");
     for noisy in [false, true] {
-        let noise = |first_index| noisy.then_some(Noise { model, seed: SEED, first_index });
+        let noise = |first_index| noisy.then_some(Noise { model, surface: None, seed: SEED, first_index });
         let batch = |threads, chunk: usize| {
             let mut readings = vec![0.0; poses.len() * 541];
             for (index, (poses, readings)) in poses.chunks(chunk).zip(readings.chunks_mut(chunk * 541)).enumerate() {
@@ -138,8 +138,12 @@ fn scans_of_a_batch_equal_scans_cast_alone() {
     poses[301] = [1e300, 0.0, 1.0];
     poses[500] = [3.0, 4.5, 1e300];
     poses[700] = [-1.0, 2.0, 0.5];
-    let noise =
-        Noise { model: BeamModel::new(BeamModelOptions::default()).expect("a good model"), seed: SEED, first_index: 0 };
+    let noise = Noise {
+        surface: None,
+        model: BeamModel::new(BeamModelOptions::default()).expect("a good model"),
+        seed: SEED,
+        first_index: 0,
+    };
     for (grid, beam_count) in [1, 5, 31, 32, 33, 95, 129, 360, 541, 544, 1088, 1089]
         .map(|count| (&room, count))
         .into_iter()
@@ -174,7 +178,9 @@ fn noise_depends_on_seed_and_index_alone() {
     let model = BeamModel::new(BeamModelOptions::default()).expect("a good model");
     let scan = |seed, first_index| {
         let mut readings = vec![0.0; 541];
-        laser.scan_batch(&grid, &pose, Some(Noise { model, seed, first_index }), None, &mut readings).expect("a good batch");
+        laser
+            .scan_batch(&grid, &pose, Some(Noise { model, surface: None, seed, first_index }), None, &mut readings)
+            .expect("a good batch");
         readings
     };
     assert_eq!(scan(1, u64::MAX), scan(1, u64::MAX));

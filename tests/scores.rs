@@ -81,7 +81,7 @@ fn scores_are_sums_of_logarithms_of_likelihoods() {
         let mut ranges = vec![0.0; POSES * beam_count];
         laser.scan_batch((&grid, &obstacles), &poses, None, None, &mut ranges).unwrap();
         let mut readings = vec![0.0; POSES * beam_count];
-        let noise = Noise { model: model(), seed: 4, first_index: 0 };
+        let noise = Noise { surface: None, model: model(), seed: 4, first_index: 0 };
         laser.scan_batch((&grid, &obstacles), &others, Some(noise), None, &mut readings).unwrap();
         laser.mark_invalid(&mut readings, NoReturn::Inf);
         for beams in [None, Some(vec![0]), Some((0..beam_count).step_by(3).collect::<Vec<_>>())] {

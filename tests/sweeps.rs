@@ -159,7 +159,7 @@ fn a_batch_does_not_depend_on_threads_or_its_split() {
     for beams in [7, 61, 541] {
         let laser = scanner(BeamLayout::Fov(4.0), beams, Mount::new([0.2, 0.0, 0.0], [0.0, 0.0, 0.1]));
         let cast = |part: std::ops::Range<usize>, duration: f64, threads: usize| {
-            let noise = Noise { model, seed: 3, first_index: 10 + part.start as u64 };
+            let noise = Noise { model, surface: None, seed: 3, first_index: 10 + part.start as u64 };
             let courses = Courses::Arcs { poses: &poses[part.clone()], twists: &twists[part.clone()] };
             let mut readings = vec![0.0; part.len() * beams];
             let sweeps = Sweeps { courses, scan_duration: duration, obstacles: &obstacles };
@@ -172,7 +172,7 @@ fn a_batch_does_not_depend_on_threads_or_its_split() {
 
         let placed = Obstacles::new([(&disc, Pose::new(5.0, 5.0, 0.0))]).unwrap();
         let mut instant = vec![0.0; 200 * beams];
-        let noise = Noise { model, seed: 3, first_index: 10 };
+        let noise = Noise { model, surface: None, seed: 3, first_index: 10 };
         laser.scan_batch((&grid, &placed), &poses, Some(noise), None, &mut instant).unwrap();
         assert_eq!(cast(0..200, 0.0, 2), instant, "a duration of 0");
         assert_ne!(whole, instant);

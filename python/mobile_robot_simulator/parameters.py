@@ -13,7 +13,18 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from ._core import FULL_TURN_TOLERANCE, BeamModel, Drive, LaserScanner, Limits, MotionNoise, Pose, Shape, laser_presets
+from ._core import (
+    FULL_TURN_TOLERANCE,
+    BeamModel,
+    Drive,
+    LaserScanner,
+    Limits,
+    MotionNoise,
+    Pose,
+    Shape,
+    SurfaceModel,
+    laser_presets,
+)
 from .quoting import nearest, quoted, shortened
 from .yaml_documents import parse, value_of
 
@@ -489,6 +500,18 @@ class LaserParameters(Parameters):
     range_step_share: Annotated[Number, Field(ge=0.0, le=0.5)] = Field(
         0.0, description="largest share of a reading that its step may be, if that is more than range_step; 0 for none"
     )
+    incidence_sigma: Annotated[Number, Field(ge=0.0, le=4.0)] = Field(
+        0.0, description="exponent p: the standard deviation of a correct range grows as cos(incidence)^-p; 0 for not at all"
+    )
+    incidence_limit: Annotated[Number, Field(ge=0.0, le=1.57)] = Field(
+        1.5, description="incidence from which on nothing grows any further [rad]"
+    )
+    incidence_bias: Number = Field(
+        0.0, description="1 - cos(incidence) times this is added to a correct range [m]; 0 for nothing"
+    )
+    correlation: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        0.0, description="part of the variance of a correct range that is fixed for each beam and cell"
+    )
     no_return: Literal["inf", "max", "below_max"] = Field(
         "inf",
         description="reading of a beam without a return: inf (REP-117), max (laser_max_range; range_max is then 1 mm more), "
@@ -557,6 +580,18 @@ class LaserParameters(Parameters):
             range_sigma_per_metre=self.range_sigma_per_metre,
             range_step=self.range_step,
             range_step_share=self.range_step_share,
+        )
+
+    @property
+    def surface_model(self) -> SurfaceModel | None:
+        """How what a beam meets changes the noise of its range; None if it changes nothing."""
+        if (self.incidence_sigma, self.incidence_bias, self.correlation) == (0.0, 0.0, 0.0):
+            return None
+        return SurfaceModel(
+            incidence_sigma=self.incidence_sigma,
+            incidence_limit=self.incidence_limit,
+            incidence_bias=self.incidence_bias,
+            correlation=self.correlation,
         )
 
     def scanner(self, mount: Pose | Sequence[float] | None = None) -> LaserScanner:

@@ -4,6 +4,7 @@ mod rounding;
 mod sampler;
 
 use rounding::Rounding;
+pub(crate) use sampler::HitColumns;
 pub use sampler::Sampler;
 
 use crate::error::{Error, check_finite, check_number};

@@ -72,6 +72,16 @@ impl HitPart {
     }
 }
 
+/// What the beams of a group meet.
+pub(crate) struct HitColumns<'a> {
+    /// Cosines of the incidences.
+    pub cosines: &'a Group,
+    /// Random bits that each beam has at its place, in every scan; `None` if there are none.
+    pub fixed: Option<[u64; GROUP]>,
+    /// Weights of the normal number of this scan and of that of the place; the sum of their squares is 1.
+    pub weights: [f32; 2],
+}
+
 /// Draws the readings of one scan from a beam model.
 ///
 /// Each beam has 64 random bits:
@@ -124,16 +134,51 @@ impl<'a> Sampler<'a> {
     pub fn sample(&self, group: usize, ranges: &Group) -> Group {
         if self.model.has_one_hit_part {
             let sigma = self.model.options.sigma_hit;
-            self.draw(group, ranges, |lane| HitPart { center: ranges[lane], sigma })
+            self.draw(group, ranges, |lane| HitPart { center: ranges[lane], sigma }, |_, normal| normal)
         } else {
-            let readings = self.draw(group, ranges, |lane| self.model.hit_part(ranges[lane], self.max_range));
-            self.round(readings)
+            let part = |lane: usize| self.model.hit_part(ranges[lane], self.max_range);
+            self.round(self.draw(group, ranges, part, |_, normal| normal))
         }
+    }
+
+    /// The same for beams that meet surfaces, of which `change` changes the hit part by the cosine of the incidence.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_hits(
+        &self,
+        group: usize,
+        ranges: &Group,
+        hits: &HitColumns<'_>,
+        change: impl Fn(HitPart, f64, f64) -> HitPart,
+    ) -> Group {
+        let (mut centers, mut sigmas) = ([0.0; GROUP], [0.0; GROUP]);
+        for lane in 0..GROUP {
+            let range = if ranges[lane] < f64::INFINITY { ranges[lane] } else { 0.0 };
+            let part = change(self.model.hit_part(range, self.max_range), hits.cosines[lane], self.max_range);
+            (centers[lane], sigmas[lane]) = (part.center, part.sigma);
+        }
+        let part = |lane: usize| HitPart { center: centers[lane], sigma: sigmas[lane] };
+        let Some(bits) = &hits.fixed else {
+            return self.round(self.draw(group, ranges, part, |_, normal| normal));
+        };
+        let mut fixed = [0.0; GROUP];
+        for lane in 0..GROUP {
+            let (low, high) = (bits[lane] as u32, (bits[lane] >> 32) as u32);
+            fixed[lane] = normal::pair([high, low << 2], low).0;
+        }
+        let [own, of_place] = hits.weights;
+        self.round(self.draw(group, ranges, part, |lane, normal| own * normal + of_place * fixed[lane]))
     }
 
     /// Returns the readings before they are rounded.
     #[inline(always)]
-    fn draw(&self, group: usize, ranges: &Group, hit_part: impl Fn(usize) -> HitPart) -> Group {
+    fn draw(
+        &self,
+        group: usize,
+        ranges: &Group,
+        hit_part: impl Fn(usize) -> HitPart,
+        blend: impl Fn(usize, f32) -> f32,
+    ) -> Group {
         const HALF: usize = GROUP / 2;
         let first = (group * GROUP) as u64;
         let (mut low, mut high, mut normals) = ([0; GROUP], [0; GROUP], [[0.0; HALF]; 2]);
@@ -144,7 +189,10 @@ impl<'a> Sampler<'a> {
         for lane in 0..HALF {
             (normals[0][lane], normals[1][lane]) = normal::pair([high[lane], high[lane + HALF]], low[lane]);
         }
-        let normals = normals.as_flattened();
+        let (pairs, mut normals) = (normals.as_flattened(), [0.0; GROUP]);
+        for lane in 0..GROUP {
+            normals[lane] = blend(lane, pairs[lane]);
+        }
         let (mut readings, mut all_decided) = ([0.0; GROUP], true);
         for lane in 0..GROUP {
             let (reading, is_decided) = self.reading_from_bits(ranges[lane], hit_part(lane), low[lane], normals[lane]);

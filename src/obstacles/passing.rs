@@ -2,13 +2,14 @@
 
 use glam::DVec2;
 
-use super::OBSTACLES;
 use super::body::{Side, contains, disc_entry, edge_entry, placed, side};
+use super::{Body, OBSTACLES};
 use crate::error::Error;
 use crate::memory;
 use crate::motion::{Course, PoseColumns};
 use crate::numeric::sincos::{Last, sincos};
 use crate::numeric::{GROUP, Group};
+use crate::pose::Pose;
 use crate::shape::{MAX_CORNERS, Shape};
 
 /// A shape that moves, or stands, while a scan is taken.
@@ -94,6 +95,31 @@ impl<'a> Passing<'a> {
                 }
             }
         }
+    }
+}
+
+impl Passing<'_> {
+    /// Returns the nearest obstacle that a beam enters at its own time before `limit` \[m\], and the product of its direction and
+    /// the normal; no product if the beam starts inside, or if there is no memory.
+    pub fn hit(&self, beam: usize, origin: DVec2, direction: DVec2, limit: f64) -> Option<(usize, Option<f64>)> {
+        let (mut nearest, mut limit) = (None, limit);
+        for (index, Passer { obstacle, .. }) in self.passers.iter().enumerate() {
+            let mut poses = PoseColumns::ORIGIN;
+            obstacle.course.write_poses(beam / GROUP, self.time_increment, &mut poses, &mut Last::default());
+            let slot = beam % GROUP;
+            let pose = Pose::new(poses.x[slot], poses.y[slot], poses.yaw[slot]);
+            let Ok(body) = Body::new(obstacle.shape, pose) else { continue };
+            if !body.is_near(origin, direction, limit) {
+                continue;
+            }
+            let inside = body.contains(origin);
+            let distance = if inside { 0.0 } else { body.entry(origin, direction) };
+            if distance < limit {
+                limit = distance;
+                nearest = Some((index, (!inside).then(|| body.normal_near(origin + direction * distance).dot(direction))));
+            }
+        }
+        nearest
     }
 }
 

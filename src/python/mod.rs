@@ -28,6 +28,7 @@ mod raycast;
 mod scanner;
 mod scanner_options;
 mod shape;
+mod surface_model;
 mod sweep;
 mod wheel_motion;
 
@@ -118,6 +119,8 @@ mod _core {
     use super::scanner::LaserScanner;
     #[pymodule_export]
     use super::shape::Shape;
+    #[pymodule_export]
+    use super::surface_model::SurfaceModel;
     #[pymodule_export]
     use super::wheel_motion::WheelMotion;
 

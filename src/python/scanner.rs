@@ -15,6 +15,7 @@ use super::obstacles::{MovingObstaclesArgument, ObstaclesArgument};
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
 use super::scanner_options::{chosen_beams, default, keywords, layout, text};
+use super::surface_model::SurfacesArgument;
 use super::sweep::SweepArguments;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
@@ -257,6 +258,8 @@ impl LaserScanner {
     ///         move during each scan: (Shape, pose, twist) from its pose at the time of beam 0 on, or (Shape, poses) with a
     ///         (beam_count, 3) array of its poses at the time of each beam.
     ///     noise: Beam model to draw the readings from. None means no noise.
+    ///     surfaces: How what a beam meets changes the noise of its reading, such as by the angle of incidence. None means not at
+    ///         all. It needs `noise`, and a scanner that is not tilted.
     ///     seed: Seed of the noise, 0 to 2**64 - 1, or a `RandomStream`, which counts the scans of all calls. Noise needs one.
     ///     first_index: Index of the first scan in the random stream, 0 to 2**64 - 1. None means 0, or that of the
     ///         `RandomStream`.
@@ -269,7 +272,7 @@ impl LaserScanner {
     ///
     /// Raises:
     ///     ValueError: A shape is wrong, a number is not finite, an integer is out of range, `scan_duration` is negative or
-    ///         missing where something moves, noise has no seed, or `out` is read-only, in use or not in C order.
+    ///         missing where something moves, noise has no seed, surfaces have no noise or a tilted scanner, or `out` is read-only, in use or not in C order.
     ///     TypeError: An argument has the wrong type or dtype.
     ///     OSError: The threads could not be started.
     ///
@@ -290,8 +293,8 @@ impl LaserScanner {
     ///     >>> ahead.scan_batch(grid, poses[:1], twists=[(1.0, 0.0, 0.0)], scan_duration=0.5)
     ///     array([[1.5 , 1.25, 1.  ]], dtype=float32)
     #[pyo3(
-        text_signature = "($self, grid, poses, *, twists=None, scan_duration=None, obstacles=(), noise=None, seed=None, \
-                          first_index=None, threads=None, out=None)",
+        text_signature = "($self, grid, poses, *, twists=None, scan_duration=None, obstacles=(), noise=None, \
+                          surfaces=None, seed=None, first_index=None, threads=None, out=None)",
         signature = (
             grid,
             poses,
@@ -300,6 +303,7 @@ impl LaserScanner {
             scan_duration = None,
             obstacles = MovingObstaclesArgument::none(),
             noise = None,
+            surfaces = None,
             seed = None,
             first_index = None,
             threads = None,
@@ -316,6 +320,7 @@ impl LaserScanner {
         scan_duration: Option<Argument<f64>>,
         obstacles: MovingObstaclesArgument<'py>,
         noise: Option<NoiseArgument>,
+        surfaces: Option<SurfacesArgument>,
         seed: Option<&Bound<'py, PyAny>>,
         first_index: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,
@@ -330,10 +335,16 @@ impl LaserScanner {
                  first_index= the number of scans before, because calls with the same seed and index draw the same noise",
             ));
         }
+        if surfaces.is_some() && noise.is_none() {
+            return Err(PyValueError::new_err("surfaces need noise, a BeamModel, got None"));
+        }
         let size = [sweep.scans, self.beam_count()];
         check_out::<f32>(out.as_ref(), &size)?;
+        let surface = surfaces.map(|model| model.0);
         let noise = noise
-            .map(|model| seed.take(sweep.scans).map(|(seed, first_index)| Noise { model: model.0, seed, first_index }))
+            .map(|model| {
+                seed.take(sweep.scans).map(|(seed, first_index)| Noise { model: model.0, surface, seed, first_index })
+            })
             .transpose()?;
         if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;

@@ -32,6 +32,15 @@ pub struct Sweep<'a> {
     pub count: usize,
 }
 
+impl Sweep<'_> {
+    /// Writes the poses in the map from which the rays of a group spread. `last` is for [`sincos`].
+    #[inline(always)]
+    pub(crate) fn write_poses(&self, group: usize, poses: &mut PoseColumns, [own, mounted]: &mut [Last; 2]) {
+        self.course.write_poses(group, self.time_increment, poses, own);
+        mount(self.base_from_fan, poses, mounted);
+    }
+}
+
 /// The rays of sweeps, ready to be cast.
 #[derive(Debug, Clone, Copy)]
 pub struct Swept<'a, 'grid> {
@@ -97,11 +106,10 @@ impl Work for FillSweep<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let Self { caster, sweep, rays, poses } = self;
-        let mut last = [Last::default(); 3];
+        let (mut of_poses, mut of_rays) = ([Last::default(); 2], Last::default());
         for (group, (rays, poses)) in rays.iter_mut().zip(poses).enumerate() {
-            sweep.course.write_poses(group, sweep.time_increment, poses, &mut last[0]);
-            mount(sweep.base_from_fan, poses, &mut last[1]);
-            fill_group(caster, (&sweep.cos[group], &sweep.sin[group]), poses, rays, &mut last[2]);
+            sweep.write_poses(group, poses, &mut of_poses);
+            fill_group(caster, (&sweep.cos[group], &sweep.sin[group]), poses, rays, &mut of_rays);
         }
     }
 }

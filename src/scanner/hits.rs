@@ -71,17 +71,17 @@ impl LaserScanner {
     /// Returns what a beam meets.
     fn hit(&self, World { grid, obstacles, except }: World<'_>, map_from_fan: Pose, beam: usize) -> Hit {
         let in_fan = DVec2::new(self.cos[beam / GROUP][beam % GROUP], self.sin[beam / GROUP][beam % GROUP]);
-        let (range, incidence) = hit_wall(grid, map_from_fan, in_fan);
+        let (range, of_wall) = hit_wall(grid, map_from_fan, in_fan);
         let max_range = self.options.max_range;
         let (mut nearest, mut hit) = (max_range, Hit { surface: Hit::NOTHING, incidence: f32::NAN });
         if range < max_range {
-            (nearest, hit) = (range, Hit { surface: Hit::WALL, incidence });
+            (nearest, hit) = (range, Hit { surface: Hit::WALL, incidence: of_wall });
         }
         let (sin, cos) = libm::sincos(map_from_fan.yaw);
         let (origin, direction) = (map_from_fan.position, DVec2::new(cos, sin).rotate(in_fan));
-        if let Some((index, distance, incidence)) = hit_obstacle((obstacles, except), origin, direction, nearest) {
+        if let Some((index, distance, normal)) = hit_obstacle((obstacles, except), origin, direction, nearest) {
             debug_assert!(distance < nearest, "{distance} is not nearer than {nearest}");
-            hit = Hit { surface: Hit::WALL + 1 + index as i32, incidence };
+            hit = Hit { surface: Hit::WALL + 1 + index as i32, incidence: incidence(normal) };
         }
         hit
     }
@@ -95,13 +95,14 @@ fn hit_wall(grid: &OccupancyGrid, map_from_fan: Pose, in_fan: DVec2) -> (f64, f3
     (distance, incidence(normal))
 }
 
-/// Returns the nearest obstacle but `except` that a beam enters before `limit` \[m\]: its index, the distance \[m\] and the incidence \[rad\].
-fn hit_obstacle(
+/// Returns the nearest obstacle but `except` that a beam enters before `limit` \[m\]: its index, the distance \[m\], and the product
+/// of the beam's direction and the normal; no product if the beam starts inside.
+pub(super) fn hit_obstacle(
     (obstacles, except): (&Obstacles, Option<usize>),
     origin: DVec2,
     direction: DVec2,
     limit: f64,
-) -> Option<(usize, f64, f32)> {
+) -> Option<(usize, f64, Option<f64>)> {
     let mut nearest = None;
     let mut limit = limit;
     for (index, body) in obstacles.bodies().iter().enumerate().filter(|(index, _)| Some(*index) != except) {
@@ -110,7 +111,7 @@ fn hit_obstacle(
         if distance < limit {
             limit = distance;
             let normal = (!inside).then(|| body.normal_near(origin + direction * distance).dot(direction));
-            nearest = Some((index, distance, incidence(normal)));
+            nearest = Some((index, distance, normal));
         }
     }
     nearest

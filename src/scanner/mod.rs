@@ -4,6 +4,7 @@ mod each;
 mod hits;
 mod score;
 mod sinks;
+mod surfaces;
 mod sweep;
 
 use std::iter;
@@ -23,11 +24,14 @@ use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
+use crate::surface::SurfaceModel;
+use crate::wall_directions::WallDirections;
 use crate::world::World;
 pub(crate) use each::Shot;
 pub use hits::Hit;
 pub use score::{Readings, Score};
 use sinks::{Beyond, Noisy, SinkPerScan};
+use surfaces::{Still, Surfaced};
 pub use sweep::{Courses, Sweeps};
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
@@ -58,6 +62,8 @@ impl Default for ScannerOptions {
 pub struct Noise {
     /// Distribution of the reading of a beam.
     pub model: BeamModel,
+    /// How what a beam meets changes its reading; `None` for not at all.
+    pub surface: Option<SurfaceModel>,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Index of the first scan of the batch. Indices wrap around at 2⁶⁴.
@@ -250,6 +256,7 @@ impl LaserScanner {
     ///
     /// # Errors
     /// - [`Error::Row`]: a pose is not finite.
+    /// - [`Error::Tilted`]: the scanner is tilted, and surfaces change the readings.
     /// - [`Error::Length`]: `readings` does not have `poses.len() * beam_count` elements.
     /// - [`Error::Count`]: `threads` is 0 or more than 1024.
     /// - [`Error::Threads`]: the system could not start the threads.
@@ -269,6 +276,7 @@ impl LaserScanner {
             return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
         }
         let max_range = self.options.max_range;
+        let surfaces = self.surfaces(noise.as_ref(), world.grid, threads)?;
         let caster = self.caster(world)?;
         caster.prepare(threads)?;
         let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
@@ -277,11 +285,19 @@ impl LaserScanner {
             let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world));
             let poses = poses.take(readings.len() / beam_count);
             let readings = readings.chunks_exact_mut(beam_count);
-            if let Some(Noise { model, seed, first_index }) = &noise {
-                let sinks = (first..).zip(readings).map(|(scan, readings)| {
-                    let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
-                    Noisy { sampler: Sampler::new(model, max_range, bits), readings }
-                });
+            if let Some(Noise { model, seed, first_index, .. }) = &noise {
+                let samplers = (first..)
+                    .map(|scan| Sampler::new(model, max_range, BeamBits::new(*seed, first_index.wrapping_add(scan as u64))));
+                if let Some((surface, walls)) = surfaces {
+                    let fixed = BeamBits::of_places(*seed);
+                    let sinks = samplers.zip(poses.clone()).zip(readings).map(|((sampler, (pose, world)), readings)| {
+                        let scene = Still::new(world, pose * self.base_from_fan);
+                        let (grid, cos, sin) = (world.grid, &self.cos[..], &self.sin[..]);
+                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, readings }
+                    });
+                    return self.cast(caster, world.grid, poses, sinks);
+                }
+                let sinks = samplers.zip(readings).map(|(sampler, readings)| Noisy { sampler, readings });
                 self.cast(caster, world.grid, poses, sinks)
             } else {
                 self.cast(caster, world.grid, poses, readings.map(|ranges| StoreRanges { max_range, ranges }))
@@ -396,6 +412,22 @@ impl LaserScanner {
     #[must_use]
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel: Some(kernel), ..self }
+    }
+
+    /// Returns the surface model of the noise, and the walls of the grid; `None` if it changes nothing.
+    fn surfaces<'a>(
+        &self,
+        noise: Option<&'a Noise>,
+        grid: &'a OccupancyGrid,
+        threads: Option<usize>,
+    ) -> Result<Option<(&'a SurfaceModel, &'a WallDirections)>, Error> {
+        let Some(surface) = noise.and_then(|noise| noise.surface.as_ref()).filter(|surface| !surface.is_off()) else {
+            return Ok(None);
+        };
+        if self.slant.is_some() {
+            return Err(Error::Tilted);
+        }
+        Ok(Some((surface, grid.walls(threads)?)))
     }
 
     fn caster<'a>(&self, world: World<'a>) -> Result<Caster<'a>, Error> {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::sinks::{Beyond, Noisy, PassingBy, SinkPerScan};
+use super::surfaces::{Moving, Surfaced};
 use super::{LaserScanner, Noise};
 use crate::batch::{check_rows, for_each_chunk, thread_count};
 use crate::beam_model::Sampler;
@@ -42,9 +43,9 @@ pub struct Sweeps<'a> {
     pub obstacles: &'a [MovingObstacle<'a>],
 }
 
-impl Courses<'_> {
+impl<'a> Courses<'a> {
     /// Returns how one robot moves.
-    fn course(&self, robot: usize, beam_count: usize) -> Course<'_> {
+    fn course(&self, robot: usize, beam_count: usize) -> Course<'a> {
         match self {
             Self::Arcs { poses, twists } => Course::Arc { start: poses[robot].into(), twist: twists[robot].into() },
             Self::Poses(poses) => Course::Poses(&poses[robot * beam_count..][..beam_count]),
@@ -130,6 +131,7 @@ impl LaserScanner {
         if readings.len() != plan.scans * beam_count {
             return Err(Error::Length { name: "out", value: readings.len(), needed: plan.scans * beam_count });
         }
+        let surfaces = self.surfaces(noise.as_ref(), grid, threads)?;
         let caster = self.caster(grid.into())?;
         caster.prepare(threads)?;
         let at_a_time = caster.fans_per_cast(plan.scans, self.cos.len(), thread_count(threads, readings.len())?);
@@ -137,11 +139,19 @@ impl LaserScanner {
             let first = chunk * at_a_time;
             let scans = first..first + readings.len() / beam_count;
             let readings = readings.chunks_exact_mut(beam_count);
-            if let Some(Noise { model, seed, first_index }) = &noise {
-                let sinks = (first..).zip(readings).map(|(scan, readings)| {
-                    let bits = BeamBits::new(*seed, first_index.wrapping_add(scan as u64));
-                    Noisy { sampler: Sampler::new(model, max_range, bits), readings }
-                });
+            if let Some(Noise { model, seed, first_index, .. }) = &noise {
+                let samplers = (first..)
+                    .map(|scan| Sampler::new(model, max_range, BeamBits::new(*seed, first_index.wrapping_add(scan as u64))));
+                if let Some((surface, walls)) = surfaces {
+                    let fixed = BeamBits::of_places(*seed);
+                    let sinks = samplers.zip(scans.clone()).zip(readings).map(|((sampler, scan), readings)| {
+                        let scene = Moving { grid, sweep: self.sweep(&plan, scan), passing: &plan.passing };
+                        let (cos, sin) = (&self.cos[..], &self.sin[..]);
+                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, readings }
+                    });
+                    return self.cast_sweeps(caster, &plan, scans, sinks);
+                }
+                let sinks = samplers.zip(readings).map(|(sampler, readings)| Noisy { sampler, readings });
                 self.cast_sweeps(caster, &plan, scans, sinks)
             } else {
                 self.cast_sweeps(caster, &plan, scans, readings.map(|ranges| StoreRanges { max_range, ranges }))
@@ -193,6 +203,18 @@ impl LaserScanner {
         Ok(Plan { courses, scans, time_increment, passing })
     }
 
+    /// Returns the rays of a scan.
+    fn sweep<'a>(&'a self, plan: &Plan<'a>, scan: usize) -> Sweep<'a> {
+        self.sweep_of(plan, plan.courses.course(scan, self.options.beam_count))
+    }
+
+    /// Returns the rays of a scan from a robot on this course.
+    fn sweep_of<'a>(&'a self, plan: &Plan<'_>, course: Course<'a>) -> Sweep<'a> {
+        let Self { cos, sin, base_from_fan, options, .. } = self;
+        let (time_increment, base_from_fan) = (plan.time_increment, *base_from_fan);
+        Sweep { course, time_increment, base_from_fan, cos, sin, count: options.beam_count }
+    }
+
     /// Casts all beams of some scans and sends the ranges of each scan to its own sink.
     pub(super) fn cast_sweeps(
         &self,
@@ -201,20 +223,12 @@ impl LaserScanner {
         scans: Range<usize>,
         sinks: impl Iterator<Item = impl Sink>,
     ) -> Result<(), Error> {
-        let Self { cos, sin, slant, base_from_fan, options, .. } = self;
-        let Plan { courses, time_increment, passing, .. } = plan;
-        let sweep = |course| Sweep {
-            course,
-            time_increment: *time_increment,
-            base_from_fan: *base_from_fan,
-            cos,
-            sin,
-            count: options.beam_count,
-        };
-        let mut sweeps = [sweep(Course::Poses(&[])); Fans::MAX];
+        let Self { cos, sin, slant, .. } = self;
+        let passing = &plan.passing;
+        let mut sweeps = [self.sweep_of(plan, Course::Poses(&[])); Fans::MAX];
         let count = scans.len();
         for (place, scan) in sweeps.iter_mut().zip(scans) {
-            *place = sweep(courses.course(scan, options.beam_count));
+            *place = self.sweep(plan, scan);
         }
         caster.with_sweeps(&sweeps[..count], |swept| {
             let mut scans = swept.map_from_fan.chunks_exact(cos.len());

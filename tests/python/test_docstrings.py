@@ -69,6 +69,7 @@ def test_every_parameter_is_described(name: str) -> None:
         _core.MotionNoise(),
         _core.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0),
         _core.Pose(),
+        _core.SurfaceModel(),
     ],
     ids=lambda made: type(made).__name__,
 )

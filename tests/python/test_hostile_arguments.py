@@ -166,6 +166,10 @@ def good() -> dict[str, Any]:
         "ranges": ranges,
         "beams": [1, 3],
         "times": np.array([0.0, 0.5]),
+        **dict.fromkeys(
+            ("range_offset", "range_sigma_base", "range_sigma_per_metre", "range_step", "range_step_share"), 0.1
+        ),
+        **dict.fromkeys(("incidence_sigma", "incidence_limit", "incidence_bias", "correlation"), 0.5),
         **dict.fromkeys(("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "resolution", "grip"), 0.5),
         **dict.fromkeys(("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6", "reference_step", "qw"), 0.5),
         **dict.fromkeys(("origin", "mount", "pose", "other", "twist", "wanted", "current", "command"), (0.5, 0.5, 0.0)),
@@ -194,6 +198,7 @@ def good() -> dict[str, Any]:
         "obstacle": None,
         "noise": mrs.BeamModel(),
         "model": mrs.BeamModel(),
+        "surfaces": mrs.SurfaceModel(incidence_sigma=0.5),
         "log_likelihood": -1.0,
         "iterations": 3,
         "has_converged": True,
@@ -245,6 +250,7 @@ def fleet() -> mrs.Fleet:
 def instances() -> list[Any]:
     return [
         mrs.BeamModel(),
+        mrs.SurfaceModel(),
         mrs.LikelihoodField(),
         mrs.BeamModel.fit(np.full(4, 5.0, np.float32), np.float32([4.9, 5.0, 5.1, 8.0]), 8.0),
         mrs.Contact(point=(0.0, 0.0), normal=(1.0, 0.0), fraction=0.5),

@@ -277,3 +277,17 @@ def test_frames_have_the_prefix_and_are_no_values() -> None:
     assert parameters == unused == pickle.loads(pickle.dumps(parameters))
     assert parameters.model_dump() == unused.model_dump() and repr(parameters) == repr(unused)
     assert parameters.changed({"frame_prefix": ""}).frames["base_link_frame"] == "/base"
+
+
+def test_the_surface_model_is_none_unless_it_changes_something() -> None:
+    parameters = LaserParameters
+    assert parameters().surface_model is None
+    assert parameters(incidence_limit=1.0).surface_model is None
+    model = parameters(incidence_sigma=0.5, incidence_limit=1.2, incidence_bias=0.03, correlation=0.4).surface_model
+    assert repr(model) == repr(
+        mrs.SurfaceModel(incidence_sigma=0.5, incidence_limit=1.2, incidence_bias=0.03, correlation=0.4)
+    )
+    by_range = {"range_offset": 0.1, "range_sigma_base": 0.01, "range_sigma_per_metre": 0.02, "range_step": 0.001}
+    assert repr(parameters(**by_range, range_step_share=0.01).beam_model) == repr(
+        mrs.BeamModel(**by_range, range_step_share=0.01)
+    )

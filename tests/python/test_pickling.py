@@ -38,6 +38,10 @@ STEP = FLEET.step([(3.0, 0.2, 0.0), (1.0, 0.0, 1.0)], 3.017)
 OBJECTS = [
     mrs.BeamModel.fit(np.full(4, 5.0, np.float32), READINGS, 8.0),
     mrs.BeamModel(sigma_hit=0.02, lambda_short=1.5, z_hit=4.0, z_short=2.0, z_max=1.0, z_rand=1.0),
+    mrs.BeamModel(
+        range_offset=-0.1, range_sigma_base=0.01, range_sigma_per_metre=0.02, range_step=0.001, range_step_share=0.01
+    ),
+    mrs.SurfaceModel(incidence_sigma=0.5, incidence_limit=1.4, incidence_bias=0.03, correlation=0.25),
     mrs.Contact(point=(1.0, -0.0), normal=(0.6, 0.8), fraction=0.25, obstacle=3),
     mrs.Contact(point=(0.0, 1e-300), normal=(0.0, 0.0), fraction=1.0),
     CAR,

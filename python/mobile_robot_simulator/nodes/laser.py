@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import messages
-from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, touches
+from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, SurfaceModel, touches
 from ..handle import Handle, Handles
 from ..instant import NANOSECONDS
 from ..messages import Header, LaserScan, Quaternion, TFMessage, Time, TransformStamped, Vector3
@@ -68,6 +68,7 @@ class LaserSnapshot:
     scanner: LaserScanner
     mount: Pose | tuple[float, ...] | None
     beam_model: BeamModel
+    surface_model: SurfaceModel | None
     maps: MapListenerSnapshot
     scan_count: int
     running: Handles | None
@@ -214,6 +215,7 @@ class LaserScannerSimulator(Handle):
             scanner=self._scanner,
             mount=self._mount,
             beam_model=self._beam_model,
+            surface_model=self._surface_model,
             maps=self._maps.save(),
             scan_count=self._scan_count,
             running=self._running,
@@ -227,6 +229,7 @@ class LaserScannerSimulator(Handle):
     def restore(self, state: LaserSnapshot) -> None:
         """Puts the node back into a saved state."""
         self._parameters, self._scanner, self._beam_model = state.parameters, state.scanner, state.beam_model
+        self._surface_model = state.surface_model
         self._mount = state.mount
         self._maps.restore(state.maps)
         self._scan_count, self._running, self._scans = state.scan_count, state.running, state.scans
@@ -267,8 +270,9 @@ class LaserScannerSimulator(Handle):
                 handles.add(self._listener.stop)
 
     def _use_parameters(self, parameters: LaserParameters) -> None:
-        scanner, beam_model = parameters.scanner(), parameters.beam_model
+        scanner, beam_model, surface_model = parameters.scanner(), parameters.beam_model, parameters.surface_model
         self._parameters, self._scanner, self._beam_model = parameters, scanner, beam_model
+        self._surface_model = surface_model
         self._mount = None
         self._maps.set_unknown(parameters.unknown)
         weights = {name: getattr(parameters, name) for name in WEIGHTS}
@@ -363,6 +367,7 @@ class LaserScannerSimulator(Handle):
             np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
             obstacles=[] if self._carrier is None else self._carrier.surroundings,
             noise=self._noise,
+            surfaces=self._surfaces,
             seed=self._parameters.seed,
             first_index=self._scan_count,
             threads=1,
@@ -388,16 +393,21 @@ class LaserScannerSimulator(Handle):
             poses[np.newaxis],
             obstacles=passing,
             noise=self._noise,
+            surfaces=self._surfaces,
             seed=self._parameters.seed,
             first_index=self._scan_count,
             threads=1,
         )[0]
         seed, index = self._parameters.seed, self._scan_count
         self._scan_truth = ScanTruth(
-            stamp_ns, times_ns, poses, ranges, grid, self._scanner, self._noise, seed, index, tuple(passing)
+            stamp_ns, times_ns, poses, ranges, grid, self._scanner, self._noise, seed, index, tuple(passing), self._surfaces
         )
         return ranges
 
     @property
     def _noise(self) -> BeamModel | None:
         return self._beam_model if self._parameters.apply_noise else None
+
+    @property
+    def _surfaces(self) -> SurfaceModel | None:
+        return self._surface_model if self._parameters.apply_noise else None

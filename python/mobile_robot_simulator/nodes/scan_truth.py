@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape
+from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, SurfaceModel
 from ..instant import NANOSECONDS
 from ..physics.world import Passing
 from ..quoting import quoted
@@ -29,6 +29,7 @@ class ScanTruth:
         seed: Seed of the noise.
         index: Number of the scan, which names its noise together with the seed.
         passing: Obstacles and other robots, each with its pose or its poses at the times of the beams.
+        surfaces: How what a beam meets changes its noise, None for not at all.
     """
 
     stamp_ns: int
@@ -41,6 +42,7 @@ class ScanTruth:
     seed: int
     index: int
     passing: tuple[Passing, ...]
+    surfaces: SurfaceModel | None = None
 
     def __repr__(self) -> str:
         duration = self.times_ns[-1] / NANOSECONDS
@@ -65,6 +67,7 @@ class ScanTruth:
             self.beam_poses[beam : beam + 1],
             obstacles=[_placed(shape, course, beam) for shape, course in self.passing],
             noise=self.noise,
+            surfaces=self.surfaces,
             seed=self.seed,
             first_index=self.index,
             threads=1,

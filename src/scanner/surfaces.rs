@@ -1,0 +1,215 @@
+//! Readings that depend on the surface that each beam meets.
+
+use glam::DVec2;
+
+use super::hits::hit_obstacle;
+use crate::beam_model::{HitColumns, Sampler};
+use crate::grid::OccupancyGrid;
+use crate::motion::PoseColumns;
+use crate::numeric::sincos::{Last, sincos};
+use crate::numeric::{GROUP, Group};
+use crate::obstacles::Passing;
+use crate::pose::Pose;
+use crate::random::BeamBits;
+use crate::raycast::{Sink, Sweep, hit_of, store};
+use crate::surface::SurfaceModel;
+use crate::wall_directions::WallDirections;
+use crate::world::World;
+
+/// Greatest distance \[cells\] between the end of a beam and the side of the cell that it meets: more than rounding errors.
+const ON_SIDE: f64 = 1e-6;
+
+/// Number that is added to another, and subtracted again, to round it to a whole number.
+const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// From here on, float64 numbers are whole.
+const UNIT: f64 = (1_u64 << 52) as f64;
+
+/// Place of a beam that does not end on the side of a cell.
+const NOWHERE: u32 = u32::MAX;
+
+/// Number of the first obstacle among the things that a beam can meet; cells come before.
+const FIRST_OBSTACLE: u64 = 1 << 31;
+
+/// Bits of the number of a beam in the name of a fixed random number.
+const BEAM_BITS: u32 = 20;
+
+/// The beams of one scan.
+pub trait Scene {
+    /// Returns x and y of the origins of a group of beams \[cells\], and of their directions, in the frame of the grid.
+    fn rays(&self, group: usize, directions: (&Group, &Group)) -> [Group; 4];
+
+    /// Returns the obstacle that a beam enters nearer than `limit` \[m\], and the product of the beam's direction and its normal;
+    /// no product if the beam starts inside.
+    fn obstacle(&self, beam: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)>;
+}
+
+/// A scan that is taken in one instant.
+pub struct Still<'a> {
+    pub world: World<'a>,
+    pub map_from_fan: Pose,
+    /// Origin of the beams \[cells\], and cosine and sine of their heading.
+    pub origin: DVec2,
+    pub heading: DVec2,
+}
+
+impl<'a> Still<'a> {
+    pub fn new(world: World<'a>, map_from_fan: Pose) -> Self {
+        let Pose { position, yaw } = world.grid.pose_in_grid(map_from_fan);
+        let (sin, cos) = libm::sincos(yaw);
+        Self { world, map_from_fan, origin: world.grid.in_cells(position), heading: DVec2::new(cos, sin) }
+    }
+}
+
+impl Scene for Still<'_> {
+    #[inline(always)]
+    fn rays(&self, _: usize, (cos, sin): (&Group, &Group)) -> [Group; 4] {
+        let [mut dx, mut dy] = [[0.0; GROUP]; 2];
+        for slot in 0..GROUP {
+            (dx[slot], dy[slot]) = self.heading.rotate(DVec2::new(cos[slot], sin[slot])).into();
+        }
+        [[self.origin.x; GROUP], [self.origin.y; GROUP], dx, dy]
+    }
+
+    fn obstacle(&self, _: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)> {
+        let (sin, cos) = libm::sincos(self.map_from_fan.yaw);
+        let direction = DVec2::new(cos, sin).rotate(in_fan);
+        let obstacles = (self.world.obstacles, self.world.except);
+        hit_obstacle(obstacles, self.map_from_fan.position, direction, limit).map(|(index, _, product)| (index, product))
+    }
+}
+
+/// A scan that takes time.
+pub struct Moving<'a> {
+    pub grid: &'a OccupancyGrid,
+    pub sweep: Sweep<'a>,
+    pub passing: &'a Passing<'a>,
+}
+
+impl Scene for Moving<'_> {
+    #[inline(always)]
+    fn rays(&self, group: usize, (beam_cos, beam_sin): (&Group, &Group)) -> [Group; 4] {
+        let mut poses = PoseColumns::ORIGIN;
+        self.sweep.write_poses(group, &mut poses, &mut [Last::default(); 2]);
+        let [mut x, mut y, mut yaw] = [[0.0; GROUP]; 3];
+        for slot in 0..GROUP {
+            let pose = self.grid.pose_in_grid(Pose::new(poses.x[slot], poses.y[slot], poses.yaw[slot]));
+            (x[slot], y[slot]) = self.grid.in_cells(pose.position).into();
+            yaw[slot] = pose.yaw;
+        }
+        let [mut sin, mut cos, mut dx, mut dy] = [[0.0; GROUP]; 4];
+        sincos(&yaw, &mut sin, &mut cos, &mut Last::default());
+        for slot in 0..GROUP {
+            dx[slot] = cos[slot] * beam_cos[slot] - sin[slot] * beam_sin[slot];
+            dy[slot] = sin[slot] * beam_cos[slot] + cos[slot] * beam_sin[slot];
+        }
+        [x, y, dx, dy]
+    }
+
+    fn obstacle(&self, beam: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)> {
+        let mut poses = PoseColumns::ORIGIN;
+        self.sweep.write_poses(beam / GROUP, &mut poses, &mut [Last::default(); 2]);
+        let slot = beam % GROUP;
+        let (sin, cos) = libm::sincos(poses.yaw[slot]);
+        let direction = DVec2::new(cos, sin).rotate(in_fan);
+        self.passing.hit(beam, DVec2::new(poses.x[slot], poses.y[slot]), direction, limit)
+    }
+}
+
+/// Draws a reading for each range from a beam model, as the surface that the beam meets changes it, and stores it.
+pub struct Surfaced<'a, S> {
+    pub scene: S,
+    pub grid: &'a OccupancyGrid,
+    pub walls: &'a WallDirections,
+    pub surface: &'a SurfaceModel,
+    pub sampler: Sampler<'a>,
+    /// Bits of the fixed random numbers.
+    pub fixed: BeamBits,
+    pub cos: &'a [Group],
+    pub sin: &'a [Group],
+    pub readings: &'a mut [f32],
+}
+
+impl<S: Scene> Surfaced<'_, S> {
+    /// Returns the cosine of the incidence of each beam of a group, and the number of the cell or obstacle that it meets.
+    #[inline(always)]
+    fn meet(&self, group: usize, ranges: &Group) -> (Group, [u64; GROUP]) {
+        let [x, y, dx, dy] = self.scene.rays(group, (&self.cos[group], &self.sin[group]));
+        let (width, height) = (self.grid.width() as f64, self.grid.height() as f64);
+        let per_cell = 1.0 / self.grid.resolution();
+        let (mut places, mut cosines, mut is_other) = ([0_u32; GROUP], [0.0; GROUP], [0_u32; GROUP]);
+        for slot in 0..GROUP {
+            let distance = ranges[slot] * per_cell;
+            let (px, py) = (x[slot] + dx[slot] * distance, y[slot] + dy[slot] * distance);
+            let (line_x, line_y) = ((px + WHOLE) - WHOLE, (py + WHOLE) - WHOLE);
+            let (off_x, off_y) = ((px - line_x).abs(), (py - line_y).abs());
+            // The beam enters the cell through the side on the nearer line.
+            let at_column = off_x < off_y;
+            let before = |line: f64, direction: f64| if direction < 0.0 { line - 1.0 } else { line };
+            let floor = |value: f64, line: f64| if line > value { line - 1.0 } else { line };
+            let col = if at_column { before(line_x, dx[slot]) } else { floor(px, line_x) };
+            let row = if at_column { floor(py, line_y) } else { before(line_y, dy[slot]) };
+            let off = if at_column { off_x } else { off_y };
+            let is_hit = (ranges[slot] > 0.0) & (ranges[slot] < f64::INFINITY);
+            let is_on_grid = (col >= 0.0) & (col < width) & (row >= 0.0) & (row < height);
+            let has_place = is_hit & is_on_grid & (off < ON_SIDE);
+            is_other[slot] = u32::from(is_hit & !has_place);
+            // A whole number is in the low bits of its sum with 2⁵².
+            places[slot] = if has_place { (row * width + col + UNIT).to_bits() as u32 } else { NOWHERE };
+            let cos = if at_column { dx[slot] } else { dy[slot] }.abs();
+            cosines[slot] = if is_hit { cos } else { 1.0 };
+        }
+        let mut numbers = [0; GROUP];
+        for slot in 0..GROUP {
+            if places[slot] == NOWHERE {
+                continue;
+            }
+            let place = places[slot] as usize;
+            numbers[slot] = place as u64;
+            // Only blocking cells have a direction.
+            if let Some(tangent) = self.walls.tangent(place) {
+                cosines[slot] = (dx[slot] * tangent.y - dy[slot] * tangent.x).abs();
+            } else {
+                is_other[slot] = u32::from(!self.grid.blocks_at(place));
+            }
+        }
+        if is_other.iter().fold(0, |any, other| any | other) != 0 {
+            for slot in (0..GROUP).filter(|&slot| is_other[slot] != 0) {
+                let ray = (DVec2::new(x[slot], y[slot]), DVec2::new(dx[slot], dy[slot]));
+                (cosines[slot], numbers[slot]) = self.meet_other(group * GROUP + slot, ray, ranges[slot]);
+            }
+        }
+        (cosines, numbers)
+    }
+
+    /// The same for a beam that does not end on the side of a blocking cell: it meets an obstacle or the corner of a cell.
+    #[inline(never)]
+    fn meet_other(&self, beam: usize, (origin, direction): (DVec2, DVec2), range: f64) -> (f64, u64) {
+        let in_fan = DVec2::new(self.cos[beam / GROUP][beam % GROUP], self.sin[beam / GROUP][beam % GROUP]);
+        // The range is a little more than the one at which the obstacle was found, at most.
+        if let Some((index, product)) = self.scene.obstacle(beam, in_fan, range * (1.0 + 1e-9) + 1e-9) {
+            return (product.map_or(1.0, |product| product.abs().min(1.0)), FIRST_OBSTACLE + index as u64);
+        }
+        let (_, normal) = hit_of(self.grid, origin * self.grid.resolution(), direction);
+        (normal.map_or(1.0, f64::abs), 0)
+    }
+}
+
+impl<S: Scene> Sink for Surfaced<'_, S> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, ranges: &Group) {
+        let (cosines, numbers) = self.meet(group, ranges);
+        let hits = HitColumns {
+            cosines: &cosines,
+            weights: self.surface.weights(),
+            // Names of the fixed numbers.
+            fixed: (self.surface.options().correlation > 0.0).then(|| {
+                let beam = |slot: usize| (group * GROUP + slot) as u64;
+                std::array::from_fn(|slot| self.fixed.of(numbers[slot] << BEAM_BITS | beam(slot)))
+            }),
+        };
+        let readings =
+            self.sampler.sample_hits(group, ranges, &hits, |part, cos, max| self.surface.hit_part(part, cos, max));
+        store(self.readings, group, &readings);
+    }
+}

@@ -1,0 +1,144 @@
+//! Surfaces: how what a beam meets changes its reading.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::beam_model::HitPart;
+use crate::error::{Error, check_finite, check_number};
+use crate::numeric::elementary::ln32;
+use crate::numeric::exponential::exp;
+
+/// Parameters of a [`SurfaceModel`]. By default all is off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceOptions {
+    /// Exponent p: σ of a hit is multiplied by `cos(α)^-p` at an incidence α. 0 is off.
+    pub incidence_sigma: f64,
+    /// Incidence \[rad\] from which on σ and the bias grow no further, 0 to below π/2.
+    pub incidence_limit: f64,
+    /// Distance by which hits at a grazing incidence lie behind those at a perpendicular one \[m\]: `1 - cos(α)` times this is
+    /// added.
+    pub incidence_bias: f64,
+    /// ρ: part of the variance of a hit that is fixed for each beam and cell, 0 to 1. The rest is drawn for each scan.
+    pub correlation: f64,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        Self { incidence_sigma: 0.0, incidence_limit: 1.5, incidence_bias: 0.0, correlation: 0.0 }
+    }
+}
+
+/// How the surface that a beam meets, and the angle at which it does, change the hit part of a
+/// [`BeamModel`](crate::BeamModel).
+///
+/// The incidence α is the angle between the beam and the normal of the surface, 0 if the beam is perpendicular to it. At an
+/// obstacle it is exact. At a blocking cell the normal is that of the [wall](crate::OccupancyGrid::wall_directions) around it,
+/// or of the side of the cell where the direction of the wall is unknown.
+///
+/// ```text
+/// σ        becomes σ · cos(α)^-p                          p = incidence_sigma
+/// center   becomes center + bias · (1 - cos(α))           bias = incidence_bias
+/// normal   √ρ · (fixed number) + √(1 - ρ) · (number of this scan)    ρ = correlation
+/// ```
+///
+/// with α at most `incidence_limit`. p = ½ is the noise of a receiver that counts photons: σ falls with the square root of their
+/// number, which is proportional to cos(α) for a matt surface (Lambert). p = 1 is the form of Soudarissanane et al. 2009.
+///
+/// The fixed number belongs to the seed, the beam and the cell or obstacle that it meets, not to the scan. So a robot that stands
+/// sees a constant part of the error, as with a real scanner, and only the rest flickers. The variance is the same for each ρ.
+///
+/// ```
+/// use mobile_robot_simulator::{SurfaceModel, SurfaceOptions};
+///
+/// let model = SurfaceModel::new(SurfaceOptions { incidence_sigma: 0.5, ..SurfaceOptions::default() })?;
+/// assert_eq!(model.options().incidence_bias, 0.0);
+/// # Ok::<(), mobile_robot_simulator::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceModel {
+    options: SurfaceOptions,
+    /// Cosine of the limit of the incidence.
+    least_cos: f64,
+    /// √(1 - ρ) and √ρ.
+    weights: [f32; 2],
+}
+
+impl SurfaceModel {
+    /// Returns the model with these parameters.
+    ///
+    /// # Errors
+    /// [`Error::Number`]: `incidence_sigma` is negative or more than 4, `incidence_limit` is not from 0 to below π/2,
+    /// `correlation` is not from 0 to 1, or a number is not finite.
+    pub fn new(options: SurfaceOptions) -> Result<Self, Error> {
+        check_number("incidence_sigma", options.incidence_sigma, "in 0..4", |value| (0.0..=4.0).contains(&value))?;
+        check_number("incidence_limit", options.incidence_limit, "at least 0 and below π/2", |value| {
+            // Nearer to π/2, the cosine is too small to be of use.
+            (0.0..FRAC_PI_2 - 1e-6).contains(&value)
+        })?;
+        check_finite("incidence_bias", options.incidence_bias)?;
+        check_number("correlation", options.correlation, "in 0..1", |value| (0.0..=1.0).contains(&value))?;
+        let weights = [(1.0 - options.correlation).sqrt() as f32, options.correlation.sqrt() as f32];
+        Ok(Self { options, least_cos: libm::cos(options.incidence_limit), weights })
+    }
+
+    /// Returns the parameters.
+    #[must_use]
+    pub fn options(&self) -> SurfaceOptions {
+        self.options
+    }
+
+    /// Returns true if the model changes nothing.
+    pub(crate) fn is_off(&self) -> bool {
+        let SurfaceOptions { incidence_sigma, incidence_bias, correlation, .. } = self.options;
+        incidence_sigma == 0.0 && incidence_bias == 0.0 && correlation == 0.0
+    }
+
+    /// Returns the hit part of a beam that meets a surface with this cosine of its incidence.
+    #[inline(always)]
+    pub(crate) fn hit_part(&self, part: HitPart, cos: f64, max_range: f64) -> HitPart {
+        let SurfaceOptions { incidence_sigma, incidence_bias, .. } = self.options;
+        let cos = if cos > self.least_cos { cos } else { self.least_cos };
+        let center = part.center + incidence_bias * (1.0 - cos);
+        let center = if center > 0.0 { center } else { 0.0 };
+        let center = if center < max_range { center } else { max_range };
+        // cos^-p = 1 / exp(p · ln(cos)), with an exponent that is never positive.
+        let exponent = incidence_sigma * f64::from(ln32(cos as f32));
+        HitPart { center, sigma: part.sigma / exp(if exponent < 0.0 { exponent } else { 0.0 }) }
+    }
+
+    /// Returns the weights of the number of a scan and of the fixed number.
+    pub(crate) fn weights(&self) -> [f32; 2] {
+        self.weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sigma_and_center_follow_the_formulas() {
+        let options =
+            SurfaceOptions { incidence_sigma: 0.5, incidence_bias: 0.04, incidence_limit: 1.2, ..SurfaceOptions::default() };
+        let model = SurfaceModel::new(options).unwrap();
+        for incidence in [0.0, 0.4, 1.0, 1.2, 1.4, 1.57] {
+            let cos = libm::cos(incidence);
+            let found = model.hit_part(HitPart { center: 5.0, sigma: 0.02 }, cos, 30.0);
+            let limited = libm::cos(f64::min(incidence, 1.2));
+            assert!((found.center - (5.0 + 0.04 * (1.0 - limited))).abs() < 1e-12);
+            assert!((found.sigma / (0.02 / limited.sqrt()) - 1.0).abs() < 1e-6, "{incidence} {found:?}");
+        }
+        assert_eq!(model.hit_part(HitPart { center: 29.999, sigma: 0.02 }, 0.0, 30.0).center, 30.0);
+        assert!(!model.is_off() && SurfaceModel::new(SurfaceOptions::default()).unwrap().is_off());
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let error = |options: SurfaceOptions| SurfaceModel::new(options).unwrap_err().to_string();
+        let off = SurfaceOptions::default();
+        assert_eq!(error(SurfaceOptions { incidence_sigma: -1.0, ..off }), "incidence_sigma must be in 0..4, got -1");
+        let text = error(SurfaceOptions { incidence_limit: FRAC_PI_2, ..off });
+        assert!(text.starts_with("incidence_limit must be at least 0 and below π/2, got 1.57"), "{text}");
+        assert_eq!(error(SurfaceOptions { incidence_bias: f64::NAN, ..off }), "incidence_bias must be finite, got NaN");
+        assert_eq!(error(SurfaceOptions { correlation: 1.5, ..off }), "correlation must be in 0..1, got 1.5");
+    }
+}
