@@ -198,6 +198,7 @@ def good() -> dict[str, Any]:
         "obstacle": None,
         "noise": mrs.BeamModel(),
         "model": mrs.BeamModel(),
+        "name": "hokuyo_utm30lx",
         "surfaces": mrs.SurfaceModel(incidence_sigma=0.5),
         "log_likelihood": -1.0,
         "iterations": 3,
