@@ -93,8 +93,8 @@ def misspelled(name: object, known: Iterable[str], count: int = 1) -> list[str]:
 def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
     """Returns the known names that a user may have meant by an unknown one, the most similar one first.
 
-    These are the names of which it may be a misspelling. If there are none, they are those that begin or end with it, unless
-    these are more than `count`.
+    These are the names of which it may be a misspelling. If there are none, they are those that begin with it, or else those
+    that end with it, unless these are more than `count`.
 
     Args:
         name: The name, in upper or lower case. Anything that is not text is like no name.
@@ -104,7 +104,7 @@ def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
     Example:
         >>> nearest("laser_fow", ["laser_fov", "laser_seed"])
         ['laser_fov']
-        >>> nearest("sigma", ["lambda_short", "sigma_hit"])
+        >>> nearest("sigma", ["incidence_sigma", "sigma_hit"])
         ['sigma_hit']
         >>> nearest("/foo", ["/odom", "/scan"])
         []
@@ -114,7 +114,8 @@ def nearest(name: object, known: Iterable[str], count: int = 1) -> list[str]:
     if found or not isinstance(name, str) or len(name) < SHORTEST_PART:
         return found
     part = name.lower()
-    longer = [other for other in known if other.lower().startswith(part) or other.lower().endswith(part)]
+    begin, end = ([other for other in known if test(other.lower(), part)] for test in (str.startswith, str.endswith))
+    longer = begin or end
     return longer if len(longer) <= count else []
 
 

@@ -110,6 +110,7 @@ def test_the_names_of_topics_are_cut() -> None:
     [
         ("laser_fow", ["laser_fov", "laser_seed"], ["laser_fov"]),
         ("sigma", ["sigma_hit", "seed"], ["sigma_hit"]),
+        ("sigma", ["sigma_hit", "incidence_sigma"], ["sigma_hit"]),
         ("sigma", ["sigma_hit", "sigma_short"], []),
         ("laser_noise", ["laser_topic"], []),
         ("laser_z_rand", ["laser_min_range"], []),
