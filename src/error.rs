@@ -25,12 +25,14 @@ pub enum Error {
         /// Its domain.
         needed: &'static str,
     },
-    /// A name that no preset has.
-    #[error("the preset must be one of {}, got {value:?}", known.join(", "))]
-    Preset {
+    /// A name that is not one of the known ones.
+    #[error("{what} must be one of {}, got {value:?}", known.join(", "))]
+    Name {
+        /// What has the name.
+        what: &'static str,
         /// The name given, at most 60 characters of it.
         value: String,
-        /// The names of all presets.
+        /// The known names.
         known: Vec<&'static str>,
     },
     /// A tilted scanner where only one that measures in the plane can be used.
@@ -198,6 +200,26 @@ pub enum Error {
         /// The value given.
         value: i8,
     },
+    /// A material of a cell that is not in the table.
+    #[error("materials must be numbers of the {count} in the table, got {value} in row {row}, column {col}")]
+    Material {
+        /// Row of the first such cell.
+        row: usize,
+        /// Column of the first such cell.
+        col: usize,
+        /// The number given.
+        value: u8,
+        /// Number of materials in the table.
+        count: usize,
+    },
+    /// A layer of materials of another shape than its grid.
+    #[error("materials must have the shape {grid:?} of the cells, got {layer:?}")]
+    Layer {
+        /// Rows and columns of the layer.
+        layer: (usize, usize),
+        /// Rows and columns of the grid.
+        grid: (usize, usize),
+    },
     /// A cell that is not on the grid.
     #[error("row and column must be below {height} and {width}, got {row} and {col}")]
     OffGrid {
@@ -285,6 +307,13 @@ pub enum Error {
         /// Reason that the system gave.
         reason: String,
     },
+}
+
+impl Error {
+    /// Returns the error about a name that is not one of the `known` ones.
+    pub(crate) fn unknown(what: &'static str, value: &str, known: Vec<&'static str>) -> Self {
+        Self::Name { what, value: value.chars().take(60).collect(), known }
+    }
 }
 
 /// Formats a number with an exponent where it would have many digits.

@@ -102,5 +102,5 @@ pub use pose::{Pose, wrap_angle, yaw_from_quaternion};
 pub use preset::Preset;
 pub use scanner::{Courses, Hit, LaserScanner, NoReturn, Noise, Readings, ScannerOptions, Score, Sweeps};
 pub use shape::{MAX_CORNERS, MAX_EXTENT, Shape};
-pub use surface::{SurfaceModel, SurfaceOptions};
+pub use surface::{Material, MaterialKind, Materials, SurfaceModel, SurfaceOptions};
 pub use world::World;

@@ -142,13 +142,11 @@ impl Preset {
     /// Returns the preset with this name.
     ///
     /// # Errors
-    /// [`Error::Preset`]: there is none.
+    /// [`Error::Name`]: there is none.
     pub fn named(name: &str) -> Result<&'static Self, Error> {
         let found = Self::ALL.iter().find(|preset| preset.name == name);
-        found.ok_or_else(|| Error::Preset {
-            value: name.chars().take(60).collect(),
-            known: Self::ALL.iter().map(|preset| preset.name).collect(),
-        })
+        let known = || Self::ALL.iter().map(|preset| preset.name).collect();
+        found.ok_or_else(|| Error::unknown("the preset", name, known()))
     }
 
     /// Returns the options of the scanner, at the origin of the robot's frame.
@@ -176,7 +174,7 @@ impl LaserScanner {
     /// Returns the scanner of the [`Preset`] with this name, at the origin of the robot's frame.
     ///
     /// # Errors
-    /// [`Error::Preset`]: there is none.
+    /// [`Error::Name`]: there is none.
     pub fn preset(name: &str) -> Result<Self, Error> {
         Self::new(Preset::named(name)?.scanner_options())
     }
@@ -186,7 +184,7 @@ impl BeamModel {
     /// Returns the noise of the [`Preset`] with this name.
     ///
     /// # Errors
-    /// [`Error::Preset`]: there is none.
+    /// [`Error::Name`]: there is none.
     pub fn preset(name: &str) -> Result<Self, Error> {
         Self::new(Preset::named(name)?.noise_options())
     }

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::error::{Error, check_number};
+use crate::surface::Material;
 
 /// Largest radius of a disc, side of a rectangle and absolute coordinate of a polygon's corner \[m\].
 pub const MAX_EXTENT: f64 = 1e6;
@@ -30,6 +31,7 @@ pub struct Shape {
     corners: Vec<DVec2>,
     /// Radius of a disc, 0 for a polygon.
     radius: f64,
+    material: Material,
 }
 
 impl Shape {
@@ -38,7 +40,7 @@ impl Shape {
     /// # Errors
     /// [`Error::Number`] if the radius is not in (0, [`MAX_EXTENT`]].
     pub fn disc(radius: f64) -> Result<Self, Error> {
-        Ok(Self { corners: vec![DVec2::ZERO], radius: extent("radius", radius)? })
+        Ok(Self { corners: vec![DVec2::ZERO], radius: extent("radius", radius)?, material: Material::WALL })
     }
 
     /// Returns the rectangle centred at the origin, with sides `length` along x and `width` along y \[m\].
@@ -48,7 +50,7 @@ impl Shape {
     pub fn rectangle(length: f64, width: f64) -> Result<Self, Error> {
         let half = 0.5 * DVec2::new(extent("length", length)?, extent("width", width)?);
         let corners = vec![-half, DVec2::new(half.x, -half.y), half, DVec2::new(-half.x, half.y)];
-        Ok(Self { corners, radius: 0.0 })
+        Ok(Self { corners, radius: 0.0, material: Material::WALL })
     }
 
     /// Returns the polygon with the given corners `[x, y]` \[m\]; an edge joins the last corner to the first.
@@ -83,7 +85,21 @@ impl Shape {
         if doubled_area(&corners) < 0.0 {
             corners.reverse();
         }
-        Ok(Self { corners, radius: 0.0 })
+        Ok(Self { corners, radius: 0.0, material: Material::WALL })
+    }
+
+    /// Returns the same shape of another material.
+    ///
+    /// # Errors
+    /// Those of [`Material::checked`].
+    pub fn with_material(self, material: Material) -> Result<Self, Error> {
+        Ok(Self { material: material.checked()?, ..self })
+    }
+
+    /// Returns what the shape is made of: [`Material::WALL`] if nothing else was given.
+    #[must_use]
+    pub fn material(&self) -> Material {
+        self.material
     }
 
     /// Returns the radius of a disc \[m\], `None` for a polygon.

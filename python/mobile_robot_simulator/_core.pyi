@@ -20,6 +20,7 @@ __all__ = [
     "LaserScanner",
     "LikelihoodField",
     "Limits",
+    "Material",
     "MotionNoise",
     "OccupancyGrid",
     "Pose",
@@ -48,6 +49,7 @@ MAX_COMMAND: float
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
 _TwistLike: TypeAlias = Sequence[float] | NDArray[np.float64]
 _Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]
+_MaterialLike: TypeAlias = Material | str
 _Trajectory: TypeAlias = _PoseLike | ArrayLike
 _MovingObstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike] | tuple[Shape, _PoseLike, _TwistLike]]
 
@@ -236,6 +238,70 @@ class Pose:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
+class Material:
+    """What a wall or an obstacle is made of.
+
+    An opaque surface returns a beam. A mirror reflects it, and the range is the length of the whole path. Glass lets it pass,
+    and returns some beams that meet it nearly at a right angle. Four materials have names: "wall", "glass", "mirror" and "dark".
+    A name can be given wherever a `Material` is expected.
+
+    Args:
+        kind: "opaque", "glass" or "mirror".
+        reflectivity: Share of the light that it returns, 0 to 1. A mirror reflects this share; glass lets the rest pass.
+        return_chance: Probability that glass returns a beam within `return_angle`. Without noise, a beam takes the likelier way.
+        return_angle: Largest angle between a beam and the normal of glass at which it may return [rad], 0 to π/2.
+
+    Raises:
+        ValueError: The kind is unknown, or a number is out of range.
+        TypeError: An argument has the wrong type.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> mrs.Material("glass", reflectivity=0.2)
+        Material('glass', reflectivity=0.2, return_chance=0.9, return_angle=0.1)
+        >>> mrs.Material.named("mirror").reflectivity
+        0.9
+    """
+
+    def __new__(
+        cls,
+        kind: Literal["opaque", "glass", "mirror"] = "opaque",
+        *,
+        reflectivity: float = 1.0,
+        return_chance: float = 0.9,
+        return_angle: float = 0.1,
+    ) -> Self: ...
+    @staticmethod
+    def named(name: str) -> Material:
+        """Returns the material with a name.
+
+        Args:
+            name: "wall", "glass", "mirror" or "dark".
+
+        Raises:
+            ValueError: There is no such material.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> mrs.Material.named("dark").reflectivity
+            0.024
+        """
+    @property
+    def kind(self) -> Literal["opaque", "glass", "mirror"]:
+        """The kind: "opaque", "glass" or "mirror"."""
+    @property
+    def reflectivity(self) -> float:
+        """Share of the light that it returns, 0 to 1."""
+    @property
+    def return_chance(self) -> float:
+        """Probability that glass returns a beam within `return_angle`."""
+    @property
+    def return_angle(self) -> float:
+        """Largest angle between a beam and the normal of glass at which it may return [rad]."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
 class OccupancyGrid:
     """A map of square cells, each with an occupancy, as in `nav_msgs/OccupancyGrid`.
 
@@ -249,6 +315,10 @@ class OccupancyGrid:
         origin: Pose (x, y, yaw) of the lower-left corner of cell (0, 0) in the map frame [m, m, rad], yaw included.
         occupied_threshold: Cells with this value or more block beams and robots, 1 to 100. None means the default.
         unknown: How unknown cells act, "free" or "occupied". Occupied cells block beams and robots.
+        materials: (H, W) uint8, the number of the material of each cell, which only matters where a cell blocks. None means
+            walls of one material.
+        material_table: The material of each number, 1 to 255 of them, each a `Material` or the name of one. None means
+            ("wall", "glass", "mirror", "dark").
 
     Raises:
         ValueError: The array has another shape or no cells, or a value is outside its range or not finite.
@@ -272,6 +342,8 @@ class OccupancyGrid:
         origin: _PoseLike = (0.0, 0.0, 0.0),
         occupied_threshold: int | None = 60,
         unknown: Literal["free", "occupied"] = "free",
+        materials: ArrayLike | None = None,
+        material_table: Sequence[_MaterialLike] | None = None,
     ) -> Self: ...
     @property
     def cells(self) -> NDArray[np.int8]:
@@ -321,6 +393,35 @@ class OccupancyGrid:
         """
     def __copy__(self) -> OccupancyGrid: ...
     def __deepcopy__(self, _memo: Any) -> OccupancyGrid: ...
+    @property
+    def materials(self) -> NDArray[np.uint8] | None:
+        """Numbers of the materials of the cells: (H, W) uint8, read-only; None if all are walls of one material."""
+    @property
+    def material_table(self) -> list[Material] | None:
+        """The material of each number in `materials`; None if there are none."""
+    def with_materials(self, materials: ArrayLike | None, *, table: Sequence[_MaterialLike] | None = None) -> OccupancyGrid:
+        """Returns a copy of the grid with materials of its cells.
+
+        Beams pass glass, and mirrors reflect them; robots touch both.
+
+        Args:
+            materials: (H, W) uint8, as in the constructor; None for walls of one material.
+            table: The material of each number, as `material_table` in the constructor.
+
+        Raises:
+            ValueError: The array has another shape than the cells, or a number is not in the table.
+            TypeError: The array is not uint8, or a material is neither a `Material` nor a name.
+
+        Examples:
+            A mirror 2 m ahead, and a wall 1 m behind the robot:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[100, 0, 0, 0, 100]], np.int8), resolution=1.0)
+            >>> mirror = grid.with_materials(np.array([[0, 0, 0, 0, 2]], np.uint8))
+            >>> mrs.LaserScanner(beam_count=1).scan(mirror, (2.0, 0.5, 0.0))
+            array([5.], dtype=float32)
+        """
     def prepare(self) -> None:
         """Builds the lookup table for scans now instead of at the first scan."""
     def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
@@ -1885,6 +1986,24 @@ class Shape:
             >>> Shape.polygon([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]).area
             1.0
         """
+    def with_material(self, material: _MaterialLike) -> Shape:
+        """Returns the same shape of another material. Beams pass glass, and mirrors reflect them.
+
+        Args:
+            material: A `Material`, or the name of one: "wall", "glass", "mirror" or "dark".
+
+        Raises:
+            ValueError: There is no material with this name.
+            TypeError: `material` is neither a `Material` nor a name.
+
+        Examples:
+            >>> from mobile_robot_simulator import Shape
+            >>> Shape.rectangle(2.0, 0.1).with_material("mirror").material.kind
+            'mirror'
+        """
+    @property
+    def material(self) -> Material:
+        """What the shape is made of."""
     @property
     def radius(self) -> float | None:
         """Radius of a disc [m]; None for a polygon."""

@@ -126,6 +126,12 @@ impl<'a> Sampler<'a> {
         Self { model, max_range, bits, hit_choices_end, max_choices: [short_end.ceil() as u32, max_end as u32], last }
     }
 
+    /// Returns the random bits of the scan.
+    #[must_use]
+    pub fn bits(&self) -> BeamBits {
+        self.bits
+    }
+
     /// Returns the readings \[m\] of a group of beams, given their true ranges \[m\]: infinite for a beam without a return.
     ///
     /// Group `g` holds the beams from `g · GROUP` on.

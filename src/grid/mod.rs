@@ -5,6 +5,7 @@ mod free_poses;
 mod walls;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec2;
 
@@ -16,6 +17,7 @@ use crate::interrupt::is_pool_thread;
 use crate::lazy::Lazy;
 use crate::memory;
 use crate::pose::Pose;
+use crate::surface::{Material, Materials};
 use crate::wall_directions::WallDirections;
 
 /// How unknown cells act on beams and robots.
@@ -96,6 +98,7 @@ pub struct OccupancyGrid {
     free_areas: FreeAreas,
     kept_field: KeptField,
     wall_directions: Lazy<WallDirections>,
+    materials: Option<Arc<Materials>>,
 }
 
 /// Usual value of [`GridOptions::occupied_threshold`].
@@ -155,7 +158,37 @@ impl OccupancyGrid {
             free_areas: FreeAreas::default(),
             kept_field: KeptField::default(),
             wall_directions: Lazy::new(),
+            materials: None,
         })
+    }
+
+    /// Returns the grid with these materials of its cells; `None` stands for walls of one material.
+    ///
+    /// # Errors
+    /// [`Error::Layer`]: the layer has another shape than the cells.
+    pub fn with_materials(self, materials: Option<Arc<Materials>>) -> Result<Self, Error> {
+        if let Some(layer) = &materials {
+            let shape = (layer.numbers().len() / layer.width(), layer.width());
+            if shape != (self.height, self.width) {
+                return Err(Error::Layer { layer: shape, grid: (self.height, self.width) });
+            }
+        }
+        Ok(Self { materials, ..self })
+    }
+
+    /// Returns the materials of the cells; `None` if all are [`Material::WALL`].
+    #[must_use]
+    pub fn materials(&self) -> Option<&Arc<Materials>> {
+        self.materials.as_ref()
+    }
+
+    /// Returns the material of a cell.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid.
+    #[must_use]
+    pub fn material(&self, cell: Cell) -> &Material {
+        self.materials.as_ref().map_or(&Material::WALL, |layer| layer.of(cell.row * self.width + cell.col))
     }
 
     /// Returns the values of the cells, row by row from row 0 on.
@@ -215,7 +248,8 @@ impl OccupancyGrid {
         };
         let cells = memory::collected("the cells of the grid", self.cells.iter().copied())?;
         let (free_areas, kept_field) = (self.free_areas.clone(), self.kept_field.clone());
-        Ok(Self { cells, free_boxes, free_areas, kept_field, wall_directions, ..*self })
+        let materials = self.materials.clone();
+        Ok(Self { cells, free_boxes, free_areas, kept_field, wall_directions, materials, ..*self })
     }
 
     /// Returns the free boxes of the cells; the first call builds them on all cores.
@@ -289,6 +323,16 @@ impl OccupancyGrid {
     pub fn pose_in_grid(&self, pose: Pose) -> Pose {
         let origin = self.options.origin;
         Pose { position: self.grid_from_map.rotate(pose.position - origin.position), yaw: pose.yaw - origin.yaw }
+    }
+
+    /// Returns a direction of the map frame in the frame of the grid.
+    pub(crate) fn direction_in_grid(&self, direction: DVec2) -> DVec2 {
+        self.grid_from_map.rotate(direction)
+    }
+
+    /// Returns a direction of the frame of the grid in the map frame.
+    pub(crate) fn direction_in_map(&self, direction: DVec2) -> DVec2 {
+        DVec2::new(self.grid_from_map.x, -self.grid_from_map.y).rotate(direction)
     }
 
     /// Converts a point in the frame of the grid, or a pair of lengths, from metres to cells.

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::memory;
 use crate::pose::Pose;
 use crate::shape::{Shape, edges, encloses};
+use crate::surface::Material;
 
 /// Tolerance \[m\] for a ray that starts on an edge: an entry up to this far behind the origin counts, at distance 0.
 const BEHIND_TOLERANCE: f64 = 1e-9;
@@ -19,6 +20,7 @@ pub struct Body {
     radius: f64,
     /// Centre and radius \[m\] of a circle that encloses the shape.
     bounds: (DVec2, f64),
+    material: Material,
 }
 
 impl Body {
@@ -35,7 +37,12 @@ impl Body {
         let high = corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let center = low.midpoint(high);
         let reach = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max) + radius;
-        Ok(Self { corners, radius, bounds: (center, reach) })
+        Ok(Self { corners, radius, bounds: (center, reach), material: shape.material() })
+    }
+
+    /// What the shape is made of.
+    pub fn material(&self) -> &Material {
+        &self.material
     }
 
     /// Radius of a disc \[m\], 0 for a polygon.

@@ -116,6 +116,11 @@ impl Obstacles {
         Ok(())
     }
 
+    /// Returns true if an obstacle is of glass or a mirror.
+    pub(crate) fn lead_on(&self) -> bool {
+        self.bodies.iter().any(|body| body.material().leads_on())
+    }
+
     pub(crate) fn bodies(&self) -> &[Body] {
         &self.bodies
     }

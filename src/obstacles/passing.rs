@@ -72,6 +72,21 @@ impl<'a> Passing<'a> {
         self.passers.is_empty()
     }
 
+    /// Returns true if an obstacle is of glass or a mirror.
+    pub fn lead_on(&self) -> bool {
+        self.passers.iter().any(|passer| passer.obstacle.shape.material().leads_on())
+    }
+
+    /// Returns the obstacles at the time of a beam, given by its group and its slot there.
+    pub fn bodies(&self, group: usize, slot: usize) -> Vec<Body> {
+        let body = |passer: &Passer<'_>| {
+            let mut poses = PoseColumns::ORIGIN;
+            passer.obstacle.course.write_poses(group, self.time_increment, &mut poses, &mut Last::default());
+            Body::new(passer.obstacle.shape, Pose::new(poses.x[slot], poses.y[slot], poses.yaw[slot])).ok()
+        };
+        self.passers.iter().filter_map(body).collect()
+    }
+
     /// Replaces each range \[m\] of a group of beams by the distance to the nearest obstacle at the time of the beam, if that is
     /// shorter than the range and `max_range`.
     ///

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arrays::{check_out, fill, shape, type_name, typed, vector};
+use super::material::{Material, layer};
 use super::number::Argument;
 use super::pose::{Pose, PoseArgument};
 use super::random_stream::SeedArgument;
@@ -30,6 +31,10 @@ use crate::{Cell, GridOptions, Unknown};
 ///     origin: Pose (x, y, yaw) of the lower-left corner of cell (0, 0) in the map frame [m, m, rad], yaw included.
 ///     occupied_threshold: Cells with this value or more block beams and robots, 1 to 100. None means the default.
 ///     unknown: How unknown cells act, "free" or "occupied". Occupied cells block beams and robots.
+///     materials: (H, W) uint8, the number of the material of each cell, which only matters where a cell blocks. None means
+///         walls of one material.
+///     material_table: The material of each number, 1 to 255 of them, each a `Material` or the name of one. None means
+///         ("wall", "glass", "mirror", "dark").
 ///
 /// Raises:
 ///     ValueError: The array has another shape or no cells, or a value is outside its range or not finite.
@@ -63,7 +68,8 @@ impl OccupancyGrid {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(cells, *, resolution, origin=(0.0, 0.0, 0.0), occupied_threshold=60, unknown='free')",
+        text_signature = "(cells, *, resolution, origin=(0.0, 0.0, 0.0), occupied_threshold=60, unknown='free', \
+                          materials=None, material_table=None)",
         signature = (
             cells,
             *,
@@ -71,8 +77,11 @@ impl OccupancyGrid {
             origin = PoseArgument(crate::Pose::default()),
             occupied_threshold = None,
             unknown = "free",
+            materials = None,
+            material_table = None,
         )
     )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn new(
         py: Python<'_>,
         cells: &Bound<'_, PyAny>,
@@ -80,6 +89,8 @@ impl OccupancyGrid {
         origin: PoseArgument,
         occupied_threshold: Option<&Bound<'_, PyAny>>,
         unknown: &str,
+        materials: Option<&Bound<'_, PyAny>>,
+        material_table: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let cells = typed::<i8>("cells", cells)?;
         let [_, width] = *cells.shape() else {
@@ -97,7 +108,11 @@ impl OccupancyGrid {
         let resolution = resolution.named("resolution")?;
         let options = GridOptions { resolution, origin: origin.0, occupied_threshold: threshold, unknown };
         let cells = memory::collected("the cells of the grid", cells.as_array().iter().copied())?;
-        let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options))?;
+        let materials = match (materials, material_table) {
+            (None, Some(_)) => return Err(PyValueError::new_err("material_table needs materials, got None")),
+            (materials, table) => materials.map(|numbers| layer(numbers, table)).transpose()?.map(Arc::new),
+        };
+        let core = py.detach(|| crate::OccupancyGrid::new(cells, width, options)?.with_materials(materials))?;
         Ok(Self { core: Lock::new(Arc::new(core)), cells: Lock::new(None) })
     }
 
@@ -198,6 +213,60 @@ impl OccupancyGrid {
             Unknown::Free => "free",
             Unknown::Occupied => "occupied",
         }
+    }
+
+    /// Numbers of the materials of the cells: (H, W) uint8, read-only; None if all are walls of one material.
+    #[getter]
+    fn materials<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
+        let core = self.core();
+        let Some(layer) = core.materials() else { return Ok(None) };
+        let flat = vector(py, memory::collected("the materials", layer.numbers().iter().copied())?);
+        flat.readwrite().make_nonwriteable();
+        Ok(Some(flat.reshape([core.height(), core.width()])?))
+    }
+
+    /// The material of each number in `materials`; None if there are none.
+    #[getter]
+    fn material_table(&self) -> Option<Vec<Material>> {
+        let core = self.core();
+        core.materials().map(|layer| layer.table().iter().copied().map(Material).collect())
+    }
+
+    /// Returns a copy of the grid with materials of its cells.
+    ///
+    /// Beams pass glass, and mirrors reflect them; robots touch both.
+    ///
+    /// Args:
+    ///     materials: (H, W) uint8, as in the constructor; None for walls of one material.
+    ///     table: The material of each number, as `material_table` in the constructor.
+    ///
+    /// Raises:
+    ///     ValueError: The array has another shape than the cells, or a number is not in the table.
+    ///     TypeError: The array is not uint8, or a material is neither a `Material` nor a name.
+    ///
+    /// Examples:
+    ///     A mirror 2 m ahead, and a wall 1 m behind the robot:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[100, 0, 0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> mirror = grid.with_materials(np.array([[0, 0, 0, 0, 2]], np.uint8))
+    ///     >>> mrs.LaserScanner(beam_count=1).scan(mirror, (2.0, 0.5, 0.0))
+    ///     array([5.], dtype=float32)
+    #[pyo3(signature = (materials, *, table = None))]
+    fn with_materials(
+        &self,
+        py: Python<'_>,
+        materials: Option<&Bound<'_, PyAny>>,
+        table: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let materials = match (materials, table) {
+            (None, Some(_)) => return Err(PyValueError::new_err("table needs materials, got None")),
+            (materials, table) => materials.map(|numbers| layer(numbers, table)).transpose()?.map(Arc::new),
+        };
+        let core = self.core();
+        let core = py.detach(|| core.try_clone()?.with_materials(materials))?;
+        Ok(Self { core: Lock::new(Arc::new(core)), cells: Lock::new(None) })
     }
 
     fn __copy__(&self) -> Self {
@@ -493,6 +562,10 @@ impl OccupancyGrid {
         keywords.set_item("origin", self.origin())?;
         keywords.set_item("occupied_threshold", self.occupied_threshold())?;
         keywords.set_item("unknown", self.unknown())?;
+        if let (Some(materials), Some(table)) = (self.materials(py)?, self.material_table()) {
+            keywords.set_item("materials", materials)?;
+            keywords.set_item("material_table", table)?;
+        }
         recipe::<Self>(py, PyTuple::new(py, [self.cells(py)?])?, keywords)
     }
 }

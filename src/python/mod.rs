@@ -16,6 +16,7 @@ mod grid;
 mod interrupt;
 mod likelihood_field;
 mod limits;
+mod material;
 mod motion;
 mod motion_noise;
 mod mount;
@@ -103,6 +104,8 @@ mod _core {
     use super::likelihood_field::LikelihoodField;
     #[pymodule_export]
     use super::limits::Limits;
+    #[pymodule_export]
+    use super::material::Material;
     #[pymodule_export]
     use super::motion::integrate_twist;
     #[pymodule_export]

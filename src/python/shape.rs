@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::arrays::{points, type_name};
+use super::material::{Material, MaterialArgument};
 use super::number::Argument;
 
 /// Outline of a robot or an obstacle in its own frame: a disc around the origin, or a simple polygon.
@@ -81,6 +82,29 @@ impl Shape {
         Ok(Self(crate::Shape::polygon(&self::points("points", points)?)?))
     }
 
+    /// Returns the same shape of another material. Beams pass glass, and mirrors reflect them.
+    ///
+    /// Args:
+    ///     material: A `Material`, or the name of one: "wall", "glass", "mirror" or "dark".
+    ///
+    /// Raises:
+    ///     ValueError: There is no material with this name.
+    ///     TypeError: `material` is neither a `Material` nor a name.
+    ///
+    /// Examples:
+    ///     >>> from mobile_robot_simulator import Shape
+    ///     >>> Shape.rectangle(2.0, 0.1).with_material("mirror").material.kind
+    ///     'mirror'
+    fn with_material(&self, material: MaterialArgument) -> PyResult<Self> {
+        Ok(Self(self.0.clone().with_material(material.0)?))
+    }
+
+    /// What the shape is made of.
+    #[getter]
+    fn material(&self) -> Material {
+        Material(self.0.material())
+    }
+
     /// Radius of a disc [m]; None for a polygon.
     #[getter]
     fn radius(&self) -> Option<f64> {
@@ -109,14 +133,21 @@ impl Shape {
     fn __repr__(&self) -> String {
         let corners = self.0.corners().iter().map(|corner| format!("({:?}, {:?})", corner.x, corner.y));
         let corners: Vec<String> = corners.collect();
-        match self.0.radius() {
+        let outline = match self.0.radius() {
             Some(radius) => format!("Shape.disc({radius:?})"),
             None => format!("Shape.polygon([{}])", corners.join(", ")),
-        }
+        };
+        let material = self.material();
+        if material.0 == crate::Material::WALL { outline } else { format!("{outline}.with_material({})", material.shown()) }
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let class = py.get_type::<Self>();
+        if self.0.material() != crate::Material::WALL {
+            let plain = self.0.clone().with_material(crate::Material::WALL)?;
+            let arguments = (Self(plain).into_pyobject(py)?, self.material().into_pyobject(py)?);
+            return Ok((class.getattr("with_material")?, arguments.into_pyobject(py)?));
+        }
         match self.0.radius() {
             Some(radius) => Ok((class.getattr("disc")?, PyTuple::new(py, [radius])?)),
             None => Ok((class.getattr("polygon")?, PyTuple::new(py, [self.points(py)])?)),

@@ -74,6 +74,11 @@ impl<'grid> Caster<'grid> {
         if self.kernel.uses_free_boxes() { self.grid.prepare(threads) } else { Ok(()) }
     }
 
+    /// Returns the grid.
+    pub(crate) fn grid(&self) -> &'grid OccupancyGrid {
+        self.grid
+    }
+
     /// Returns the kernel that casts.
     pub(super) fn kernel(&self) -> Kernel {
         self.kernel

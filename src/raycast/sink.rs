@@ -1,11 +1,17 @@
 //! Where the results of a cast go.
 
 use crate::numeric::{GROUP, Group};
+use crate::random::BeamBits;
 
 /// Receives distances or ranges, one group of rays at a time.
 ///
 /// Closures are sinks. A type with an `#[inline(always)]` method becomes part of the kernel that calls it.
 pub trait Sink {
+    /// Returns the random bits of the scan whose distances it takes; `None` if its readings have no noise.
+    fn bits(&self) -> Option<BeamBits> {
+        None
+    }
+
     /// Takes the distances of a group. Entries past the last ray of a fan are padding.
     fn take(&mut self, group: usize, distances: &Group);
 }

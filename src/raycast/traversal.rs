@@ -1,10 +1,20 @@
 //! The plain traversal, cell by cell: the specification of the faster kernels.
 
+use glam::DVec2;
+
 use super::Ray;
 use crate::grid::{Cell, OccupancyGrid};
 
-/// Returns the distance in cells from the origin of a ray to the boundary at which it enters the first blocking cell;
-/// infinite if there is none within `limit`.
+/// Side of a cell: a line between two columns, or between two rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Its normal is along the columns, the x axis of the grid.
+    Column,
+    /// Its normal is along the rows.
+    Row,
+}
+
+/// The cells along a ray, one after the other.
 ///
 /// The method is that of Amanatides & Woo 1987, sec. 2, with one difference: the distance of a crossing is computed from the
 /// origin of the ray, not summed up. A ray through a corner crosses the boundary between two rows first, so the path is
@@ -17,31 +27,88 @@ use crate::grid::{Cell, OccupancyGrid};
 ///     |  1  |     |
 ///     +-----+-----+
 /// ```
+pub struct Walk {
+    origin: DVec2,
+    inverse: DVec2,
+    is_rightward: bool,
+    is_upward: bool,
+    col: i64,
+    row: i64,
+    to_col: f64,
+    to_row: f64,
+    /// Distance in cells from the origin of the ray to the boundary of the current cell.
+    pub distance: f64,
+}
+
+impl Walk {
+    /// Returns the walk at the first cell of a ray.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray) -> Self {
+        let mut walk = Self {
+            origin: ray.origin,
+            inverse: ray.inverse(),
+            is_rightward: ray.direction.x >= 0.0,
+            is_upward: ray.direction.y >= 0.0,
+            col: i64::from(ray.col),
+            row: i64::from(ray.row),
+            to_col: 0.0,
+            to_row: 0.0,
+            distance: 0.0,
+        };
+        walk.to_col = walk.to_col_line();
+        walk.to_row = walk.to_row_line();
+        walk
+    }
+
+    #[inline(always)]
+    fn to_col_line(&self) -> f64 {
+        ((self.col + i64::from(self.is_rightward)) as f64 - self.origin.x) * self.inverse.x
+    }
+
+    #[inline(always)]
+    fn to_row_line(&self) -> f64 {
+        ((self.row + i64::from(self.is_upward)) as f64 - self.origin.y) * self.inverse.y
+    }
+
+    /// Returns the current cell; `None` off the grid.
+    #[inline(always)]
+    #[must_use]
+    pub fn cell(&self, grid: &OccupancyGrid) -> Option<Cell> {
+        let on_grid = (0..grid.width() as i64).contains(&self.col) && (0..grid.height() as i64).contains(&self.row);
+        on_grid.then_some(Cell { col: self.col as usize, row: self.row as usize })
+    }
+
+    /// Goes to the next cell and returns the side through which the ray enters it.
+    #[inline(always)]
+    pub fn step(&mut self) -> Side {
+        if self.to_col < self.to_row {
+            self.distance = self.to_col;
+            self.col += if self.is_rightward { 1 } else { -1 };
+            self.to_col = self.to_col_line();
+            Side::Column
+        } else {
+            self.distance = self.to_row;
+            self.row += if self.is_upward { 1 } else { -1 };
+            self.to_row = self.to_row_line();
+            Side::Row
+        }
+    }
+}
+
+/// Returns the distance in cells from the origin of a ray to the boundary at which it enters the first blocking cell;
+/// infinite if there is none within `limit`.
 #[must_use]
 pub fn traverse(grid: &OccupancyGrid, ray: &Ray, limit: f64) -> f64 {
-    let inverse = ray.inverse();
-    let (right, up) = (ray.direction.x >= 0.0, ray.direction.y >= 0.0);
-    let to_col_line = |col: i64| ((col + i64::from(right)) as f64 - ray.origin.x) * inverse.x;
-    let to_row_line = |row: i64| ((row + i64::from(up)) as f64 - ray.origin.y) * inverse.y;
-    let (mut col, mut row) = (i64::from(ray.col), i64::from(ray.row));
-    let (mut to_col, mut to_row) = (to_col_line(col), to_row_line(row));
-    let mut distance = 0.0;
+    let mut walk = Walk::new(ray);
     loop {
-        let on_grid = (0..grid.width() as i64).contains(&col) && (0..grid.height() as i64).contains(&row);
-        if !on_grid || distance > limit {
+        let Some(cell) = walk.cell(grid) else { return f64::INFINITY };
+        if walk.distance > limit {
             return f64::INFINITY;
         }
-        if grid.is_blocking(Cell { col: col as usize, row: row as usize }) {
-            return distance;
+        if grid.is_blocking(cell) {
+            return walk.distance;
         }
-        if to_col < to_row {
-            distance = to_col;
-            col += if right { 1 } else { -1 };
-            to_col = to_col_line(col);
-        } else {
-            distance = to_row;
-            row += if up { 1 } else { -1 };
-            to_row = to_row_line(row);
-        }
+        walk.step();
     }
 }

@@ -2,6 +2,7 @@
 
 mod each;
 mod hits;
+mod onward;
 mod score;
 mod sinks;
 mod surfaces;
@@ -29,6 +30,7 @@ use crate::wall_directions::WallDirections;
 use crate::world::World;
 pub(crate) use each::Shot;
 pub use hits::Hit;
+use onward::Onward;
 pub use score::{Readings, Score};
 use sinks::{Beyond, Noisy, SinkPerScan};
 use surfaces::{Still, Surfaced};
@@ -454,7 +456,7 @@ impl LaserScanner {
         // Views are large. Without obstacles and slant, the array is neither filled nor moved.
         let has_views = slant.is_some() || scans.clone().any(|(_, world)| !world.obstacles.is_empty());
         let mut views = has_views.then_some([const { None }; Fans::MAX]);
-        for (view, (map_from_base, world)) in views.iter_mut().flatten().zip(scans) {
+        for (view, (map_from_base, world)) in views.iter_mut().flatten().zip(scans.clone()) {
             let seen = View::new(
                 (world.obstacles, world.except),
                 map_from_fan(map_from_base),
@@ -465,9 +467,13 @@ impl LaserScanner {
             *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();
+        let mut worlds = scans;
         let mut sinks = sinks.map(|sink| {
             let view = views.next().and_then(Option::take);
-            Beyond { foreground: view, slant: slant.as_ref(), cos, sin, sink }
+            let onward = worlds
+                .next()
+                .and_then(|(map_from_base, world)| Onward::in_world(world, map_from_fan(map_from_base), *max_range));
+            Beyond { foreground: view, onward, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };
         let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };

@@ -2,10 +2,12 @@
 
 use glam::DVec2;
 
+use super::onward::Onward;
 use crate::beam_model::Sampler;
 use crate::motion::PoseColumns;
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Passing, View};
+use crate::random::BeamBits;
 use crate::raycast::{Sink, store};
 use crate::scorer::{Product, ReadingColumns, Scorer};
 use crate::slant::Slant;
@@ -70,10 +72,12 @@ impl Foreground for PassingBy<'_> {
     }
 }
 
-/// Adds what is not in the grid to the ranges, then passes them on to `sink`.
+/// Adds what is not in the grid to the ranges, and follows beams through glass and from mirrors; then passes them on to `sink`.
 pub struct Beyond<'a, F, S> {
     /// The obstacles that this scan can see; `None` if there is nothing to add.
     pub foreground: Option<F>,
+    /// Glass and mirrors; `None` if there are none.
+    pub onward: Option<Onward<'a>>,
     /// Slant of the beams; `None` if the scanner is not tilted.
     pub slant: Option<&'a Slant>,
     pub cos: &'a [Group],
@@ -84,9 +88,17 @@ pub struct Beyond<'a, F, S> {
 impl<F: Foreground, S: Sink> Sink for Beyond<'_, F, S> {
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
-        let Some(foreground) = &self.foreground else { return self.sink.take(group, ranges) };
+        if self.foreground.is_none() && self.onward.is_none() {
+            return self.sink.take(group, ranges);
+        }
+        let to_walls = ranges;
         let mut ranges = *ranges;
-        foreground.shorten(group, (&self.cos[group], &self.sin[group]), &mut ranges);
+        if let Some(foreground) = &self.foreground {
+            foreground.shorten(group, (&self.cos[group], &self.sin[group]), &mut ranges);
+        }
+        if let Some(onward) = &self.onward {
+            onward.follow(group, (&self.cos[group], &self.sin[group]), to_walls, &mut ranges, self.sink.bits());
+        }
         if let Some(slant) = self.slant {
             ranges = slant.ranges(group, &ranges);
         }
@@ -121,6 +133,10 @@ pub struct Noisy<'a> {
 }
 
 impl Sink for Noisy<'_> {
+    fn bits(&self) -> Option<BeamBits> {
+        Some(self.sampler.bits())
+    }
+
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
         store(self.readings, group, &self.sampler.sample(group, ranges));

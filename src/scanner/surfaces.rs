@@ -196,6 +196,10 @@ impl<S: Scene> Surfaced<'_, S> {
 }
 
 impl<S: Scene> Sink for Surfaced<'_, S> {
+    fn bits(&self) -> Option<BeamBits> {
+        Some(self.sampler.bits())
+    }
+
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
         let (cosines, numbers) = self.meet(group, ranges);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::onward::Onward;
 use super::sinks::{Beyond, Noisy, PassingBy, SinkPerScan};
 use super::surfaces::{Moving, Surfaced};
 use super::{LaserScanner, Noise};
@@ -233,9 +234,12 @@ impl LaserScanner {
         caster.with_sweeps(&sweeps[..count], |swept| {
             let mut scans = swept.map_from_fan.chunks_exact(cos.len());
             let mut sinks = sinks.map(|sink| {
-                let foreground = scans.next().filter(|_| !passing.is_empty() || slant.is_some());
+                let scan = scans.next();
+                let onward =
+                    scan.and_then(|poses| Onward::passing_by(caster.grid(), passing, poses, self.options.max_range));
+                let foreground = scan.filter(|_| !passing.is_empty() || slant.is_some());
                 let foreground = foreground.map(|map_from_fan| PassingBy { passing, map_from_fan });
-                Beyond { foreground, slant: slant.as_ref(), cos, sin, sink }
+                Beyond { foreground, onward, slant: slant.as_ref(), cos, sin, sink }
             });
             if let Some(sink) = sinks.next() {
                 swept.cast(SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 });

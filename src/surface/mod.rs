@@ -1,4 +1,6 @@
-//! Surfaces: how what a beam meets changes its reading.
+//! Surfaces: what they are made of, and how what a beam meets changes its reading.
+
+mod material;
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,6 +8,7 @@ use crate::beam_model::HitPart;
 use crate::error::{Error, check_finite, check_number};
 use crate::numeric::elementary::ln32;
 use crate::numeric::exponential::exp;
+pub use material::{Material, MaterialKind, Materials};
 
 /// Parameters of a [`SurfaceModel`]. By default all is off.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -41,6 +41,14 @@ def test_a_policy_learns_and_the_same_seed_gives_the_same_one(tmp_path):
     assert picture.stat().st_size > 10_000
 
 
+def test_the_room_shows_readings_behind_glass_and_beyond_a_mirror(tmp_path):
+    script, picture = ROOT / "examples/surfaces/room.py", tmp_path / "surfaces.png"
+    command = [sys.executable, script, "--out", picture]
+    line = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True).stdout
+    assert 150 < int(line.split()[0]) < 350 and "behind the first surface" in line
+    assert picture.stat().st_size > 10_000
+
+
 def test_the_documentation_shows_the_report_of_the_failure(tmp_path):
     example = shutil.copytree(ROOT / "examples/testing", tmp_path / "example")
     command = [sys.executable, "-m", "pytest", "tests/test_on_purpose.py", "--basetemp", str(tmp_path / "base")]

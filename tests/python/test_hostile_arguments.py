@@ -194,6 +194,10 @@ def good() -> dict[str, Any]:
         "cells": np.array([[0]], np.int8),
         "occupied_threshold": 50,
         "unknown": "free",
+        "materials": np.zeros((1, 1), np.uint8),
+        **dict.fromkeys(("material_table", "table"), ("wall", mrs.Material("glass"))),
+        **dict.fromkeys(("material", "kind"), "glass"),
+        **dict.fromkeys(("reflectivity", "return_chance", "return_angle"), 0.5),
         "obstacles": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
         "obstacle": None,
         "noise": mrs.BeamModel(),
@@ -261,6 +265,7 @@ def instances() -> list[Any]:
         fleet().step(np.zeros((2, 3)), 0.1),
         mrs.LaserScanner(fov=1.0, beam_count=5, max_range=5.0),
         mrs.Limits(),
+        mrs.Material(),
         mrs.MotionNoise(),
         grid(),
         mrs.Pose(),
@@ -273,6 +278,8 @@ def instances() -> list[Any]:
 OF_ITS_OWN = {
     "Fleet": {"grids": grid(), "noise": None},
     "Fleet.rollout": {"commands": np.full((2, 4, 3), 0.5)},
+    "Material.named": {"name": "glass"},
+    "OccupancyGrid.with_materials": {"materials": np.zeros(grid().shape, np.uint8)},
     "FleetStep": {"ranges": np.zeros((2, 5), np.float32)},
 }
 """Good values of parameters that mean something else elsewhere."""

@@ -51,6 +51,7 @@ OBJECTS = [
     FLEET.save([False, True]),
     STEP,
     mrs.LaserScanner(fov=3.0, beam_count=7, min_range=0.1, max_range=9.0, mount=(0.1, 0.2, 0.3)),
+    mrs.Material("glass", reflectivity=0.2, return_chance=0.3, return_angle=0.4),
     mrs.LikelihoodField(sigma_hit=0.1, z_hit=3.0, z_rand=1.0, max_distance=0.7),
     mrs.Limits(velocity=(1.0, 0.0, 2.0), acceleration=(0.5, math.inf, 0.1)),
     mrs.MotionNoise(alpha1=0.1, alpha2=0.2, alpha3=0.3, alpha4=0.4, alpha5=0.5, alpha6=0.6, reference_step=0.01),

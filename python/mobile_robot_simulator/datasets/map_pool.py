@@ -61,9 +61,12 @@ class MapSource:
 
 
 def digest_of(grid: OccupancyGrid) -> str:
-    """Returns the SHA-256 of a grid: of its cells, and of its numbers as JSON has them."""
+    """Returns the SHA-256 of a grid: of its cells, of its numbers as JSON has them, and of its materials if it has some."""
     numbers = [*grid.shape, grid.resolution, *grid.origin, grid.occupied_threshold, grid.unknown]
-    return hashlib.sha256(json.dumps(numbers).encode() + grid.cells.tobytes()).hexdigest()
+    data = json.dumps(numbers).encode() + grid.cells.tobytes()
+    if (materials := grid.materials) is not None:
+        data += repr(grid.material_table).encode() + materials.tobytes()
+    return hashlib.sha256(data).hexdigest()
 
 
 def sources_by_split(plan: Plan) -> dict[str, list[MapSource]]:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .material_layer import MaterialLayer
+
 
 class CellMap(NamedTuple):
     """The cells of a map and their place in the map frame."""
@@ -20,6 +22,9 @@ class CellMap(NamedTuple):
 
     origin: tuple[float, float, float]
     """Pose of the lower-left corner of the grid in the map frame [m, m, rad]."""
+
+    materials: MaterialLayer | None = None
+    """The materials of the cells; None if the format or the file has none."""
 
 
 def check_length(name: str, value: object) -> float:

@@ -83,6 +83,8 @@ def load_map(
     since 1.3.7). Earlier versions of Nav2 and ROS 1 averaged the opacity with the three colours in trinary mode;
     `transparency="averaged"` does so too.
 
+    The optional key `materials` gives the materials of the cells; see [Surfaces](../guides/surfaces.md). Nav2 ignores it.
+
     The image may be PNM (P1 to P6), PNG, JPEG, BMP, TIFF or GIF. Samples of more than 8 bits are scaled to 8 bits and
     rounded down. Colours of 16-bit samples can come out one level too high, because Pillow keeps only their high byte.
 
@@ -132,6 +134,8 @@ def load_map(
         origin=cell_map.origin,
         occupied_threshold=occupied_threshold,
         unknown=unknown,
+        materials=cell_map.materials and cell_map.materials.numbers,
+        material_table=cell_map.materials and cell_map.materials.table,
     )
 
 

@@ -6,7 +6,8 @@ The format follows nav2_map_server (`map_io.cpp`). The YAML file has these keys;
 - `resolution`: side of a cell [m];
 - `origin`: pose [x, y, yaw] of the lower-left corner in the map frame [m, m, rad];
 - `negate`, `occupied_thresh`, `free_thresh`: how pixels become cells, see `load_map`;
-- `mode`: trinary (default), scale or raw.
+- `mode`: trinary (default), scale or raw;
+- `materials`: optional and unknown to Nav2, see `material_layer`.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import os
 import re
 import warnings
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import yaml
@@ -29,6 +30,7 @@ from ..user_files import read_text
 from ..yaml_documents import MappingNode, Node, ScalarNode, SequenceNode, entries_of, invalid, parse
 from .cell_map import CellMap
 from .map_image import MapImage, is_image, read_image
+from .material_layer import described, read_layer
 
 __all__ = ["read_map_server", "save_map"]
 
@@ -62,7 +64,9 @@ def read_map_server(path: Path, *, is_averaged: bool) -> CellMap:
     description = _read_description(path)
     image = read_image(description.image_path, path)
     cells = _cells_from_image(image, description, is_averaged=is_averaged)
-    return CellMap(cells, description.resolution, description.origin)
+    node = description.materials
+    materials = None if node is None else read_layer(node, path, cells.shape)
+    return CellMap(cells, description.resolution, description.origin, materials)
 
 
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
@@ -70,7 +74,8 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
 
     `load_map` restores the same cells, resolution and origin, bit by bit. If all cells are -1, 0 or 100 the mode is
     trinary, which every map server reads; otherwise it is raw. The format cannot store `occupied_threshold` and `unknown`;
-    pass them to `load_map` again.
+    pass them to `load_map` again. The materials of a grid that has some go to a second image, whose name ends in
+    `_materials.pgm`.
 
     Existing files are replaced atomically, first the image and then the YAML file, once both are written completely. The
     folder must exist.
@@ -92,12 +97,14 @@ def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
     image_path = yaml_path.with_suffix(".pgm")
     mode, pixels = _pixels_from_cells(grid.cells)
     height, width = grid.shape
-    write_files(
-        {
-            image_path: b"P5\n%d %d\n255\n" % (width, height) + pixels,
-            yaml_path: _describe(grid, image_path.name, mode).encode(),
-        }
-    )
+    header = b"P5\n%d %d\n255\n" % (width, height)
+    files = {image_path: header + pixels}
+    materials = grid.materials
+    layer_path = image_path.with_name(f"{image_path.stem}_materials.pgm")
+    if materials is not None:
+        files[layer_path] = header + materials[::-1].tobytes()
+    text = _describe(grid, image_path.name, mode, None if materials is None else layer_path.name)
+    write_files({**files, yaml_path: text.encode()})
 
 
 def map_path(path: object) -> Path:
@@ -127,6 +134,7 @@ class _Description(NamedTuple):
     occupied_thresh: float
     free_thresh: float
     mode: str
+    materials: Node | None
 
 
 def _read_description(path: Path) -> _Description:
@@ -153,6 +161,7 @@ def _read_description(path: Path) -> _Description:
             free_thresh=free_thresh,
             occupied_thresh=occupied_thresh,
             mode=_mode(entries),
+            materials=entries.get("materials"),
         )
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
@@ -239,8 +248,8 @@ def _number(node: Node) -> float:
         return math.nan
 
 
-def _describe(grid: OccupancyGrid, image_name: str, mode: str) -> str:
-    description = {
+def _describe(grid: OccupancyGrid, image_name: str, mode: str, layer_name: str | None) -> str:
+    description: dict[str, Any] = {
         "image": image_name,
         "mode": mode,
         "resolution": grid.resolution,
@@ -248,6 +257,8 @@ def _describe(grid: OccupancyGrid, image_name: str, mode: str) -> str:
         "negate": 0,
         **_SAVED_THRESHOLDS,
     }
+    if layer_name is not None:
+        description["materials"] = described(grid, layer_name)
     # default_flow_style=None writes the origin on one line. safe_dump writes floats with all their digits.
     return yaml.safe_dump(description, sort_keys=False, default_flow_style=None, allow_unicode=True)
 

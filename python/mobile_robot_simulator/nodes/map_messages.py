@@ -74,4 +74,6 @@ def with_unknown(grid: OccupancyGrid, unknown: Literal["free", "occupied"]) -> O
         origin=grid.origin,
         occupied_threshold=grid.occupied_threshold,
         unknown=unknown,
+        materials=grid.materials,
+        material_table=grid.material_table,
     )
