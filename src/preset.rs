@@ -27,8 +27,12 @@ pub struct Preset {
     pub max_range: Option<f64>,
     /// Rate of the scans \[Hz\].
     pub frequency: f64,
-    /// Standard deviation of a range \[m\].
+    /// Smallest standard deviation of a range \[m\].
     pub sigma_hit: Option<f64>,
+    /// The standard deviation of a range r is at least the first number \[m\] plus the second times r.
+    pub range_sigma: Option<(f64, f64)>,
+    /// Largest share of a reading that its step may be.
+    pub range_step_share: Option<f64>,
 }
 
 /// A preset about which only the geometry and the rate are known.
@@ -41,6 +45,8 @@ const GEOMETRY: Preset = Preset {
     max_range: None,
     frequency: 10.0,
     sigma_hit: None,
+    range_sigma: None,
+    range_step_share: None,
 };
 
 /// 270°, the field of many scanners \[rad\].
@@ -59,6 +65,8 @@ impl Preset {
             max_range: Some(5.6),
             frequency: 10.0,
             sigma_hit: Some(0.028),
+            range_sigma: Some((0.0001, 0.0013)),
+            ..GEOMETRY
         },
         Self {
             name: "hokuyo_utm30lx",
@@ -69,6 +77,8 @@ impl Preset {
             max_range: Some(30.0),
             frequency: 40.0,
             sigma_hit: Some(0.018),
+            range_sigma: Some((0.0015, 0.0006)),
+            ..GEOMETRY
         },
         Self {
             name: "robotis_lds01",
@@ -78,6 +88,7 @@ impl Preset {
             max_range: Some(3.5),
             frequency: 5.0,
             sigma_hit: Some(0.01 / 3.0),
+            range_sigma: Some((0.0, 0.035 / 3.0)),
             ..GEOMETRY
         },
         Self {
@@ -88,6 +99,7 @@ impl Preset {
             max_range: Some(8.0),
             frequency: 5.0,
             sigma_hit: Some(0.01 / 3.0),
+            range_sigma: Some((0.0, 0.03 / 3.0)),
             ..GEOMETRY
         },
         Self {
@@ -99,6 +111,7 @@ impl Preset {
             max_range: Some(30.0),
             frequency: 25.0,
             sigma_hit: Some(0.03),
+            ..GEOMETRY
         },
         Self {
             name: "sick_tim561",
@@ -109,6 +122,7 @@ impl Preset {
             max_range: Some(10.0),
             frequency: 15.0,
             sigma_hit: Some(0.02),
+            ..GEOMETRY
         },
         Self {
             name: "sick_tim571",
@@ -127,6 +141,7 @@ impl Preset {
             min_range: Some(0.15),
             max_range: Some(12.0),
             frequency: 5.5,
+            range_step_share: Some(0.01),
             ..GEOMETRY
         },
         Self {
@@ -166,7 +181,15 @@ impl Preset {
     #[must_use]
     pub fn noise_options(&self) -> BeamModelOptions {
         let default = BeamModelOptions::default();
-        BeamModelOptions { sigma_hit: self.sigma_hit.unwrap_or(default.sigma_hit), ..default }
+        let (range_sigma_base, range_sigma_per_metre) =
+            self.range_sigma.unwrap_or((default.range_sigma_base, default.range_sigma_per_metre));
+        BeamModelOptions {
+            sigma_hit: self.sigma_hit.unwrap_or(default.sigma_hit),
+            range_sigma_base,
+            range_sigma_per_metre,
+            range_step_share: self.range_step_share.unwrap_or(default.range_step_share),
+            ..default
+        }
     }
 }
 

@@ -25,8 +25,14 @@ pub fn laser_presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         parameters.set_item("laser_fov", preset.fov)?;
         parameters.set_item("laser_beam_count", preset.beam_count)?;
         parameters.set_item("laser_frequency", preset.frequency)?;
-        let optional =
-            [("laser_min_range", preset.min_range), ("laser_max_range", preset.max_range), ("sigma_hit", preset.sigma_hit)];
+        let optional = [
+            ("laser_min_range", preset.min_range),
+            ("laser_max_range", preset.max_range),
+            ("sigma_hit", preset.sigma_hit),
+            ("range_sigma_base", preset.range_sigma.map(|(base, _)| base)),
+            ("range_sigma_per_metre", preset.range_sigma.map(|(_, per_metre)| per_metre)),
+            ("range_step_share", preset.range_step_share),
+        ];
         for (name, number) in optional {
             if let Some(number) = number {
                 parameters.set_item(name, number)?;

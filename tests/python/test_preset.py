@@ -28,17 +28,20 @@ def test_the_scanner_the_noise_and_the_parameters_of_a_preset_agree(name: str) -
 
 def test_the_documentation_has_the_numbers_of_all_presets_and_a_source_for_each() -> None:
     tables = PAGE.read_text(encoding="utf-8").partition("## Presets")[2].split("## Sources")
-    rows = {cells[1].strip(" `"): cells[2:7] for line in tables[0].splitlines() if len(cells := line.split("|")) == 8}
+    rows = {cells[1].strip(" `"): cells[2:9] for line in tables[0].splitlines() if len(cells := line.split("|")) == 10}
     sources = re.findall(r"^\| `(\w+)` \|(.*)$", tables[1], re.MULTILINE)
     assert [name for name, _ in sources] == list(PRESETS)
     for name, known in PRESETS.items():
-        field, beams, rate, span, sigma = (cell.strip() for cell in rows[name])
+        field, beams, rate, span, sigma, grows, step = (cell.strip() for cell in rows[name])
         assert float(field) == round(math.degrees(known["laser_fov"]), 2)
         assert (int(beams), float(rate)) == (known["laser_beam_count"], known["laser_frequency"])
         near, _, far = span.partition(DASH)
         assert (float(near) if near else None) == known.get("laser_min_range")
         assert (float(far) if far else None) == known.get("laser_max_range")
         assert sigma == (f"{known['sigma_hit']:.2g}" if "sigma_hit" in known else DASH)
+        growth = (known.get("range_sigma_base"), known.get("range_sigma_per_metre"))
+        assert grows == ("{:.2g} + {:.2g} r".format(*growth) if None not in growth else DASH)
+        assert step == (f"{known['range_step_share']:g} r" if "range_step_share" in known else DASH)
 
 
 def test_at_least_eight_sensors() -> None:
