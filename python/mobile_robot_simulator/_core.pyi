@@ -1687,6 +1687,53 @@ class LaserScanner:
             array([[1.5 , 1.25, 1.  ]], dtype=float32)
         """
 
+    def intensities(
+        self,
+        grid: OccupancyGrid,
+        poses: ArrayLike,
+        *,
+        twists: ArrayLike | None = None,
+        scan_duration: float | None = None,
+        obstacles: _MovingObstacles = (),
+        seed: int | RandomStream | None = None,
+        first_index: int | None = None,
+        threads: int | None = None,
+        out: NDArray[np.float32] | None = None,
+    ) -> NDArray[np.float32]:
+        """Returns how much light comes back to each beam, without noise.
+
+        The intensity is `reflectivity * cos(incidence) / range**2` of the surface at which the range ends, times the share of the
+        light that mirrors and glass leave on the way there and back. So a white wall at a right angle and a distance of 1 m has 1.
+        The normal of a cell is that of the side through which the beam enters it.
+
+        Args:
+            grid: Map to scan.
+            poses: As in `scan_batch`.
+            twists: As in `scan_batch`.
+            scan_duration: As in `scan_batch`.
+            obstacles: As in `scan_batch`.
+            seed: The seed of the noise, which also says which panes of glass return a beam. None means that beams take the
+                likelier way, as in scans without noise.
+            first_index: The index of the first scan in the random stream, as in `scan_batch`.
+            threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+            out: (N, beam_count) float32 in C order, an array for the result. None means a new array.
+
+        Returns:
+            (N, beam_count) float32, which is `out` if it was given; 0 for a beam without a return, or inside something.
+
+        Raises:
+            ValueError: The scanner is tilted, or as in `scan_batch`.
+            TypeError: An argument has the wrong type or dtype.
+
+        Examples:
+            A wall at a distance of 2 m, at a right angle:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 0, 100]], np.int8), resolution=1.0)
+            >>> mrs.LaserScanner(beam_count=1).intensities(grid, [(1.0, 0.5, 0.0)])
+            array([[0.25]], dtype=float32)
+        """
     def log_likelihood(
         self,
         grid: OccupancyGrid,

@@ -480,6 +480,9 @@ class LaserParameters(Parameters):
         description="time in which the head turns through the field of the beams [s], at most one period; a head that turns "
         "at laser_frequency takes laser_fov / 2π of a period; 0 measures all beams in one instant",
     )
+    laser_intensities: bool = Field(
+        False, description="fill intensities of the scans: how much light comes back, 1 for a white wall 1 m ahead"
+    )
     apply_noise: bool = Field(True, description="add noise to the ranges")
     sigma_hit: Annotated[Number, Field(gt=0.0)] = Field(0.005, description="standard deviation of a correct range [m]")
     lambda_short: Annotated[Number, Field(gt=0.0)] = Field(

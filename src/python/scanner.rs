@@ -357,6 +357,86 @@ impl LaserScanner {
         fill(py, out, &size, |readings| self.0.sweep_batch(&grid, sweeps, noise, threads, readings))
     }
 
+    /// Returns how much light comes back to each beam, without noise.
+    ///
+    /// The intensity is `reflectivity * cos(incidence) / range**2` of the surface at which the range ends, times the share of the
+    /// light that mirrors and glass leave on the way there and back. So a white wall at a right angle and a distance of 1 m has 1.
+    /// The normal of a cell is that of the side through which the beam enters it.
+    ///
+    /// Args:
+    ///     grid: Map to scan.
+    ///     poses: As in `scan_batch`.
+    ///     twists: As in `scan_batch`.
+    ///     scan_duration: As in `scan_batch`.
+    ///     obstacles: As in `scan_batch`.
+    ///     seed: The seed of the noise, which also says which panes of glass return a beam. None means that beams take the
+    ///         likelier way, as in scans without noise.
+    ///     first_index: The index of the first scan in the random stream, as in `scan_batch`.
+    ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+    ///     out: (N, beam_count) float32 in C order, an array for the result. None means a new array.
+    ///
+    /// Returns:
+    ///     (N, beam_count) float32, which is `out` if it was given; 0 for a beam without a return, or inside something.
+    ///
+    /// Raises:
+    ///     ValueError: The scanner is tilted, or as in `scan_batch`.
+    ///     TypeError: An argument has the wrong type or dtype.
+    ///
+    /// Examples:
+    ///     A wall at a distance of 2 m, at a right angle:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 0, 100]], np.int8), resolution=1.0)
+    ///     >>> mrs.LaserScanner(beam_count=1).intensities(grid, [(1.0, 0.5, 0.0)])
+    ///     array([[0.25]], dtype=float32)
+    #[pyo3(
+        text_signature = "($self, grid, poses, *, twists=None, scan_duration=None, obstacles=(), seed=None, first_index=None, \
+                          threads=None, out=None)",
+        signature = (
+            grid,
+            poses,
+            *,
+            twists = None,
+            scan_duration = None,
+            obstacles = MovingObstaclesArgument::none(),
+            seed = None,
+            first_index = None,
+            threads = None,
+            out = None,
+        )
+    )]
+    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn intensities<'py>(
+        &self,
+        py: Python<'py>,
+        grid: GridArgument<'py>,
+        poses: &Bound<'py, PyAny>,
+        twists: Option<&Bound<'py, PyAny>>,
+        scan_duration: Option<Argument<f64>>,
+        obstacles: MovingObstaclesArgument<'py>,
+        seed: Option<&Bound<'py, PyAny>>,
+        first_index: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+        out: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (grid, threads) = (grid.get().core(), thread_count(threads)?);
+        let sweep = SweepArguments::new(self.beam_count(), poses, twists, scan_duration, out.as_ref())?;
+        let stream = SeedArgument::new(seed, "first_index", first_index)?;
+        let size = [sweep.scans, self.beam_count()];
+        check_out::<f32>(out.as_ref(), &size)?;
+        let stream = seed.map(|_| stream.take(sweep.scans)).transpose()?;
+        if let Some(poses) = sweep.instant() {
+            let obstacles = obstacles.standing()?;
+            return fill(py, out, &size, |intensities| {
+                self.0.intensities((&*grid, &obstacles), poses, stream, threads, intensities)
+            });
+        }
+        let obstacles = sweep.obstacles(&obstacles)?;
+        let sweeps = sweep.sweeps(&obstacles);
+        fill(py, out, &size, |intensities| self.0.intensities_of_sweeps(&grid, sweeps, stream, threads, intensities))
+    }
+
     /// Returns the log-likelihood of a scan, given each pose from which it may have been taken.
     ///
     /// With a `BeamModel`, it is `temper * sum(log(noise.likelihood(ranges, true_ranges, max_range, min_range=min_range)))`, with

@@ -37,6 +37,17 @@ pub struct Path {
     pub cosine: f64,
 }
 
+impl Path {
+    /// Returns how much light comes back, relative to a white wall at a right angle and a distance of 1 m.
+    ///
+    /// It is `reflectivity · cos α / length²` (a Lambertian surface, and the inverse square law), times the share of the light
+    /// that is left on the way there and back. It is 0 inside something.
+    pub fn intensity(&self) -> f64 {
+        let intensity = self.light * self.light * self.material.reflectivity * self.cosine / (self.length * self.length);
+        if intensity.is_finite() { intensity } else { 0.0 }
+    }
+}
+
 /// A surface that a straight part of a path meets.
 struct Meeting<'a> {
     /// Distance from the start of the part \[m\].

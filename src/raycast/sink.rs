@@ -7,6 +7,9 @@ use crate::random::BeamBits;
 ///
 /// Closures are sinks. A type with an `#[inline(always)]` method becomes part of the kernel that calls it.
 pub trait Sink {
+    /// True if it takes intensities, which the scanner computes from where beams end, instead of ranges.
+    const TAKES_INTENSITIES: bool = false;
+
     /// Returns the random bits of the scan whose distances it takes; `None` if its readings have no noise.
     fn bits(&self) -> Option<BeamBits> {
         None
@@ -35,6 +38,26 @@ impl<S: Sink> Sink for InMetres<S> {
     fn take(&mut self, group: usize, distances: &Group) {
         let metres = distances.map(|distance| distance * self.resolution);
         self.sink.take(group, &metres.map(|range| if range < self.max_range { range } else { f64::INFINITY }));
+    }
+}
+
+/// Stores intensities as float32.
+pub struct StoreIntensities<'a> {
+    /// Random bits of the scan, for panes of glass; `None` if beams take the likelier way.
+    pub bits: Option<BeamBits>,
+    pub intensities: &'a mut [f32],
+}
+
+impl Sink for StoreIntensities<'_> {
+    const TAKES_INTENSITIES: bool = true;
+
+    fn bits(&self) -> Option<BeamBits> {
+        self.bits
+    }
+
+    #[inline(always)]
+    fn take(&mut self, group: usize, intensities: &Group) {
+        store(self.intensities, group, intensities);
     }
 }
 

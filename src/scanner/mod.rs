@@ -2,6 +2,7 @@
 
 mod each;
 mod hits;
+mod intensities;
 mod onward;
 mod score;
 mod sinks;
@@ -437,12 +438,12 @@ impl LaserScanner {
     }
 
     /// Casts all beams from each pose, among the obstacles of its world, and sends the ranges of each scan to its own sink.
-    fn cast<'a>(
+    fn cast<'a, S: Sink>(
         &self,
         caster: Caster<'_>,
         grid: &OccupancyGrid,
         scans: impl Iterator<Item = (Pose, World<'a>)> + Clone,
-        sinks: impl Iterator<Item = impl Sink>,
+        sinks: impl Iterator<Item = S>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, options: ScannerOptions { beam_count, max_range, .. }, .. } = self;
         let map_from_fan = |map_from_base: Pose| map_from_base * self.base_from_fan;
@@ -472,7 +473,7 @@ impl LaserScanner {
             let view = views.next().and_then(Option::take);
             let onward = worlds
                 .next()
-                .and_then(|(map_from_base, world)| Onward::in_world(world, map_from_fan(map_from_base), *max_range));
+                .and_then(|(map_from_base, world)| Onward::in_world::<S>(world, map_from_fan(map_from_base), *max_range));
             Beyond { foreground: view, onward, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };

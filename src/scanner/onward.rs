@@ -9,7 +9,7 @@ use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Obstacles, Passing};
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Beam, follow};
+use crate::raycast::{Beam, Path, Sink, follow};
 use crate::surface::Materials;
 use crate::world::World;
 
@@ -25,6 +25,7 @@ pub struct Onward<'a> {
     materials: Option<&'a Materials>,
     max_range: f64,
     scene: Scene<'a>,
+    takes_intensities: bool,
 }
 
 /// Position \[cells\] from which beams spread in the frame of the grid, and the unit vector along its x axis.
@@ -51,29 +52,49 @@ enum Scene<'a> {
 }
 
 impl<'a> Onward<'a> {
-    /// Returns the glass and the mirrors of a world, for a scan in one instant; `None` if there are none.
-    pub fn in_world(World { grid, obstacles, except }: World<'a>, map_from_fan: Pose, max_range: f64) -> Option<Self> {
+    /// Returns the glass and the mirrors of a world, for a scan in one instant that goes to a sink `S`; `None` if there are none,
+    /// and the sink takes ranges.
+    pub fn in_world<S: Sink>(
+        World { grid, obstacles, except }: World<'a>,
+        map_from_fan: Pose,
+        max_range: f64,
+    ) -> Option<Self> {
         let materials = grid.materials().map(|layer| &**layer).filter(|layer| layer.has_ways_on());
-        let is_needed = materials.is_some() || obstacles.lead_on();
+        let takes_intensities = S::TAKES_INTENSITIES;
+        let is_needed = takes_intensities || materials.is_some() || obstacles.lead_on();
         is_needed.then(|| {
             let start = Start::new(grid, map_from_fan);
-            Self { grid, materials, max_range, scene: Scene::Instant { map_from_fan, start, obstacles, except } }
+            Self {
+                grid,
+                materials,
+                max_range,
+                scene: Scene::Instant { map_from_fan, start, obstacles, except },
+                takes_intensities,
+            }
         })
     }
 
     /// Returns the same for a scan that takes time.
-    pub fn passing_by(
+    pub fn passing_by<S: Sink>(
         grid: &'a OccupancyGrid,
         passing: &'a Passing<'a>,
         map_from_fan: &'a [PoseColumns],
         max_range: f64,
     ) -> Option<Self> {
         let materials = grid.materials().map(|layer| &**layer).filter(|layer| layer.has_ways_on());
-        let is_needed = materials.is_some() || passing.lead_on();
-        is_needed.then_some(Self { grid, materials, max_range, scene: Scene::Passing { map_from_fan, passing } })
+        let takes_intensities = S::TAKES_INTENSITIES;
+        let is_needed = takes_intensities || materials.is_some() || passing.lead_on();
+        is_needed.then_some(Self {
+            grid,
+            materials,
+            max_range,
+            scene: Scene::Passing { map_from_fan, passing },
+            takes_intensities,
+        })
     }
 
-    /// Replaces the range \[m\] of each beam of a group that meets glass or a mirror first by the length of its path.
+    /// Replaces the range \[m\] of each beam of a group that meets glass or a mirror first by the length of its path; or each
+    /// range by the intensity, if the sink takes these.
     ///
     /// `to_walls` are the ranges without obstacles, and `bits` the random bits of the scan.
     #[inline(never)]
@@ -88,13 +109,19 @@ impl<'a> Onward<'a> {
         for (slot, range) in ranges.iter_mut().enumerate() {
             // A range of 0 is that of a laser inside something.
             if *range <= 0.0 || *range >= self.max_range {
+                *range = if self.takes_intensities { 0.0 } else { *range };
                 continue;
             }
             let beam = Beam { map_from_fan: self.map_from_fan(group, slot), direction: DVec2::new(cos[slot], sin[slot]) };
+            let number = (group * GROUP + slot) as u64;
+            let path = || self.path(beam, group, slot, bits.map(|bits| bits.stream(number | PANES)));
+            if self.takes_intensities {
+                *range = path().map_or(0.0, |path| path.intensity());
+                continue;
+            }
             let is_wall = *range == to_walls[slot];
             if if is_wall { self.may_lead_on(beam, *range) } else { self.obstacles_lead_on() } {
-                let number = (group * GROUP + slot) as u64;
-                *range = self.path(beam, group, slot, bits.map(|bits| bits.stream(number | PANES)));
+                *range = path().map_or(f64::INFINITY, |path| path.length);
             }
         }
     }
@@ -134,12 +161,12 @@ impl<'a> Onward<'a> {
         }
     }
 
-    /// Returns the length of the path of a beam \[m\], infinite if it has no return.
-    fn path(&self, beam: Beam, group: usize, slot: usize, stream: Option<impl Rng>) -> f64 {
+    /// Returns the path of a beam; `None` if it has no return.
+    fn path(&self, beam: Beam, group: usize, slot: usize, stream: Option<impl Rng>) -> Option<Path> {
         let mut stream = stream;
         // Without noise, a half: the beam takes the likelier way.
         let draw = || stream.as_mut().map_or(0.5, RngExt::random::<f64>);
-        let path = match &self.scene {
+        match &self.scene {
             Scene::Instant { obstacles, except, .. } => {
                 let bodies = obstacles.bodies().iter().enumerate().filter(|(index, _)| Some(*index) != *except);
                 follow(self.grid, &bodies.map(|(_, body)| body), beam, self.max_range, draw)
@@ -148,7 +175,6 @@ impl<'a> Onward<'a> {
                 let bodies = passing.bodies(group, slot);
                 follow(self.grid, &bodies.iter(), beam, self.max_range, draw)
             }
-        };
-        path.map_or(f64::INFINITY, |path| path.length)
+        }
     }
 }

@@ -217,12 +217,12 @@ impl LaserScanner {
     }
 
     /// Casts all beams of some scans and sends the ranges of each scan to its own sink.
-    pub(super) fn cast_sweeps(
+    pub(super) fn cast_sweeps<S: Sink>(
         &self,
         caster: Caster<'_>,
         plan: &Plan<'_>,
         scans: Range<usize>,
-        sinks: impl Iterator<Item = impl Sink>,
+        sinks: impl Iterator<Item = S>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, .. } = self;
         let passing = &plan.passing;
@@ -236,7 +236,7 @@ impl LaserScanner {
             let mut sinks = sinks.map(|sink| {
                 let scan = scans.next();
                 let onward =
-                    scan.and_then(|poses| Onward::passing_by(caster.grid(), passing, poses, self.options.max_range));
+                    scan.and_then(|poses| Onward::passing_by::<S>(caster.grid(), passing, poses, self.options.max_range));
                 let foreground = scan.filter(|_| !passing.is_empty() || slant.is_some());
                 let foreground = foreground.map(|map_from_fan| PassingBy { passing, map_from_fan });
                 Beyond { foreground, onward, slant: slant.as_ref(), cos, sin, sink }

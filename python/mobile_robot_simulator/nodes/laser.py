@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ from ..messages import Header, LaserScan, Quaternion, TFMessage, Time, Transform
 from ..parameters import LaserParameters
 from ..physics.world import Carrier, Passing
 from .interface import Node, Publisher, QoS
-from .laser_messages import scan_message
+from .laser_messages import NO_INTENSITIES, scan_message
 from .map_listener import MapListener, MapListenerSnapshot
 from .scan_truth import ScanTruth
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
@@ -317,15 +318,15 @@ class LaserScannerSimulator(Handle):
         self._prepare(grid)
         stamp_ns = now_ns - round(parameters.laser_scan_duration * NANOSECONDS)
         if stamp_ns == now_ns:
-            ranges = self._measure(grid, map_from_base)
+            ranges, intensities = self._measure(grid, map_from_base)
         elif (first := self._base_pose(stamp_ns)) is not None:
-            ranges = self._measure_over_time(grid, stamp_ns, first, map_from_base)
+            ranges, intensities = self._measure_over_time(grid, stamp_ns, first, map_from_base)
         else:
             return
         self._scan_count += 1
         if self._carrier is not None:
             self._carrier.publish_transforms(now_ns)
-        self._scans.publish_lazily(scan_message, stamp_ns, parameters, self._scanner, ranges)
+        self._scans.publish_lazily(scan_message, stamp_ns, parameters, self._scanner, ranges, intensities)
 
     def _base_pose(self, now_ns: int) -> Pose | None:
         """Returns the pose of the robot's base in the map frame. None if it is unknown."""
@@ -360,21 +361,25 @@ class LaserScannerSimulator(Handle):
             x, y, _ = map_from_laser
             self._node.get_logger().warning(f"the laser is inside a wall, at ({x:.2f}, {y:.2f}): all true ranges are 0")
 
-    def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> Any:
-        """Measures the next scan in one instant. Returns its ranges, (beam_count,) float32 [m]."""
-        return self._scanner.scan_batch(
-            grid,
-            np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]),
-            obstacles=[] if self._carrier is None else self._carrier.surroundings,
-            noise=self._noise,
-            surfaces=self._surfaces,
-            seed=self._parameters.seed,
-            first_index=self._scan_count,
-            threads=1,
-        )[0]
+    def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> tuple[Any, Any]:
+        """Measures the next scan in one instant. Returns its ranges and its intensities, as `_read` does."""
+        poses = np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)])
+        return self._read(grid, poses, [] if self._carrier is None else self._carrier.surroundings)
 
-    def _measure_over_time(self, grid: OccupancyGrid, stamp_ns: int, first: Pose, last: Pose) -> Any:
-        """Measures the next scan, of which beam 0 was taken at a stamp [ns]. Returns its ranges, (beam_count,) float32 [m].
+    def _read(self, grid: OccupancyGrid, poses: Any, obstacles: Sequence[Any]) -> tuple[Any, Any]:
+        """Returns the ranges (beam_count,) float32 [m] of the next scan, and its intensities, which may be empty."""
+        stream = {"seed": self._parameters.seed, "first_index": self._scan_count}
+        noise, surfaces = self._noise, self._surfaces
+        ranges = self._scanner.scan_batch(
+            grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, threads=1, **stream
+        )[0]
+        if not self._parameters.laser_intensities:
+            return ranges, NO_INTENSITIES
+        drawn = {} if noise is None else stream
+        return ranges, self._scanner.intensities(grid, poses, obstacles=obstacles, threads=1, **drawn)[0]
+
+    def _measure_over_time(self, grid: OccupancyGrid, stamp_ns: int, first: Pose, last: Pose) -> tuple[Any, Any]:
+        """Measures the next scan, of which beam 0 was taken at a stamp [ns]. Returns its ranges and its intensities.
 
         A robot in this process knows where it was at the time of each beam. Otherwise the robot has moved on an arc from
         the `first` to the `last` pose.
@@ -388,21 +393,12 @@ class LaserScannerSimulator(Handle):
         else:
             poses = first.trace(first.twist_to(last, duration), times_ns / NANOSECONDS)
         passing: list[Passing] = [] if self._carrier is None else self._carrier.surroundings_at(offsets_ns)
-        ranges = self._scanner.scan_batch(
-            grid,
-            poses[np.newaxis],
-            obstacles=passing,
-            noise=self._noise,
-            surfaces=self._surfaces,
-            seed=self._parameters.seed,
-            first_index=self._scan_count,
-            threads=1,
-        )[0]
+        ranges, intensities = self._read(grid, poses[np.newaxis], passing)
         seed, index = self._parameters.seed, self._scan_count
         self._scan_truth = ScanTruth(
             stamp_ns, times_ns, poses, ranges, grid, self._scanner, self._noise, seed, index, tuple(passing), self._surfaces
         )
-        return ranges
+        return ranges, intensities
 
     @property
     def _noise(self) -> BeamModel | None:

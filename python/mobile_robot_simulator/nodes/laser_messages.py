@@ -16,7 +16,11 @@ NO_INTENSITIES = np.zeros(0, np.float32)
 
 
 def scan_message(
-    stamp_ns: int, parameters: LaserParameters, scanner: LaserScanner, ranges: NDArray[np.float32]
+    stamp_ns: int,
+    parameters: LaserParameters,
+    scanner: LaserScanner,
+    ranges: NDArray[np.float32],
+    intensities: NDArray[np.float32] = NO_INTENSITIES,
 ) -> LaserScan:
     """Returns the message of a scan.
 
@@ -25,6 +29,7 @@ def scan_message(
         parameters: Parameters of the node.
         scanner: Scanner with its mount.
         ranges: (beam_count,) float32, the readings [m], before invalid ones are marked.
+        intensities: (beam_count,) float32, or (0,) for none.
     """
     return LaserScan(
         Header(Time.from_nanoseconds(stamp_ns), parameters.frames["laser_frame_id"]),
@@ -36,7 +41,7 @@ def scan_message(
         range_min=scanner.min_range,
         range_max=_range_max(parameters),
         ranges=scanner.mark_invalid(ranges, no_return=parameters.no_return),
-        intensities=NO_INTENSITIES,
+        intensities=intensities,
     )
 
 
