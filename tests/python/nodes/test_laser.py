@@ -70,8 +70,10 @@ def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0
     parameters = rig.laser.parameters
     noise = None
     if parameters.apply_noise:
-        names = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand")
+        names = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "range_offset", "range_step")
         noise = mrs.BeamModel(**{name: getattr(parameters, name) for name in names})
+        names = ("incidence_sigma", "incidence_limit", "incidence_bias", "correlation")
+        options["surfaces"] = mrs.SurfaceModel(**{name: getattr(parameters, name) for name in names})
     scanner = mrs.LaserScanner(
         fov=parameters.laser_fov,
         beam_count=parameters.laser_beam_count,
@@ -80,7 +82,8 @@ def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0
         mount=options.get("mount", (0.0, 0.0, 0.0)),
     )
     poses = np.array([tuple(pose)])
-    readings = scanner.scan_batch(grid, poses, noise=noise, seed=parameters.seed, first_index=index)[0]
+    surfaces = options.pop("surfaces", None)
+    readings = scanner.scan_batch(grid, poses, noise=noise, surfaces=surfaces, seed=parameters.seed, first_index=index)[0]
     return scanner.mark_invalid(readings, no_return=parameters.no_return)
 
 
@@ -500,6 +503,24 @@ def test_noise_parameters_apply_from_the_next_scan_on(room: mrs.OccupancyGrid) -
     assert rig.scans[0].ranges.tobytes() == before.tobytes()
     assert rig.scans[1].ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), 1).tobytes()
     assert rig.laser.parameters.sigma_hit == 0.5
+
+
+def test_the_surfaces_that_beams_meet_change_the_scans(room: mrs.OccupancyGrid) -> None:
+    surfaces = {"incidence_sigma": 1.0, "incidence_bias": 0.1, "correlation": 0.5}
+    rig = Rig(room, apply_noise=True, seed=NOISE_SEED, range_offset=0.05, range_step=0.01, **surfaces)
+    rig.link("map", "base_link", (1.0, 2.0, 0.5))
+    rig.run_to(0.1)
+    before = expected_ranges(rig, room, (1.0, 2.0, 0.5), 0)
+    rig.laser.set_noise_params(incidence_bias=0.3)
+    rig.run_to(0.2)
+    assert rig.scans[0].ranges.tobytes() == before.tobytes()
+    assert rig.scans[1].ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), 1).tobytes()
+    rig.laser.set_noise_params(**dict.fromkeys(surfaces, 0.0))
+    rig.run_to(0.3)
+    assert rig.scans[2].ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), 2).tobytes()
+    rig.laser.set_noise_params(apply_noise=False)
+    rig.run_to(0.4)
+    assert rig.scans[3].ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), 3).tobytes()
 
 
 @pytest.mark.parametrize(
