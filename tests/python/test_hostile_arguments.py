@@ -195,7 +195,7 @@ def good() -> dict[str, Any]:
         "occupied_threshold": 50,
         "unknown": "free",
         "materials": np.zeros((1, 1), np.uint8),
-        **dict.fromkeys(("material_table", "table"), ("wall", mrs.Material("glass"))),
+        **{key: ["wall", mrs.Material("glass")] for key in ("material_table", "table")},
         **dict.fromkeys(("material", "kind"), "glass"),
         **dict.fromkeys(("reflectivity", "return_chance", "return_angle"), 0.5),
         "obstacles": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
