@@ -7,7 +7,6 @@ use super::path::{Kinematics, Path};
 use crate::error::Error;
 use crate::pose::Pose;
 use crate::shape::{Shape, edges};
-use crate::world::World;
 
 /// A footprint that a contact stops is at most this far \[m\] from the wall or obstacle, and does not overlap it.
 pub const TOLERANCE: f64 = 1e-6;
@@ -141,11 +140,13 @@ impl Footprint {
     /// footprint advances by the smallest such time of all sides and pieces, and repeats this until the gap is within the
     /// tolerance. Every step covers at least half of the tolerance at top speed, so the search ends.
     ///
+    /// `blockers` are those of the world; which of them are gathered before does not matter.
+    ///
     /// # Errors
     /// [`Failure`] tells which there are.
-    pub fn first_contact(&mut self, world: World<'_>, path: Path, duration: f64) -> Result<Option<Hit>, Failure> {
+    pub fn first_contact(&mut self, blockers: &mut Blockers<'_>, path: Path, duration: f64) -> Result<Option<Hit>, Failure> {
         let top_speed = path.top_speed(self.reach);
-        let stride = self.reach.max(4.0 * world.grid.resolution()).min(MAX_STRIDE);
+        let stride = self.reach.max(4.0 * blockers.world().grid.resolution()).min(MAX_STRIDE);
         let turn = path.twist().angular.abs();
         let sections = (top_speed * duration / stride).max(turn * duration / MAX_SECTION_TURN).ceil().max(1.0);
         if sections.is_nan() || sections > MAX_SECTIONS {
@@ -154,13 +155,12 @@ impl Footprint {
         if top_speed == 0.0 {
             return Ok(None);
         }
-        let mut blockers = Blockers::none(world);
         for section in 0..sections as u32 {
             let (start, end) = (duration * f64::from(section) / sections, duration * f64::from(section + 1) / sections);
             let travel = path.twist().linear.length() * (end - start);
             let reach = self.reach + travel + TOLERANCE;
             blockers.gather(path.pose_at(start).position, reach).map_err(Failure::Memory)?;
-            if let Some(hit) = self.contact_between(start, end, path, &blockers) {
+            if let Some(hit) = self.contact_between(start, end, path, blockers) {
                 return Ok(Some(hit));
             }
         }

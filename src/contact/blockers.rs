@@ -11,6 +11,9 @@ use crate::obstacles::Body;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
+/// Name of the pieces in an error.
+const NEAR: &str = "the walls and obstacles near a footprint";
+
 /// A convex piece of the world, in the frame of the grid \[m\].
 #[derive(Debug, Clone, Copy)]
 pub enum Piece {
@@ -30,13 +33,25 @@ pub struct Blocker {
 /// The pieces of a world within some distance of a point.
 pub struct Blockers<'a> {
     world: World<'a>,
+    /// The pieces: first those of the grid.
     near: Vec<Blocker>,
+    /// Columns and rows of the cells whose edges are in `near`, and the number of these edges; `None` if there are none yet.
+    window: Option<(Range<usize>, Range<usize>, usize)>,
+    /// Which cells of the window and of a border around it block, row by row.
+    blocks: Vec<bool>,
+    /// For each column of the window and the next one, whether it has an edge on its left side.
+    has_edge: Vec<bool>,
 }
 
 impl<'a> Blockers<'a> {
     /// Returns no pieces yet.
     pub fn none(world: World<'a>) -> Self {
-        Self { world, near: Vec::new() }
+        Self { world, near: Vec::new(), window: None, blocks: Vec::new(), has_edge: Vec::new() }
+    }
+
+    /// Returns the world that the pieces belong to.
+    pub fn world(&self) -> World<'a> {
+        self.world
     }
 
     /// Returns the pieces within `radius` \[m\] of a point in the frame of the grid.
@@ -67,13 +82,22 @@ impl<'a> Blockers<'a> {
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
     pub fn gather(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
-        self.near.clear();
-        self.gather_cells(center, radius)?;
+        let grid = self.world.grid;
+        let (cols, rows) = grid.cells_between(grid.in_cells(center - radius), grid.in_cells(center + radius));
+        match &self.window {
+            Some((same_cols, same_rows, count)) if (same_cols, same_rows) == (&cols, &rows) => self.near.truncate(*count),
+            _ => {
+                self.window = None;
+                self.near.clear();
+                self.gather_cells(cols.clone(), rows.clone())?;
+                self.window = Some((cols, rows, self.near.len()));
+            }
+        }
         self.gather_obstacles(center, radius)
     }
 
     fn add(&mut self, piece: Piece, obstacle: Option<usize>) -> Result<(), Error> {
-        memory::push("the walls and obstacles near a footprint", &mut self.near, Blocker { piece, obstacle })
+        memory::push(NEAR, &mut self.near, Blocker { piece, obstacle })
     }
 
     /// Iterates over the pieces.
@@ -93,28 +117,49 @@ impl<'a> Blockers<'a> {
     ///       |///|                    |///|
     ///       +---+                    +---+
     /// ```
-    fn gather_cells(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
+    fn gather_cells(&mut self, cols: Range<usize>, rows: Range<usize>) -> Result<(), Error> {
         let grid = self.world.grid;
-        let (low, high) = (grid.in_cells(center - radius), grid.in_cells(center + radius));
-        let (cols, rows) = grid.cells_between(low, high);
         if !rows.clone().any(|row| grid.has_blocking(row, cols.clone())) {
             return Ok(());
         }
-        let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
         let corner = |col: usize, row: usize| grid.corner(Cell { col, row });
-        // Most rows and columns have no edges. To find those that have takes far less time than to look for runs in all.
-        for row in (rows.start..=rows.end).filter(|&row| grid.has_edge_below(row, cols.clone())) {
-            let is_edge = |col| blocks(col, row.wrapping_sub(1)) != blocks(col, row);
-            for run in runs(cols.clone(), is_edge) {
-                self.add(Piece::Edge(corner(run.start, row), corner(run.end, row)), None)?;
+        // The window with a border of one cell on each side; cells off the grid are free.
+        let width = cols.len() + 2;
+        self.blocks.clear();
+        self.has_edge.clear();
+        memory::lengthen(NEAR, &mut self.blocks, width * (rows.len() + 2), false)?;
+        memory::lengthen(NEAR, &mut self.has_edge, width - 1, false)?;
+        let (first_col, first_row) = (cols.start.saturating_sub(1), rows.start.saturating_sub(1));
+        for row in first_row..(rows.end + 1).min(grid.height()) {
+            let line = &mut self.blocks[(row + 1 - rows.start) * width..][..width];
+            grid.copy_blocking(row, first_col..(cols.end + 1).min(grid.width()), &mut line[first_col + 1 - cols.start..]);
+            if rows.contains(&row) {
+                for (has_edge, pair) in self.has_edge.iter_mut().zip(line.windows(2)) {
+                    *has_edge |= pair[0] != pair[1];
+                }
             }
         }
-        let mut has_edge = memory::filled("the columns near a footprint", false, cols.len() + 1)?;
-        rows.clone().for_each(|row| grid.mark_edges_on_left(row, cols.clone(), &mut has_edge));
-        for col in (cols.start..=cols.end).filter(|&col| has_edge[col - cols.start]) {
-            let is_edge = |row| blocks(col.wrapping_sub(1), row) != blocks(col, row);
-            for run in runs(rows.clone(), is_edge) {
-                self.add(Piece::Edge(corner(col, run.start), corner(col, run.end)), None)?;
+        let add = |near: &mut Vec<Blocker>, start, end| {
+            memory::push(NEAR, near, Blocker { piece: Piece::Edge(start, end), obstacle: None })
+        };
+        let mut lines = self.blocks.chunks_exact(width).map(|line| &line[1..width - 1]);
+        let mut below = lines.next().unwrap_or_default();
+        for (row, line) in (rows.start..).zip(lines) {
+            if below != line {
+                for run in runs(0..cols.len(), |col| below[col] != line[col]) {
+                    add(&mut self.near, corner(cols.start + run.start, row), corner(cols.start + run.end, row))?;
+                }
+            }
+            below = line;
+        }
+        for (left, _) in self.has_edge.iter().enumerate().filter(|(_, has_edge)| **has_edge) {
+            let is_edge = |row: usize| {
+                let at = (row + 1) * width + left;
+                self.blocks[at] != self.blocks[at + 1]
+            };
+            for run in runs(0..rows.len(), is_edge) {
+                let col = cols.start + left;
+                add(&mut self.near, corner(col, rows.start + run.start), corner(col, rows.start + run.end))?;
             }
         }
         Ok(())
@@ -122,6 +167,9 @@ impl<'a> Blockers<'a> {
 
     /// Adds the outlines of the obstacles whose bounding circle is near.
     fn gather_obstacles(&mut self, center: DVec2, radius: f64) -> Result<(), Error> {
+        if self.world.obstacles.is_empty() {
+            return Ok(());
+        }
         let grid_from_map = self.world.grid.options().origin.inverse();
         let (sin, cos) = libm::sincos(grid_from_map.yaw);
         let to_grid = |point: DVec2| grid_from_map.position + DVec2::new(cos, sin).rotate(point);
@@ -247,72 +295,70 @@ fn runs(within: Range<usize>, holds: impl Fn(usize) -> bool) -> impl Iterator<It
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
-    use rand::RngExt;
-
     use super::*;
-    use crate::grid::{GridOptions, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
+    use crate::grid::{GridOptions, OccupancyGrid, Unknown};
+    use crate::obstacles::Obstacles;
     use crate::pose::Pose;
     use crate::random;
+    use crate::shape::Shape;
+    use rand::RngExt;
 
-    /// The sides of length 1 that an edge consists of, as (col, row, whether it is upright).
-    fn unit_sides(blocker: &Blocker) -> Vec<(usize, usize, bool)> {
-        let Piece::Edge(start, end) = blocker.piece else { panic!("a grid has edges only") };
-        let length = (end - start).length();
-        assert!(start.x == end.x || start.y == end.y, "{start} {end}");
-        assert_eq!(length, length.round());
-        let is_upright = start.x == end.x;
-        let (col, row) = (start.x as usize, start.y as usize);
-        let side = |step: usize| if is_upright { (col, row + step, true) } else { (col + step, row, false) };
-        (0..length as usize).map(side).collect()
+    /// Edges between a blocking and a free cell of a window, from a look at each pair of cells.
+    fn plain_edges(grid: &OccupancyGrid, cols: Range<usize>, rows: Range<usize>) -> Vec<(DVec2, DVec2)> {
+        let blocks = |col: usize, row: usize| {
+            col < grid.width() && row < grid.height() && grid.block_at(DVec2::new(col as f64 + 0.5, row as f64 + 0.5))
+        };
+        let corner = |col: usize, row: usize| grid.corner(Cell { col, row });
+        let mut edges = Vec::new();
+        if !rows.clone().any(|row| cols.clone().any(|col| blocks(col, row))) {
+            return edges;
+        }
+        for row in rows.start..=rows.end {
+            let is_edge = |col: usize| blocks(col, row.wrapping_sub(1)) != blocks(col, row);
+            edges.extend(runs(cols.clone(), is_edge).map(|run| (corner(run.start, row), corner(run.end, row))));
+        }
+        for col in cols.start..=cols.end {
+            let is_edge = |row: usize| blocks(col.wrapping_sub(1), row) != blocks(col, row);
+            edges.extend(runs(rows.clone(), is_edge).map(|run| (corner(col, run.start), corner(col, run.end))));
+        }
+        edges
     }
 
     #[test]
-    fn edges_are_the_sides_between_blocking_and_free_cells() {
-        let mut stream = random::stream(6, 0);
-        for (width, height, share) in
-            [(1, 1, 1.0), (1, 9, 0.5), (9, 1, 0.5), (70, 40, 0.02), (40, 70, 0.3), (50, 50, 0.9), (20, 20, 0.0)]
-        {
-            // -1 is unknown and blocks here, as 60 does; 59 does not.
-            let value = |number: f64| if number > share { 59 } else { [-1, 60, 100][(1e6 * number) as usize % 3] };
-            let cells: Vec<i8> = (0..width * height).map(|_| value(stream.random())).collect();
-            let options = GridOptions {
-                resolution: 1.0,
-                origin: Pose::default(),
-                occupied_threshold: OCCUPIED_THRESHOLD,
-                unknown: Unknown::Occupied,
-            };
-            let grid = OccupancyGrid::new(cells, width, options).expect("a good grid");
-            let blocks = |col: usize, row: usize| grid.blocks(Cell { col, row });
-            for _ in 0..100 {
-                let center = DVec2::new(stream.random(), stream.random()) * DVec2::new(width as f64, height as f64);
-                let radius = stream.random_range(0.1..1.2 * width.max(height) as f64);
-                let found = Blockers::around((&grid).into(), center, radius).expect("enough memory");
-                let (cols, rows) = grid.cells_between(center - radius, center + radius);
-                let mut expected = BTreeSet::new();
-                if rows.clone().any(|row| cols.clone().any(|col| blocks(col, row))) {
-                    for row in rows.start..=rows.end {
-                        for col in cols.start..=cols.end {
-                            if col < cols.end && blocks(col, row) != blocks(col, row.wrapping_sub(1)) {
-                                expected.insert((col, row, false));
-                            }
-                            if row < rows.end && blocks(col, row) != blocks(col.wrapping_sub(1), row) {
-                                expected.insert((col, row, true));
-                            }
-                        }
-                    }
+    fn the_pieces_are_the_edges_of_the_cells_however_often_they_are_gathered() {
+        let mut stream = random::stream(5, 0);
+        let mut found = 0;
+        for (width, height, share) in [(1, 1, 1.0), (1, 9, 0.3), (9, 1, 0.3), (23, 31, 0.02), (23, 31, 0.3), (12, 40, 0.9)] {
+            let cells = (0..width * height).map(|_| if stream.random::<f64>() < share { 100 } else { 0 }).collect();
+            let origin = Pose::default();
+            let options = GridOptions { resolution: 0.5, origin, occupied_threshold: 60, unknown: Unknown::Free };
+            let grid = OccupancyGrid::new(cells, width, options).unwrap();
+            let (disc, square) = (Shape::disc(0.4).unwrap(), Shape::rectangle(1.0, 1.0).unwrap());
+            let obstacles = [(&disc, Pose::new(0.5, 0.5, 0.0)), (&square, Pose::new(3.0, 2.0, 0.3))];
+            let obstacles = Obstacles::new(obstacles).unwrap();
+            let world = World::from((&grid, &obstacles));
+            let mut kept = Blockers::none(world);
+            let mut center = DVec2::ZERO;
+            for turn in 0..600 {
+                // Now and then the same window again.
+                if turn % 3 > 0 {
+                    let size = 0.5 * DVec2::new(width as f64, height as f64);
+                    center = size * DVec2::new(stream.random(), stream.random()) * 1.4 - 0.2 * size;
                 }
-                let sides: Vec<_> = found.iter().flat_map(unit_sides).collect();
-                assert_eq!(sides.len(), expected.len(), "{center} {radius}");
-                assert_eq!(sides.into_iter().collect::<BTreeSet<_>>(), expected, "{center} {radius}");
-                // Neighbouring edges in a straight line are one edge.
-                let starts: Vec<_> =
-                    found.iter().map(|blocker| (blocker.piece.ends().0, unit_sides(blocker)[0].2)).collect();
-                for blocker in found.iter() {
-                    assert!(!starts.contains(&(blocker.piece.ends().1, unit_sides(blocker)[0].2)), "{center} {radius}");
-                }
+                let radius = [0.1, 0.8, 3.0][stream.random_range(0..3)];
+                kept.gather(center, radius).unwrap();
+                let (cols, rows) = grid.cells_between(grid.in_cells(center - radius), grid.in_cells(center + radius));
+                let listed = |blockers: &Blockers<'_>| -> Vec<_> {
+                    blockers.iter().map(|blocker| (blocker.piece.ends(), blocker.obstacle)).collect()
+                };
+                let pieces = listed(&kept);
+                assert_eq!(pieces, listed(&Blockers::around(world, center, radius).unwrap()));
+                let edges: Vec<_> =
+                    pieces.iter().filter(|(_, obstacle)| obstacle.is_none()).map(|(ends, _)| *ends).collect();
+                assert_eq!(edges, plain_edges(&grid, cols, rows), "{width} {height} {center} {radius}");
+                found += edges.len();
             }
         }
+        assert!(found > 10_000, "{found}");
     }
 }

@@ -105,7 +105,8 @@ pub fn stays_clear<'a>(
     const LIMIT: f64 = 100.0;
     let world = world.into();
     let center = world.grid.pose_in_grid(pose.checked()?).position;
-    let radius = footprint.reach() + MARGIN + top_speed(twists) * duration;
+    // A time step follows an arc between two poses of the path, which may be longer than the path, but not twice as long.
+    let radius = footprint.reach() + MARGIN + 2.0 * top_speed(twists) * duration;
     Ok(radius <= LIMIT * world.grid.resolution() && Blockers::is_empty_around(world, center, radius))
 }
 
@@ -113,10 +114,9 @@ pub fn stays_clear<'a>(
 /// contact.
 pub(crate) const MARGIN: f64 = 1e-3;
 
-/// Returns a speed \[m/s\] that a robot does not exceed whose velocity is between `twists`, also if it is moved in time steps.
+/// Returns a speed \[m/s\] that a robot does not exceed whose velocity is between `twists`.
 pub(crate) fn top_speed([before, after]: [Twist; 2]) -> f64 {
-    // A time step follows an arc between two poses of the path, which may be longer than the path, but not twice as long.
-    2.0 * before.linear.abs().max(after.linear.abs()).length()
+    before.linear.abs().max(after.linear.abs()).length()
 }
 
 /// Returns the distance \[m\] between a footprint at a pose and the nearest blocking cell or obstacle.
@@ -255,46 +255,80 @@ pub fn advance<'a>(
     dt: f64,
     mode: ContactMode,
 ) -> Result<(Pose, Option<Contact>), Error> {
-    let world = world.into();
-    pose.checked()?;
-    twist.checked()?;
-    check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
-    let free = integrate(pose, twist, dt).checked()?;
-    let start = world.grid.pose_in_grid(pose);
-    let mut footprint = Footprint::new(footprint);
-    let mut blockers = Blockers::around(world, start.position, footprint.reach())?;
-    let overlap = if footprint.overlaps(start, &blockers) {
-        let Some(shrunk) = shrink(&mut footprint, start, &mut blockers) else {
-            return Ok((free, Some(inside(pose, blockers.obstacle_at(start.position)))));
+    Search::new(world.into(), footprint).advance(pose, twist, dt, mode)
+}
+
+/// A search for contacts of a footprint in one world. It keeps the walls that it has found for the next path nearby.
+pub(crate) struct Search<'a> {
+    footprint: Footprint,
+    /// Pieces around the start of a path.
+    at_start: Blockers<'a>,
+    /// Pieces around a section of a path.
+    on_path: Blockers<'a>,
+}
+
+impl<'a> Search<'a> {
+    /// Returns a search that has found nothing yet.
+    pub fn new(world: World<'a>, footprint: &Shape) -> Self {
+        let blockers = || Blockers::none(world);
+        Self { footprint: Footprint::new(footprint), at_start: blockers(), on_path: blockers() }
+    }
+
+    /// Does what the function [`advance`] does.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn advance(
+        &mut self,
+        pose: Pose,
+        twist: Twist,
+        dt: f64,
+        mode: ContactMode,
+    ) -> Result<(Pose, Option<Contact>), Error> {
+        let Self { footprint, at_start, on_path } = self;
+        let world = at_start.world();
+        pose.checked()?;
+        twist.checked()?;
+        check_number("dt", dt, "at least 0", |value| value >= 0.0)?;
+        let free = integrate(pose, twist, dt).checked()?;
+        let start = world.grid.pose_in_grid(pose);
+        at_start.gather(start.position, footprint.reach())?;
+        let mut shrunk = None;
+        let overlap = if footprint.overlaps(start, at_start) {
+            shrunk = shrink(footprint, start, at_start);
+            let Some(shrunk) = &mut shrunk else {
+                return Ok((free, Some(inside(pose, at_start.obstacle_at(start.position)))));
+            };
+            shrunk.nearest(start, at_start).map(|hit| contact(world, &hit, 0.0))
+        } else {
+            None
         };
-        footprint = shrunk;
-        footprint.nearest(start, &blockers).map(|hit| contact(world, &hit, 0.0))
-    } else {
-        None
-    };
-    // From here on the unit of time is the step, so that no velocity is larger than the way driven.
-    let path = Path::Arc(start, Twist { linear: twist.linear * dt, angular: twist.angular * dt });
-    let in_words = |failure| match failure {
-        Failure::Memory(error) => error,
-        Failure::TooLong => {
-            let needed = "short enough for a motion of less than 100000 times the footprint";
-            Error::Number { name: "dt", value: dt, needed }
-        }
-    };
-    let Some(hit) = footprint.first_contact(world, path, 1.0).map_err(in_words)? else { return Ok((free, overlap)) };
-    let first = overlap.unwrap_or_else(|| contact(world, &hit, hit.time));
-    let pose = match mode {
-        ContactMode::Stop => integrate(pose, twist, hit.time * dt),
-        ContactMode::Slide => {
-            world.grid.options().origin * slide::slide(&mut footprint, world, path, hit, 1.0).map_err(in_words)?
-        }
-        ContactMode::Report => free,
-    };
-    Ok((pose, Some(first)))
+        let footprint = shrunk.as_mut().unwrap_or(footprint);
+        // From here on the unit of time is the step, so that no velocity is larger than the way driven.
+        let path = Path::Arc(start, Twist { linear: twist.linear * dt, angular: twist.angular * dt });
+        let in_words = |failure| match failure {
+            Failure::Memory(error) => error,
+            Failure::TooLong => {
+                let needed = "short enough for a motion of less than 100000 times the footprint";
+                Error::Number { name: "dt", value: dt, needed }
+            }
+        };
+        let hit = footprint.first_contact(on_path, path, 1.0).map_err(in_words)?;
+        let Some(hit) = hit else { return Ok((free, overlap)) };
+        let first = overlap.unwrap_or_else(|| contact(world, &hit, hit.time));
+        let pose = match mode {
+            ContactMode::Stop => integrate(pose, twist, hit.time * dt),
+            ContactMode::Slide => {
+                world.grid.options().origin * slide::slide(footprint, on_path, path, hit, 1.0).map_err(in_words)?
+            }
+            ContactMode::Report => free,
+        };
+        Ok((pose, Some(first)))
+    }
 }
 
 /// Returns the largest scaled-down copy of a footprint that overlaps nothing; `None` if its origin is inside something.
-fn shrink(footprint: &mut Footprint, pose: Pose, blockers: &mut Blockers<'_>) -> Option<Footprint> {
+fn shrink(footprint: &Footprint, pose: Pose, blockers: &Blockers<'_>) -> Option<Footprint> {
     if blockers.holds(pose.position) {
         return None;
     }
@@ -319,4 +353,44 @@ fn contact(world: World<'_>, hit: &Hit, fraction: f64) -> Contact {
 /// Returns the contact of a robot whose origin is inside a blocking cell or an obstacle.
 fn inside(pose: Pose, obstacle: Option<usize>) -> Contact {
     Contact { point: pose.position, normal: DVec2::ZERO, fraction: 0.0, obstacle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::{GridOptions, OccupancyGrid, Unknown};
+    use crate::obstacles::Obstacles;
+    use crate::random;
+    use rand::RngExt;
+
+    #[test]
+    fn a_search_that_goes_on_finds_what_a_new_one_finds() {
+        let mut stream = random::stream(6, 0);
+        let mut between = |low: f64, high: f64| low + (high - low) * stream.random::<f64>();
+        let cells = (0..30 * 30).map(|_| if between(0.0, 1.0) < 0.08 { 100 } else { 0 }).collect();
+        let origin = Pose::new(1.0, -2.0, 0.4);
+        let options = GridOptions { resolution: 0.25, origin, occupied_threshold: 60, unknown: Unknown::Free };
+        let grid = OccupancyGrid::new(cells, 30, options).unwrap();
+        let pillar = Shape::disc(0.2).unwrap();
+        let pillars = Obstacles::new([(&pillar, Pose::new(3.0, 2.0, 0.0)), (&pillar, Pose::new(4.0, 3.0, 0.0))]).unwrap();
+        let (mut free, mut met) = (0, 0);
+        for footprint in [Shape::disc(0.15).unwrap(), Shape::rectangle(0.4, 0.25).unwrap()] {
+            for mode in [ContactMode::Stop, ContactMode::Slide, ContactMode::Report] {
+                let world = World::from((&grid, &pillars));
+                let mut search = Search::new(world, &footprint);
+                let mut pose = origin * Pose::new(3.0, 3.0, 0.0);
+                for turn in 0..400 {
+                    if turn % 20 == 0 {
+                        pose = origin * Pose::new(between(0.0, 7.5), between(0.0, 7.5), between(-3.0, 3.0));
+                    }
+                    let twist = Twist::from([between(-0.5, 1.0), between(-0.3, 0.3), between(-2.0, 2.0)]);
+                    let found = search.advance(pose, twist, 0.1, mode).unwrap();
+                    assert_eq!(found, advance(world, &footprint, pose, twist, 0.1, mode).unwrap());
+                    pose = found.0;
+                    *if found.1.is_some() { &mut met } else { &mut free } += 1;
+                }
+            }
+        }
+        assert!(met > 300 && free > 300, "{met} {free}");
+    }
 }

@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::approach::{Failure, Footprint, Hit};
+use super::blockers::Blockers;
 use super::path::Path;
 use crate::motion::Twist;
 use crate::pose::{Pose, rotate};
-use crate::world::World;
 
 /// Largest number of contacts handled in one step. After one more the footprint stands still for the rest of the step.
 const MAX_CONTACTS: usize = 8;
@@ -17,13 +17,19 @@ const MAX_CONTACTS: usize = 8;
 ///
 /// # Errors
 /// That of [`Footprint::first_contact`].
-pub fn slide(footprint: &mut Footprint, world: World<'_>, path: Path, first: Hit, duration: f64) -> Result<Pose, Failure> {
+pub fn slide(
+    footprint: &mut Footprint,
+    blockers: &mut Blockers<'_>,
+    path: Path,
+    first: Hit,
+    duration: f64,
+) -> Result<Pose, Failure> {
     let mut pose = path.pose_at(first.time);
     let wanted = Twist { linear: rotate(path.twist().linear, pose.yaw), angular: path.twist().angular };
     let (mut hits, mut elapsed) = (vec![first], first.time);
     while hits.len() <= MAX_CONTACTS {
         let line = Path::Line(pose, allowed_twist(wanted, &hits));
-        let Some(hit) = footprint.first_contact(world, line, duration - elapsed)? else {
+        let Some(hit) = footprint.first_contact(blockers, line, duration - elapsed)? else {
             return Ok(line.pose_at(duration - elapsed));
         };
         pose = line.pose_at(hit.time);

@@ -407,7 +407,8 @@ impl Fleet {
         for_each_heavy_chunk_watched(&watch, threads, &mut crowds, weight, CHUNK, |_, crowds| {
             for (world, members) in crowds {
                 let scene = scene_of(world, members);
-                scene.step(members, |robot| Some(Command::of(commands, robot)), duration_ns)?;
+                scene.step(members, |robot| Some(Command::of(commands, robot)), duration_ns, &mut None)?;
+                scene.look(members)?;
                 scene.measure_clearance(members)?;
             }
             Ok(())

@@ -5,7 +5,7 @@
 
 use super::command::Command;
 use super::words::{Reader, Writer};
-use crate::contact::{Contact, ContactMode, MARGIN, advance, top_speed};
+use crate::contact::{Contact, ContactMode, MARGIN, Search, top_speed};
 use crate::error::Error;
 use crate::free_area::Distances;
 use crate::grid::Cell;
@@ -207,13 +207,18 @@ impl Robot {
 
     /// Moves the robot towards a time \[ns\] without a look for contact, as long as it can meet no wall and no obstacle.
     ///
-    /// `map_pose` is its pose now, `distances` are those of the grid. It ends at `end_ns` or at a multiple of [`STEP_NS`].
-    pub fn skip(&mut self, end_ns: i64, map_pose: Pose, body: Body<'_>, world: World<'_>, distances: &Distances) {
-        let (Some(footprint), false) = (body.footprint, self.is_blocked) else { return };
-        let at = world.grid.to_cells(map_pose.position);
-        let Some(Cell { col, row }) = world.grid.cell_around(at) else { return };
+    /// `distances` are those of the grid. It ends at `end_ns` or at a multiple of [`STEP_NS`].
+    ///
+    /// # Errors
+    /// [`Error::Number`]: the pose is not finite.
+    pub fn skip(&mut self, end_ns: i64, body: Body<'_>, world: World<'_>, distances: &Distances) -> Result<(), Error> {
+        let (Some(footprint), false) = (body.footprint, self.is_blocked) else { return Ok(()) };
+        let position = self.map_pose(body)?.position;
+        let at = world.grid.to_cells(position);
+        let Some(Cell { col, row }) = world.grid.cell_around(at) else { return Ok(()) };
         let speed = top_speed([self.profile.velocity, self.profile.command]);
-        let reach = footprint.reach() + MARGIN;
+        // In each time step a robot follows an arc between two poses of its path, which is less than twice as long as the path.
+        let reach = footprint.reach() + MARGIN + speed * seconds(STEP_NS);
         let needed = reach + speed * seconds(end_ns - self.time_ns);
         let resolution = world.grid.resolution();
         let to_walls = if distances.is_clear(col, row, needed / resolution) {
@@ -223,7 +228,7 @@ impl Robot {
         };
         let free = world.obstacles.bodies().iter().fold(to_walls, |free, body| {
             let (middle, reach) = body.bounds();
-            free.min(middle.distance(map_pose.position) - reach)
+            free.min(middle.distance(position) - reach)
         });
         let free_ns = if free < needed {
             let safe_ns = self.time_ns + nanoseconds(((free - reach) / speed).max(0.0));
@@ -234,6 +239,7 @@ impl Robot {
         if free_ns > self.time_ns {
             (self.time_ns, self.reached, self.here) = (free_ns, None, None);
         }
+        Ok(())
     }
 
     /// Returns the velocity in the robot's own frame now.
@@ -309,12 +315,19 @@ impl Robot {
 
     /// Moves the robot to a time \[ns\] at most [`STEP_NS`] after the present. Returns its first contact on the way.
     ///
+    /// `search` looks for contacts of the body in the world of the robot; `None` if it touches nothing.
+    ///
     /// # Errors
     /// - [`Error::Number`]: a pose is not finite, or the robot is far too fast.
     /// - [`Error::Memory`]: there is not enough memory.
-    pub fn advance(&mut self, end_ns: i64, body: Body<'_>, world: World<'_>) -> Result<Option<Contact>, Error> {
+    pub fn advance(
+        &mut self,
+        end_ns: i64,
+        body: Body<'_>,
+        search: Option<&mut Search<'_>>,
+    ) -> Result<Option<Contact>, Error> {
         let start_ns = self.time_ns;
-        let Some(footprint) = body.footprint else {
+        let Some(search) = search else {
             self.pass(end_ns);
             return Ok(None);
         };
@@ -323,7 +336,7 @@ impl Robot {
         (self.here, self.stuck) = (None, None);
         let duration = seconds(end_ns - start_ns);
         let twist = self.twist(&profile, start, (start_ns, end_ns), body)?;
-        let (reached, contact) = advance(world, footprint, start, twist, duration, body.mode)?;
+        let (reached, contact) = search.advance(start, twist, duration, body.mode)?;
         self.time_ns = end_ns;
         if let Some(contact) = contact {
             self.reached = Some(reached);

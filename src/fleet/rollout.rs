@@ -1,6 +1,7 @@
 //! Rollouts: what would happen to one robot under many sequences of commands.
 
 use super::command::Command;
+use super::member::Member;
 use super::{Fleet, ROBOTS, check_duration, scene};
 use crate::batch::for_each_heavy_chunk_watched;
 use crate::error::Error;
@@ -62,17 +63,18 @@ impl Fleet {
         let world = &self.worlds.all[number];
         let (present, own) = (&self.members[world.robots.clone()], place - world.robots.start);
         let scene = scene(&self.grids, &distances, &self.options, &self.worlds, world, present[own].grid, &watch);
-        let weight = WEIGHT * steps * present.len();
+        let (body, weight) = (self.options.body(robot), WEIGHT * steps * present.len());
         for_each_heavy_chunk_watched(&watch, threads, rollouts, weight, CHUNK, |chunk, rollouts| {
-            let mut members = memory::with_room(ROBOTS, present.len())?;
+            let (mut members, mut search) = (memory::with_room(ROBOTS, present.len())?, None);
             for (number, Rollout { poses, contacts }) in (chunk * CHUNK..).zip(rollouts) {
                 members.clear();
                 members.extend_from_slice(present);
                 let rows = number * steps..(number + 1) * steps;
                 for ((row, pose), contact) in rows.zip(&mut **poses).zip(&mut **contacts) {
                     let command = |other| (other == robot).then(|| Command::of(commands, row));
-                    scene.step(&mut members, command, duration_ns)?;
-                    (*pose, *contact) = (members[own].pose.to_array(), members[own].touch.is_some());
+                    scene.step(&mut members, command, duration_ns, &mut search)?;
+                    let Member { robot: moved, touch, .. } = &mut members[own];
+                    (*pose, *contact) = (moved.map_pose(body)?.wrapped().to_array(), touch.is_some());
                 }
             }
             Ok(())

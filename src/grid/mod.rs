@@ -426,11 +426,6 @@ impl OccupancyGrid {
         self.cell_around(at).is_some_and(|cell| self.is_blocking(cell))
     }
 
-    /// Returns true if a cell is on the grid and blocks beams and robots.
-    pub(crate) fn blocks(&self, Cell { col, row }: Cell) -> bool {
-        col < self.width && row < self.height && self.options.blocks(self.cells[row * self.width + col])
-    }
-
     /// Returns true if a cell, given by its place among all cells, blocks beams and robots.
     #[inline(always)]
     pub(crate) fn blocks_at(&self, place: usize) -> bool {
@@ -439,40 +434,15 @@ impl OccupancyGrid {
 
     /// Returns true if one of these cells of a row blocks beams and robots.
     pub(crate) fn has_blocking(&self, row: usize, cols: Range<usize>) -> bool {
-        self.any_blocks(&self.cells[row * self.width..][cols])
-    }
-
-    /// Returns true if one of these cells of a row and the cell below it differ in whether they block. Cells off the grid do
-    /// not block.
-    pub(crate) fn has_edge_below(&self, row: usize, cols: Range<usize>) -> bool {
-        let cells_of = |row: usize| (row < self.height).then(|| &self.cells[row * self.width..][cols.clone()]);
-        match (row.checked_sub(1).and_then(cells_of), cells_of(row)) {
-            (Some(below), Some(above)) => below
-                .iter()
-                .zip(above)
-                .fold(false, |found, (&below, &above)| found | (self.options.blocks(below) != self.options.blocks(above))),
-            (Some(cells), None) | (None, Some(cells)) => self.any_blocks(cells),
-            (None, None) => false,
-        }
-    }
-
-    /// Sets the mark of each column whose cell in a row differs in whether it blocks from the cell on its left.
-    ///
-    /// `marks` has one element for each of these columns and one for the column behind them. Cells off the grid do not block.
-    /// There must be a column.
-    pub(crate) fn mark_edges_on_left(&self, row: usize, cols: Range<usize>, marks: &mut [bool]) {
-        let cells = &self.cells[row * self.width..][..self.width];
-        let blocks = |value: i8| self.options.blocks(value);
-        for (mark, pair) in marks[1..].iter_mut().zip(cells[cols.clone()].windows(2)) {
-            *mark |= blocks(pair[0]) != blocks(pair[1]);
-        }
-        marks[0] |= (cols.start > 0 && blocks(cells[cols.start - 1])) != blocks(cells[cols.start]);
-        marks[cols.len()] |= blocks(cells[cols.end - 1]) != cells.get(cols.end).is_some_and(|&value| blocks(value));
-    }
-
-    fn any_blocks(&self, cells: &[i8]) -> bool {
         // Not `any`, which would look at one cell after the other.
-        cells.iter().fold(false, |found, &value| found | self.options.blocks(value))
+        self.cells[row * self.width..][cols].iter().fold(false, |found, &value| found | self.options.blocks(value))
+    }
+
+    /// Writes for each of these cells of a row whether it blocks beams and robots.
+    pub(crate) fn copy_blocking(&self, row: usize, cols: Range<usize>, blocks: &mut [bool]) {
+        for (blocks, &value) in blocks.iter_mut().zip(&self.cells[row * self.width..][cols]) {
+            *blocks = self.options.blocks(value);
+        }
     }
 }
 
