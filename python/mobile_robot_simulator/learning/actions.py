@@ -22,7 +22,10 @@ def checked_actions(actions: Any, shape: tuple[int, ...], name: str | None = "en
         ValueError: The shape is wrong, or a number is not finite.
         TypeError: They are no array of real numbers.
     """
-    array = np.asarray(actions)
+    try:
+        array = np.asarray(actions)
+    except ValueError:
+        raise ValueError(f"actions must have shape {shape if name else shape[1:]}, got rows of different lengths") from None
     if array.dtype.kind not in "fiub":
         raise TypeError(f"actions must be an array of real numbers, got {array.dtype} in {quoted(actions)}")
     if array.shape != shape:

@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import BeamModel, Fleet, FleetStep
+from .._core import Fleet, FleetStep
 from .free_space import FreeSpace
 from .task import NavigationTask
 
@@ -66,13 +66,13 @@ class Batch:
         self._scale = np.array(task.max_velocity)
         self._axes = [0, 2] if len(self._scale) == 2 else [0, 1, 2]
         self._commands = np.zeros((count, 3))
-        self._noise: list[BeamModel | None] = [task.noise] * count
-        self._slip = np.zeros(count)
+        self._disturbances = [task.disturbed({})] * count
         self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
         probe = np.random.default_rng(0)
         for world in range(len(task.grids)):
             self._drawn(np.array([world]), [probe])
         self.fleet = self._new_fleet(np.zeros((count, 3)))
+        self.fleet.scan(np.arange(count) == 0, threads=threads)  # refuses a wrong number of threads
         self._seen = np.zeros((count, 2))
         self._step: FleetStep | None = None
         self._ranges = np.zeros((count, task.laser.beam_count), np.float32)
@@ -105,7 +105,7 @@ class Batch:
                     name: low + number * (high - low)
                     for (name, (low, high)), number in zip(ranges.items(), numbers, strict=True)
                 }
-                self._noise[index], self._slip[index] = self.task.disturbed(drawn)
+                self._disturbances[index] = self.task.disturbed(drawn)
             kept = self.fleet.save(~mask)
             self.fleet = self._new_fleet(poses)
             self.fleet.restore(kept)
@@ -174,16 +174,19 @@ class Batch:
 
     def _new_fleet(self, poses: NDArray[np.float64]) -> Fleet:
         task = self.task
-        noise = [model for model in self._noise if model is not None]
+        # Without randomisation, all robots are the same.
         is_random = bool(task.randomisation)
+        of_robots = self._disturbances if is_random else self._disturbances[:1]
+        noise = [each.noise for each in of_robots if each.noise is not None]
+        limits = [each.limits for each in of_robots if each.limits is not None]
         return Fleet(
             task.grids,
             poses,
             seeds=self._seeds,
             grid_of=self._worlds,
             footprint=task.footprint,
-            limits=task.limits,
-            slip=self._slip if is_random else None,
+            limits=limits or None,
+            slip=[each.slip for each in of_robots] if is_random else None,
             scanner=task.scanner,
-            noise=(noise if is_random else noise[0]) if noise else None,
+            noise=noise or None,
         )

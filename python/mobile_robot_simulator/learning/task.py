@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from .._core import BeamModel, LaserScanner, Limits, OccupancyGrid, Shape
 from ..quoting import quoted
@@ -13,6 +13,9 @@ from .plans import training_plans
 
 PARTS = {"progress": 1.0, "goal": 10.0, "contact": -10.0, "time": -0.1, "turning": 0.0}
 """Parts of the reward and their default weights."""
+
+FACTORS = ("velocity", "acceleration", "deceleration")
+"""Limits on the motion that can be randomised, by a factor."""
 
 NOISE = (
     "sigma_hit",
@@ -28,6 +31,17 @@ NOISE = (
     "range_step_share",
 )
 """Numbers of the noise that can be randomised."""
+
+
+class Disturbance(NamedTuple):
+    """What is random about a robot in an episode."""
+
+    noise: BeamModel | None
+    """Noise of the ranges."""
+    slip: float
+    """Share of the commanded motion that slipping wheels lose."""
+    limits: Limits | None
+    """Limits on the velocity and its change."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,8 +67,8 @@ class NavigationTask:
             radians turned. Parts that are not named keep the default: progress 1, goal 10, contact -10, time -0.1,
             turning 0.
         randomisation: Ranges (low, high) of numbers that are drawn for each episode: those of `BeamModel` (`sigma_hit`,
-            `z_short`, ...; the weights are scaled to sum to 1), and `slip`, the share of the commanded motion that
-            slipping wheels lose.
+            `z_short`, ...; the weights are scaled to sum to 1), `slip`, the share of the commanded motion that
+            slipping wheels lose, and `velocity`, `acceleration` and `deceleration`, factors on those `limits`.
 
     Raises:
         ValueError: A value is out of range, not finite or unknown.
@@ -81,18 +95,24 @@ class NavigationTask:
 
     def __post_init__(self) -> None:
         worlds = training_plans(8) if self.worlds is None else self.worlds
-        self._set("worlds", [worlds] if isinstance(worlds, OccupancyGrid) else list(worlds))
+        self._set("worlds", [worlds] if isinstance(worlds, OccupancyGrid) else _listed("worlds", worlds))
         if self.scanner is None:
             self._set("scanner", LaserScanner(fov=math.tau, beam_count=64, max_range=10.0))
         for name, kind in (("scanner", LaserScanner), ("footprint", Shape)):
             if not isinstance(getattr(self, name), kind):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {quoted(getattr(self, name))}")
+        for name, other in (("noise", BeamModel), ("limits", Limits)):
+            if not isinstance(getattr(self, name), (other, type(None))):
+                raise TypeError(f"{name} must be a {other.__name__} or None, got {quoted(getattr(self, name))}")
         if not self.grids or not all(isinstance(world, OccupancyGrid) for world in self.grids):
             raise TypeError(f"worlds must be one or more OccupancyGrid, got {quoted(self.worlds)}")
-        for name in ("duration", "time_limit", "goal_radius"):
+        for name in ("time_limit", "goal_radius"):
             self._set(name, _number(name, getattr(self, name), "above 0", low=5e-324))
+        self._set("duration", _number("duration", self.duration, "at least 1e-9 and at most 1e6", low=1e-9, high=1e6))
         self._set("clearance", _number("clearance", self.clearance, "at least 0", low=0.0))
-        velocity = tuple(_number("max_velocity", number, "above 0", low=5e-324) for number in self.max_velocity)
+        needed = "above 0 and at most 1000"
+        axes = _listed("max_velocity", self.max_velocity)
+        velocity = tuple(_number("max_velocity", axis, needed, low=5e-324, high=1e3) for axis in axes)
         if len(velocity) not in (2, 3):
             raise ValueError(f"max_velocity must be (v, ω) or (vx, vy, ω), got {len(velocity)} numbers")
         self._set("max_velocity", velocity)
@@ -102,14 +122,19 @@ class NavigationTask:
                 f"goals must be farther than goal_radius, {self.goal_radius:g} m, got goal_distances {self.goal_distances}"
             )
             raise ValueError(text)
+        for name in ("rewards", "randomisation"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise TypeError(f"{name} must be a dict, got {quoted(getattr(self, name))}")
         for name in self.rewards:
             if name not in PARTS:
                 raise ValueError(f"rewards must be of {', '.join(PARTS)}, got {quoted(name)}")
         weights = {name: _number(f"rewards[{name!r}]", weight, "finite") for name, weight in self.rewards.items()}
         self._set("rewards", {**PARTS, **weights})
         for name in self.randomisation:
-            if name not in (*NOISE, "slip"):
-                raise ValueError(f"randomisation must be of {', '.join(NOISE)}, slip, got {quoted(name)}")
+            if name not in (*NOISE, *FACTORS, "slip"):
+                raise ValueError(f"randomisation must be of {', '.join((*NOISE, *FACTORS))}, slip, got {quoted(name)}")
+            if name in FACTORS and self.limits is None:
+                raise ValueError(f"randomisation[{name!r}] needs limits, got limits=None")
         ranges = {name: _range(f"randomisation[{name!r}]", limits) for name, limits in self.randomisation.items()}
         self._set("randomisation", ranges)
         for numbers in (
@@ -135,8 +160,8 @@ class NavigationTask:
         """Number of steps of an episode after which it is truncated."""
         return max(1, math.ceil(self.time_limit / self.duration - 1e-9))
 
-    def disturbed(self, numbers: Mapping[str, float]) -> tuple[BeamModel | None, float]:
-        """Returns the noise and the slip of an episode, given the numbers that were drawn for it.
+    def disturbed(self, numbers: Mapping[str, float]) -> Disturbance:
+        """Returns what is random about the robot of an episode, given the numbers that were drawn for it.
 
         Raises:
             ValueError: A number is out of range.
@@ -144,22 +169,32 @@ class NavigationTask:
         slip = numbers.get("slip", 0.0)
         if not 0.0 <= slip <= 1.0:
             raise ValueError(f"randomisation['slip'] must be in 0..1, got {slip}")
-        changes = {name: number for name, number in numbers.items() if name != "slip"}
-        if not changes:
-            return self.noise, slip
-        base = self.noise or BeamModel(z_hit=1.0, z_max=0.0)
-        return BeamModel(**{name: changes.get(name, getattr(base, name)) for name in NOISE}), slip
+        limits, noise = self.limits, self.noise
+        if limits is not None and any(name in numbers for name in FACTORS):
+            scaled = {name: [numbers.get(name, 1.0) * limit for limit in getattr(limits, name)] for name in FACTORS}
+            limits = Limits(**scaled)
+        if any(name in numbers for name in NOISE):
+            base = self.noise or BeamModel(z_hit=1.0, z_max=0.0)
+            noise = BeamModel(**{name: numbers.get(name, getattr(base, name)) for name in NOISE})
+        return Disturbance(noise, slip, limits)
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
 
-def _number(name: str, value: Any, needed: str, low: float = -math.inf) -> float:
+def _listed(name: str, values: Any) -> list[Any]:
+    try:
+        return list(values)
+    except TypeError:
+        raise TypeError(f"{name} must be a sequence, got {quoted(values)}") from None
+
+
+def _number(name: str, value: Any, needed: str, low: float = -math.inf, high: float = math.inf) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a number, got {quoted(value)}") from None
-    if not (math.isfinite(number) and number >= low):
+    if not (math.isfinite(number) and low <= number <= high):
         raise ValueError(f"{name} must be {needed}, got {quoted(value)}")
     return number
 

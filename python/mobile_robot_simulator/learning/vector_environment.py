@@ -70,7 +70,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
             raise TypeError(f"num_envs must be an integer, got {quoted(num_envs)}") from None
         if count < 1:
             raise ValueError(f"num_envs must be at least 1, got {count}")
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = _checked_mode(autoreset_mode)
         self.task = NavigationTask(**task)
         self.num_envs = count
         self.render_mode = checked_render_mode(render_mode)
@@ -116,10 +116,12 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         Raises:
             ValueError: There are not as many seeds as environments, a seed is negative, or the mask has the wrong shape
                 or is true nowhere.
-            TypeError: The mask is no array of bool.
+            TypeError: A seed is no integer, or the mask is no array of bool.
             gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
         self._check_open()
+        if not isinstance(options, (dict, type(None))):
+            raise TypeError(f"options must be a dict or None, got {quoted(options)}")
         mask = self._mask((options or {}).get("reset_mask"))
         self._batch.seed(self._seeds(seed), mask)
         self._batch.reset(mask)
@@ -190,7 +192,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
             ValueError: `count` is less than 1.
         """
         self._check_open()
-        if count < 1:
+        if index(count) < 1:
             raise ValueError(f"count must be at least 1, got {count}")
         return grid_of([frame_of(self._batch, index) for index in range(min(count, self.num_envs))])
 
@@ -217,11 +219,19 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
     def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, (int, np.integer)):
-            return [int(seed) + offset for offset in range(self.num_envs)]
-        seeds = [None if each is None else int(each) for each in seed]
+        seeds: list[int | None]
+        try:
+            if isinstance(seed, (Sequence, np.ndarray)):
+                seeds = [None if each is None else index(each) for each in seed]
+            else:
+                seeds = [index(seed) + offset for offset in range(self.num_envs)]
+        except TypeError:
+            raise TypeError(f"seed must be an integer, a list of integers and None, or None, got {quoted(seed)}") from None
         if len(seeds) != self.num_envs:
             raise ValueError(f"there must be a seed for each of {self.num_envs} environments, got {len(seeds)}")
+        for which, each in enumerate(seeds):
+            if each is not None and each < 0:
+                raise ValueError(f"a seed must be at least 0, got {each} for environment {which}")
         return seeds
 
     def _mask(self, mask: Any) -> Flags:
@@ -240,6 +250,14 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
     def _check_open(self) -> None:
         if self.closed:
             raise gymnasium.error.ClosedEnvironmentError("the environment must be open, got a call after close()")
+
+
+def _checked_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        names = ", ".join(repr(each.value) for each in AutoresetMode)
+        raise ValueError(f"autoreset_mode must be one of {names}, got {quoted(mode)}") from None
 
 
 def _judgement(outcome: Outcome) -> dict[str, Any]:

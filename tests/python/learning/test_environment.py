@@ -85,6 +85,25 @@ def test_randomisation_draws_for_each_episode():
     assert 0.1 <= min(sigmas) and max(sigmas) <= 0.2
 
 
+def test_limits_are_scaled_for_each_episode():
+    limits = mrs.Limits(velocity=(0.6, 1.0, 2.0), acceleration=(1.0, 1.0, 4.0), deceleration=(2.0, 2.0, 8.0))
+    ranges = {"velocity": (0.5, 1.0), "acceleration": (0.5, 2.0), "deceleration": (1.0, 1.0)}
+    env = NavigationEnv(**task(limits=limits, randomisation=ranges, max_velocity=(0.6, 2.0)))
+    factors = set()
+    for seed in range(20):
+        env.reset(seed=seed)
+        observation, *_ = env.step(np.array([1.0, 0.0], np.float32))
+        found = env._batch.fleet.limits[0]
+        factor = found.acceleration[0]
+        assert tuple(found.acceleration) == (factor, factor, 4.0 * factor) and tuple(found.deceleration) == (2.0, 2.0, 8.0)
+        assert 0.3 <= found.velocity[0] <= 0.6
+        # From a stand, for the 0.1 s of a step.
+        assert observation["velocity"][0] == pytest.approx(0.1 * factor, abs=1e-6)
+        assert observation in env.observation_space
+        factors.add(factor)
+    assert len(factors) == 20 and min(factors) < 0.7 and 1.7 < max(factors) <= 2.0
+
+
 def test_bad_use():
     env = NavigationEnv(**task())
     with pytest.raises(gymnasium.error.ResetNeeded, match="before its first step"):

@@ -33,6 +33,7 @@ def both(mode: AutoresetMode, **changes: object) -> tuple[NavigationVectorEnv, S
         {"max_velocity": (0.5, 0.4, 1.0), "limits": mrs.Limits(acceleration=(1.0, 1.0, 2.0))},
         {"randomisation": {"slip": (0.0, 0.3), "sigma_hit": (0.01, 0.1), "z_short": (0.0, 0.2)}},
         {"randomisation": {"slip": (0.1, 0.2)}, "noise": None},
+        {"randomisation": {"acceleration": (0.5, 2.0)}, "limits": mrs.Limits(acceleration=(1.0, 1.0, 2.0))},
     ],
 )
 def test_they_are_what_gymnasiums_loop_over_single_ones_is(mode, changes):
@@ -169,6 +170,7 @@ def test_a_bad_action_is_named_and_changes_nothing():
         (np.zeros(3), ValueError, r"actions must have shape \(3, 2\), got \(3,\)"),
         (np.full((3, 2), "x"), TypeError, "actions must be an array of real numbers, got <U1"),
         ([[0, 0], [0, None], [0, 0]], TypeError, "actions must be an array of real numbers, got object"),
+        ([[0, 0], [0], [0, 0]], ValueError, r"actions must have shape \(3, 2\), got rows of different lengths"),
     ]:
         with pytest.raises(kind, match=message):
             envs.step(given)
@@ -183,15 +185,15 @@ def test_a_bad_action_is_named_and_changes_nothing():
         ({"num_envs": 0}, ValueError, "num_envs must be at least 1, got 0"),
         ({"num_envs": 2.5}, TypeError, "num_envs must be an integer, got 2.5"),
         ({"render_mode": "human"}, ValueError, "render_mode must be 'rgb_array' or None, got 'human'"),
-        ({"autoreset_mode": "Never"}, ValueError, "'Never' is not a valid AutoresetMode"),
+        ({"autoreset_mode": "Never"}, ValueError, "one of 'NextStep', 'SameStep', 'Disabled', got 'Never'"),
         ({"speed": 1.0}, TypeError, "unexpected keyword argument 'speed'"),
-        ({"threads": 0}, ValueError, "threads"),
+        ({"threads": 0}, ValueError, r"threads must be in 1\.\.1024, got 0"),
+        ({"threads": "two"}, TypeError, "threads must be an integer, got str"),
     ],
 )
 def test_bad_arguments(arguments, kind, message):
     with pytest.raises(kind, match=message):
-        envs = NavigationVectorEnv(**{"num_envs": 2, **task(), **arguments})
-        envs.reset(seed=1)
+        NavigationVectorEnv(**{"num_envs": 2, **task(), **arguments})
 
 
 def test_bad_resets():
@@ -202,8 +204,15 @@ def test_bad_resets():
         envs.reset(options={"reset_mask": np.array([True, False])})
     with pytest.raises(ValueError, match="a seed for each of 2 environments, got 3"):
         envs.reset(seed=[1, 2, 3])
-    with pytest.raises(gymnasium.error.Error, match=r"-5"):
+    with pytest.raises(ValueError, match="a seed must be at least 0, got -5 for environment 0"):
         envs.reset(seed=-5)
+    with pytest.raises(ValueError, match="a seed must be at least 0, got -2 for environment 1"):
+        envs.reset(seed=[3, -2])
+    for seed in ("a", 1.5, [1, 2.5]):
+        with pytest.raises(TypeError, match="seed must be an integer, a list of integers and None, or None, got"):
+            envs.reset(seed=seed)
+    with pytest.raises(TypeError, match="options must be a dict or None, got 'all'"):
+        envs.reset(options="all")
     with pytest.raises(ValueError, match=r"shape \(2,\), got \(3,\)"):
         envs.reset(options={"reset_mask": np.ones(3, bool)})
     with pytest.raises(TypeError, match=r"array of bool, got \[True, False\]"):
