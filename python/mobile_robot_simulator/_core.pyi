@@ -26,6 +26,7 @@ __all__ = [
     "Pose",
     "RandomStream",
     "Shape",
+    "SurfaceModel",
     "WheelMotion",
     "__version__",
     "advance",

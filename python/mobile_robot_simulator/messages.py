@@ -153,18 +153,19 @@ def checked_copy(message: T) -> T:
 
 
 @cache
-def _copier(kind: type[Message]) -> Callable[[Any], Any]:
+def _copier(kind: type) -> Callable[[Any], Any]:
     """Returns a function that copies a message if every field in it has exactly the declared type, and else returns None.
 
     Its text is put together here, as that of `__init__` in dataclasses is, because loops over the fields take three times as
     long. For messages with arrays or lists it always returns None.
     """
     kinds = _field_kinds(kind)
-    if len(kinds) < len(_field_names(kind)) or not all(  # type: ignore[arg-type]
+    if len(kinds) < len(_field_names(kind)) or not all(
         declared in _PLAIN or (isinstance(declared, type) and issubclass(declared, Message)) for declared in kinds.values()
     ):
         return lambda message: None
-    lines, names = ["def copy(message):", " result = new(kind)"], {"new": object.__new__, "kind": kind}
+    lines = ["def copy(message):", " result = new(kind)"]
+    names: dict[str, Any] = {"new": object.__new__, "kind": kind}
     for index, (name, declared) in enumerate(kinds.items()):
         names[f"kind{index}"] = declared
         lines += [f" value = message.{name}", f" if type(value) is not kind{index}:", "  return None"]
@@ -173,7 +174,8 @@ def _copier(kind: type[Message]) -> Callable[[Any], Any]:
             lines += [f" value = copy{index}(value)", " if value is None:", "  return None"]
         lines.append(f" result.{name} = value")
     exec("\n".join([*lines, " return result"]), names)
-    return names["copy"]
+    copier: Callable[[Any], Any] = names["copy"]
+    return copier
 
 
 def _check_numbers(value: object, where: str, length: int) -> None:

@@ -368,7 +368,7 @@ class LaserScannerSimulator(Handle):
 
     def _read(self, grid: OccupancyGrid, poses: Any, obstacles: Sequence[Any]) -> tuple[Any, Any]:
         """Returns the ranges (beam_count,) float32 [m] of the next scan, and its intensities, which may be empty."""
-        stream = {"seed": self._parameters.seed, "first_index": self._scan_count}
+        stream: dict[str, Any] = {"seed": self._parameters.seed, "first_index": self._scan_count}
         noise, surfaces = self._noise, self._surfaces
         ranges = self._scanner.scan_batch(
             grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, threads=1, **stream

@@ -154,7 +154,11 @@ class FaultRange:
         if not 0.0 <= self.chance <= 1.0:
             raise ValueError(f"chance must be in 0..1, got {quoted(self.chance)}")
         for end in ("low", "high"):
-            read_fault(self.text(lambda _, limits, end=end: getattr(limits, end)))
+            self._read(end)
+
+    def _read(self, end: str) -> None:
+        """Checks the fault with one end of each range."""
+        read_fault(self.text(lambda _, limits: getattr(limits, end)))
 
     def text(self, number: Callable[[str, Range], float]) -> str:
         """Returns a fault as a text that `--fault` takes.
