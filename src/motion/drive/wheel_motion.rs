@@ -501,7 +501,7 @@ mod tests {
         let motion = WheelMotion::new(car(), &Limits::NONE, Twist::default(), Twist::default(), steering);
         assert_eq!(motion.unwrap_err().to_string(), "steering_rate must be positive or inf, got 0");
         let motion = steered(&limits(), [0.0, 2.0], [0.0, 0.4]);
-        assert_eq!(motion.distance(-1.0).unwrap_err().to_string(), "times must be at least 0, got -1");
+        assert_eq!(motion.distance(-1.0).unwrap_err().to_string(), "time must be at least 0, got -1");
         assert!(motion.integrate(START, f64::NAN, 1.0).is_err());
     }
 }
