@@ -28,7 +28,7 @@ def test_an_area_on_the_edges_of_cells_covers_these_cells_only() -> None:
     raster = Raster((0, 0), (3, 2), 1.0)
     raster.add_area([points((0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2))])
     assert drawn(raster) == [".....", ".#...", ".###.", "....."]
-    assert raster.cell_map()[1:] == (1.0, (-1.0, -1.0, 0.0))
+    assert raster.cell_map()[1:] == (1.0, (-1.0, -1.0, 0.0), None)
 
 
 def test_a_cell_that_is_covered_in_part_is_occupied() -> None:
