@@ -1,4 +1,4 @@
-"""Faults for simulations: lost or late messages, a blocked scanner, slipping wheels, stopped nodes, jumping clocks.
+"""Faults for simulations: lost or late messages, a blocked scanner, slipping wheels, pushes, stopped nodes, jumping clocks.
 
 A fault is added with `Simulation.add_fault`. It acts from its `start` until just before its `end`, in simulated time. Faults
 are seeded: the same fault always disturbs the same simulation in the same way. Each fault reports its actions on the topic
@@ -18,7 +18,7 @@ Example:
 
 from ..simulation.fault import Fault
 from .messages import Blackout, BlockedSector, Delay, Drop, Duplicate, MessageFault, Reorder, StuckRanges
-from .robots import ClockJump, OdometryDrift, Outage, Slip
+from .robots import ClockJump, OdometryDrift, Outage, Push, Slip
 
 __all__ = [
     "Blackout",
@@ -31,6 +31,7 @@ __all__ = [
     "MessageFault",
     "OdometryDrift",
     "Outage",
+    "Push",
     "Reorder",
     "Slip",
     "StuckRanges",

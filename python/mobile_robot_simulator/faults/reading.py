@@ -10,7 +10,7 @@ from ..parameters import unknown_name
 from ..quoting import quoted
 from ..simulation.fault import Fault
 from .messages import Blackout, BlockedSector, Delay, Drop, Duplicate, Reorder, StuckRanges
-from .robots import ClockJump, OdometryDrift, Outage, Slip
+from .robots import ClockJump, OdometryDrift, Outage, Push, Slip
 
 FAULTS: dict[str, type[Fault]] = {
     kind.__name__: kind
@@ -23,6 +23,7 @@ FAULTS: dict[str, type[Fault]] = {
         Duplicate,
         OdometryDrift,
         Outage,
+        Push,
         Reorder,
         Slip,
         StuckRanges,

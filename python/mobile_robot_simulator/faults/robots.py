@@ -1,4 +1,4 @@
-"""Faults of robots and their nodes: wheel slip, odometry drift, clock jumps and outages."""
+"""Faults of robots and their nodes: wheel slip, pushes, odometry drift, clock jumps and outages."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from .._core import MAX_COMMAND
 from ..bus.bus import Bus
 from ..instant import NANOSECONDS
 from ..parameters import motion_noise
+from ..physics.push import turned
 from ..quoting import quoted
-from ..simulation.arguments import check_numbers
+from ..simulation.arguments import check_at_least_0, check_numbers
 from ..simulation.fault import F, Fault, FaultBus, FaultTarget, Startable
 
 
@@ -53,6 +55,49 @@ class Slip(Fault):
 
     def _arguments(self) -> list[str]:
         return [f"{self.share:g}", *_robot_argument(self.robot)]
+
+
+class Push(Fault):
+    """Something pushes a robot, as wind, a slope or a person does. Its wheels and its odometry do not notice this.
+
+    The velocity of the push is added to that of the robot. It does not turn the robot. Contact with walls and obstacles
+    holds a pushed robot as it holds a driving one. If several pushes act at the same time, their velocities are added.
+
+    Args:
+        speed: Speed [m/s].
+        direction: Direction in the map frame, counter-clockwise from the x axis [rad].
+        robot: Name of the robot; None for the first.
+        **options: As for `Fault`.
+
+    Raises:
+        ValueError: The speed is negative or not finite, or the direction is not finite.
+    """
+
+    def __init__(self, speed: float, direction: float = 0.0, *, robot: str | None = None, **options: Any) -> None:
+        super().__init__(**options)
+        check_at_least_0(speed=speed)
+        check_numbers(direction=direction)
+        if not (speed <= MAX_COMMAND and abs(direction) <= MAX_COMMAND):
+            raise ValueError(f"speed and direction of a push must be at most {MAX_COMMAND:g}, got {speed} and {direction}")
+        self.speed, self.direction, self.robot = speed, direction, robot
+
+    def _prepare(self, simulation: FaultTarget, bus: FaultBus) -> None:
+        self._simulation, self._node = simulation, simulation.named(self.robot).robot
+        for time in (self.start, self.end):
+            self._plan(bus, time, self._finish)
+
+    def _finish(self) -> None:
+        """Pushes the robot as the pushes that act now say."""
+        simulation, robot = self._simulation, self._node
+        acting = [fault for fault in _acting(simulation, Push) if simulation.named(fault.robot).robot is robot]
+        velocities = [turned((fault.speed, 0.0), fault.direction) for fault in acting]
+        vx, vy = math.fsum(vx for vx, _ in velocities), math.fsum(vy for _, vy in velocities)
+        robot.push((vx, vy) if velocities else None)
+        self._note(f"{robot.body_name or 'the robot'} is pushed by ({vx:.3g}, {vy:.3g}) m/s")
+
+    def _arguments(self) -> list[str]:
+        direction = [f"direction={self.direction:g} rad"] if self.direction else []
+        return [f"{self.speed:g} m/s", *direction, *_robot_argument(self.robot)]
 
 
 class OdometryDrift(Fault):

@@ -26,6 +26,7 @@ def fault_examples(simulation: Simulation) -> list[str]:
         f"Duplicate({odometry!r})",
         f"Reorder({scan!r})",
         f"Slip(0.5{of})",
+        f"Push(0.2, 1.57{of})",
         f"OdometryDrift([0.1, 0.1, 0.1, 0.1, 0.0, 0.0]{of})",
         f"Outage('laser'{of})",
         "ClockJump(1.0)",

@@ -33,6 +33,7 @@ from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import Odometer, OdometerSnapshot
+from ..physics.push import Push
 from ..physics.velocity_profile import Velocity
 from ..physics.wheel_odometer import WheelOdometer, WheelReading
 from ..physics.world import Passing, Placed, World
@@ -128,6 +129,7 @@ class RobotSnapshot:
         publishers: Publishers, None before the first start.
         footprint: Outline of the robot, None if it has none.
         slip_share: Share of the commanded motion that is lost, see `MobileRobotSimulator.slip`.
+        push: Velocity that is added to that of the robot, see `MobileRobotSimulator.push`.
         drift: Noise and seed of the last call of `MobileRobotSimulator.drift`.
         believed_pose: Pose that the odometry last reported, in the odometry frame.
         transforms_ns: Stamp of the last transforms [ns], None before the first ones.
@@ -143,6 +145,7 @@ class RobotSnapshot:
     publishers: RobotPublishers | None
     footprint: Shape | None
     slip_share: float | None
+    push: Push | None
     drift: tuple[MotionNoise | None, int]
     believed_pose: Pose
     transforms_ns: int | None
@@ -220,6 +223,7 @@ class MobileRobotSimulator(Handle):
         self._transforms_ns: int | None = None
         self._footprint = self._parameters.shape
         self._slip_share: float | None = None
+        self._push: Push | None = None
         self._drift: tuple[MotionNoise | None, int] = (None, 0)
         self._contact_time = -math.inf
         self._is_stalled = False
@@ -285,13 +289,15 @@ class MobileRobotSimulator(Handle):
     def reset(self) -> None:
         """Moves the robot to its start pose and stops it. The odometry and the driven distance start again.
 
-        Slip and drift that are set (`slip`, `drift`) stay in effect.
+        Slip, push and drift that are set (`slip`, `push`, `drift`) stay in effect.
         """
         now_ns, parameters, start = self._world.now_ns(), self._parameters, self.start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
         if self._lost_share():
             self._motion.slip(self._lost_share(), now_ns)
+        if self._push is not None:
+            self._motion.push(self._push, now_ns)
         noise, seed = self._odometry_noise()
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
         self._wheel_odometer = self._create_wheel_odometer(now_ns, odom_from_base)
@@ -363,6 +369,20 @@ class MobileRobotSimulator(Handle):
         self._slip_share = share
         self._motion.slip(self._lost_share(), self._world.now_ns())
 
+    def push(self, push: Push | None) -> None:
+        """Pushes the robot from now on. Neither its wheels nor its odometry notice it.
+
+        Args:
+            push: Velocity (vx, vy) in the map frame that is added to that of the robot [m/s]; None ends the push.
+
+        Raises:
+            ValueError: The push is not two numbers whose absolute values are at most `MAX_COMMAND`. Nothing changes.
+        """
+        if push is not None and not (len(push) == 2 and all(abs(speed) <= MAX_COMMAND for speed in push)):
+            raise ValueError(f"a push must be two finite speeds of at most {MAX_COMMAND:g} m/s, got {quoted(push)}")
+        self._push = push
+        self._motion.push(push, self._world.now_ns())
+
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """Changes the noise of the odometry from now on. The error and the covariance so far stay.
 
@@ -429,6 +449,7 @@ class MobileRobotSimulator(Handle):
             publishers=self._publishers,
             footprint=self._footprint,
             slip_share=self._slip_share,
+            push=self._push,
             drift=self._drift,
             believed_pose=self._believed_pose,
             transforms_ns=self._transforms_ns,
@@ -442,7 +463,8 @@ class MobileRobotSimulator(Handle):
     def restore(self, state: RobotSnapshot) -> None:
         """Puts the robot back into a saved state."""
         self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
-        self._footprint, self._slip_share, self._drift = state.footprint, state.slip_share, state.drift
+        self._footprint, self._slip_share, self._push = state.footprint, state.slip_share, state.push
+        self._drift = state.drift
         self._believed_pose, self._transforms_ns = state.believed_pose, state.transforms_ns
         self._motion, motion_state = state.motion
         self._motion.restore(motion_state)

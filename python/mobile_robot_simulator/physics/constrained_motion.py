@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .._core import Contact, Drive, Limits, OccupancyGrid, Pose, Shape, advance, stays_clear
 from ..instant import NANOSECONDS
 from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
+from .push import Push, displaced, with_push
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 from .world import Body, Placed, World
 
@@ -36,6 +37,8 @@ class _Step(NamedTuple):
     reached: Pose
     twist: Velocity
     """Velocity that the robot would have in the step without contact."""
+    profile: VelocityProfile
+    """What the wheels would do in the step without contact."""
 
 
 class ConstrainedMotion(Motion):
@@ -108,6 +111,8 @@ class ConstrainedMotion(Motion):
         """
         grid, footprint, profile, start_ns = self._world.grid, self._body.footprint, self._profile, self._stepped_ns
         if grid is None or footprint is None or self.is_blocked or type(profile) is not VelocityProfile:
+            return False
+        if self._push is not None:
             return False
         others = self._world.obstacles_for(self._body)
         if others is not self._looked_at or time_ns > self._clear_ns or not self._is_slow(profile):
@@ -216,8 +221,14 @@ class ConstrainedMotion(Motion):
         self.step(time_ns)
         super().slip(share, time_ns)
 
+    def push(self, push: Push | None, time_ns: int) -> None:
+        """Sets the push from now on; see `Motion.push`."""
+        self.step(time_ns)
+        super().push(push, time_ns)
+        self._looked_at = None
+
     def continuing(self: C, before: Motion) -> C:
-        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion."""
+        """Takes over everything of an earlier motion, and returns this motion; see `Motion.continuing`."""
         if self._kind == before._kind:
             self._requested, self._requested_until_ns = before.request
         return super().continuing(before)
@@ -260,7 +271,7 @@ class ConstrainedMotion(Motion):
             reached, contact = advance(grid, footprint, start, twist, duration, obstacles=others, mode=self._mode)
             if contact is not None:
                 self._reached = reached
-                step = _Step(start_ns, end_ns, duration, start, reached, twist)
+                step = _Step(start_ns, end_ns, duration, start, reached, twist, profile)
                 self._record_contact(step, contact)
                 if self._mode != "report":
                     self.is_blocked = True
@@ -280,13 +291,17 @@ class ConstrainedMotion(Motion):
         """Constant velocity of the robot that moves it in a time step from a pose in the map frame as the profile does."""
         first, last = profile.velocity_at(start_ns), profile.velocity_at(end_ns)
         duration = (end_ns - start_ns) / NANOSECONDS
-        if profile.is_constant or first == last:
+        if self._push is None and (profile.is_constant or first == last):
             return scaled(first, self._grip)
         if max(abs(first[2]), abs(last[2])) * duration > LARGEST_TURN:
             vx, vy, wz = (0.5 * (before + after) for before, after in zip(first, last, strict=True))
-            return scaled((vx, vy, wz), self._grip)
+            mean = scaled((vx, vy, wz), self._grip)
+            return mean if self._push is None else with_push(mean, self._push, start.yaw)
         from_profile = Motion.pose(self, start_ns) if self.is_blocked else self._start
-        return start.twist_to(self.map_from_own * profile.move(from_profile, end_ns, self._grip), duration)
+        end = self.map_from_own * profile.move(from_profile, end_ns, self._grip)
+        if self._push is not None:
+            end = displaced(end, self._push, (end_ns - profile.start_ns) / NANOSECONDS)
+        return start.twist_to(end, duration)
 
     def _record_contact(self, step: _Step, contact: Contact) -> None:
         """Appends a contact event, unless the robot already touched the same thing in the previous step."""
@@ -304,7 +319,9 @@ class ConstrainedMotion(Motion):
     def _begin_after_contact(self, step: _Step, contact: Contact) -> None:
         """Adds segments to the trajectory for a step in which contact stopped or deflected the robot."""
         end = self.map_from_own.inverse() * step.reached
-        if self._mode == "stop" and contact.fraction > 0.0:
+        if self._push is not None:
+            self._begin_pushed_contact(step, contact, end)
+        elif self._mode == "stop" and contact.fraction > 0.0:
             stopped_ns = step.start_ns + int(contact.fraction * (step.end_ns - step.start_ns))
             self._begin(VelocityProfile(step.start_ns, STANDING, self._of_wheels(step.twist), stopped_ns))
             self._begin(VelocityProfile(step.end_ns, STANDING, STANDING, step.end_ns), pose=end)
@@ -315,6 +332,38 @@ class ConstrainedMotion(Motion):
             velocity = self._of_wheels(step.start.twist_to(step.reached, step.duration))
             self._begin(VelocityProfile(step.start_ns, STANDING, velocity, step.end_ns))
             self._begin(VelocityProfile(step.end_ns, STANDING, velocity, FOREVER), pose=end)
+
+    def _begin_pushed_contact(self, step: _Step, contact: Contact, end: Pose) -> None:
+        """Adds segments to the trajectory for a step in which contact stopped or deflected a robot that is pushed.
+
+        Along each axis, the wheels move the robot as far as it gets, and at most as far as they would without contact. The
+        push does the rest.
+
+        Args:
+            step: The step.
+            contact: The contact.
+            end: Pose at the end of the step, in the motion's own frame.
+        """
+        stops = self._mode == "stop"
+        share = contact.fraction if stops else 1.0
+        stopped_ns = step.start_ns + int(share * (step.end_ns - step.start_ns))
+        if step.reached == step.start or stopped_ns == step.start_ns:
+            moves = Motion.wheel_velocity(self, step.start_ns) != STANDING or self._profile.limits is not None
+            if moves or self._acting_push is not None:
+                self._begin_pushed(VelocityProfile(step.start_ns, STANDING, STANDING, step.start_ns), None, end)
+            return
+        robot = self._of_wheels(step.twist if stops else step.start.twist_to(step.reached, step.duration))
+        first, last = step.profile.velocity_at(step.start_ns), step.profile.velocity_at(step.end_ns)
+        limits = [(min(0.0, *both), max(0.0, *both)) for both in zip(first, last, strict=True)]
+        vx, vy = (min(max(robot[axis], least), most) for axis, (least, most) in enumerate(limits[:2]))
+        velocity, seconds = (vx, vy, robot[2]), (stopped_ns - step.start_ns) / NANOSECONDS
+        driven = step.start.integrate(scaled(velocity, self._grip), seconds)
+        push = (step.reached.x - driven.x) / seconds, (step.reached.y - driven.y) / seconds
+        self._begin_pushed(VelocityProfile(step.start_ns, STANDING, velocity, FOREVER), push, None)
+        if stops:
+            self._begin_pushed(VelocityProfile(stopped_ns, STANDING, STANDING, stopped_ns), None, end)
+        else:
+            self._begin_pushed(VelocityProfile(step.end_ns, STANDING, velocity, FOREVER), push, end)
 
     def _of_wheels(self, velocity: Velocity) -> Velocity:
         """Velocity of the wheels when the robot moves at a velocity. Without grip, that of the robot."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .._core import Drive, Limits, Pose
 from ..instant import NANOSECONDS
 from .drive_profile import DriveProfile, Steering
+from .push import Push, displaced, turned, with_push
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
 
 M = TypeVar("M", bound="Motion")
@@ -43,6 +44,7 @@ class Segment:
         pose: Pose of the robot at the start, in the map frame.
         profile: Velocity of the wheels from the start on.
         grip: Share of the motion of the wheels that the robot makes; 1 without slip.
+        push: Push that acts from the start on, None without.
 
     """
 
@@ -50,14 +52,27 @@ class Segment:
     pose: Pose
     profile: VelocityProfile
     grip: float
+    push: Push | None = None
 
     def pose_at(self, time_ns: float) -> Pose:
         """Pose of the robot in the map frame, at a time [ns] in the segment."""
-        return self.profile.move(self.pose, time_ns, self.grip).wrapped()
+        pose = self.profile.move(self.pose, time_ns, self.grip)
+        if self.push is not None:
+            pose = displaced(pose, self.push, _seconds_between(self.start_ns, time_ns))
+        return pose.wrapped()
+
+    def velocity_at(self, time_ns: int) -> Velocity:
+        """Velocity of the robot in its own frame, at a time [ns] in the segment."""
+        velocity = scaled(self.profile.velocity_at(time_ns), self.grip)
+        return velocity if self.push is None else with_push(velocity, self.push, self.pose_at(time_ns).yaw)
 
     def trace(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         """Poses at several times in the segment, (N, 3): those of `pose_at`, with yaws that are not wrapped."""
-        return self.profile.trace(self.pose, times_ns, self.grip)
+        poses = self.profile.trace(self.pose, times_ns, self.grip)
+        if self.push is not None:
+            seconds = np.maximum(times_ns - self.start_ns, 0) / NANOSECONDS
+            poses[:, :2] += seconds[:, None] * np.array(self.push)
+        return poses
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +116,8 @@ class MotionSnapshot:
     start: Pose
     profile: VelocityProfile
     grip: float
+    push: Push | None
+    acting_push: Push | None
     wheels: Pose | None
     driven: float
     segments: tuple[Segment, ...]
@@ -134,6 +151,11 @@ def thinned(segments: list[Segment]) -> list[Segment]:
         if index - 1 not in chosen
     ]
     return kept if len(chosen) == eighth else kept[eighth:]
+
+
+def _seconds_between(start_ns: float, time_ns: float) -> float:
+    """Returns the time from a start to a time [s]; 0 if it is before the start."""
+    return max(0, time_ns - start_ns) / NANOSECONDS
 
 
 def _merged(first: Segment, after: Segment) -> Segment:
@@ -172,7 +194,8 @@ class Motion:
 
     The pose at any time is computed from the last change of velocity, so it does not depend on when it is read.
     Poses are in the motion's own frame, which is the robot's odometry frame. The pose of this frame in the map can change.
-    When the wheels slip, they turn as commanded, but the robot moves less. `wheel_pose` is the pose without any slip.
+    When the wheels slip, they turn as commanded, but the robot moves less. A push moves the robot, but not its wheels.
+    `wheel_pose` is the pose without any slip or push.
     With a drive, the robot follows commands as far as its wheels can.
 
     Args:
@@ -208,6 +231,10 @@ class Motion:
         self._profile = self._profile_of(time_ns, STANDING, STANDING, time_ns)
         self._grip = 1.0
         """Share of the motion of the wheels that the robot makes."""
+        self._push: Push | None = None
+        """The push that was set last."""
+        self._acting_push: Push | None = None
+        """The push of the current segment, in the motion's own frame; contact can hinder the one that was set."""
         self._wheels: Pose | None = None
         self._driven = 0.0
         self.segments: list[Segment] = []
@@ -236,7 +263,10 @@ class Motion:
         # Odometry, scanner and driver often read the same pose.
         profile = self._profile
         if self._read_ns != time_ns or self._read_profile is not profile:
-            self._read_pose = profile.move(self._start, time_ns, self._grip)
+            pose = profile.move(self._start, time_ns, self._grip)
+            if self._acting_push is not None:
+                pose = displaced(pose, self._acting_push, _seconds_between(profile.start_ns, time_ns))
+            self._read_pose = pose
             self._read_ns, self._read_profile = time_ns, profile
         return self._read_pose
 
@@ -270,11 +300,7 @@ class Motion:
             (N, 3) float64, rows (vx, vy, wz) in the robot's frame [m/s, m/s, rad/s].
         """
         return np.array(
-            [
-                scaled(segment.profile.velocity_at(time_ns), segment.grip)
-                for segment, times in self._parts(times_ns)
-                for time_ns in times.tolist()
-            ]
+            [segment.velocity_at(time_ns) for segment, times in self._parts(times_ns) for time_ns in times.tolist()]
         )
 
     def _parts(self, times_ns: NDArray[np.int64]) -> list[tuple[Segment, NDArray[np.int64]]]:
@@ -295,22 +321,23 @@ class Motion:
         return self.contacts
 
     def wheel_pose(self, time_ns: int) -> Pose:
-        """Pose that the robot would have if its wheels had never slipped, in the motion's own frame."""
+        """Pose that the robot would have without any slip or push, in the motion's own frame."""
         if self._wheels is None:
             return self.pose(time_ns)
         return self._profile.move(self._wheels, time_ns)
 
     @property
     def slipped(self) -> bool:
-        """True if the wheels have ever slipped."""
+        """True if the wheels have ever slipped, or the robot was ever pushed."""
         return self._wheels is not None
 
     def velocity(self, time_ns: int) -> Velocity:
         """Velocity of the robot."""
-        return scaled(self._profile.velocity_at(time_ns), self._grip)
+        velocity = scaled(self._profile.velocity_at(time_ns), self._grip)
+        return velocity if self._acting_push is None else with_push(velocity, self._acting_push, self.pose(time_ns).yaw)
 
     def wheel_velocity(self, time_ns: int) -> Velocity:
-        """Velocity that the robot would have if its wheels did not slip."""
+        """Velocity that the robot would have without slip or push."""
         return self._profile.velocity_at(time_ns)
 
     def ramp_velocity(self, time_ns: int) -> Velocity:
@@ -343,7 +370,7 @@ class Motion:
         return np.concatenate([positions, steered]), np.concatenate([rates, steering])
 
     def distance(self, time_ns: int) -> float:
-        """Length of the trajectory up to a time [m]."""
+        """Length of the path driven up to a time, without what pushes add [m]."""
         return self._driven + self._profile.distance(time_ns) * self._grip
 
     @property
@@ -386,7 +413,7 @@ class Motion:
         steers_as_before = not isinstance(profile, DriveProfile) or profile.steering is self._steering
         if velocity == profile.command and time_ns < profile.until_ns and steers_as_before:
             self._profile, last = profile.held_until(until_ns), self.segments[-1]
-            self.segments[-1] = Segment(last.start_ns, last.pose, self._profile, last.grip)
+            self.segments[-1] = Segment(last.start_ns, last.pose, self._profile, last.grip, last.push)
         else:
             self._begin(self._following(velocity, time_ns, until_ns))
 
@@ -423,15 +450,30 @@ class Motion:
         self._grip = 1.0 - share
         self._begin(self._profile)
 
+    def push(self, push: Push | None, time_ns: int) -> None:
+        """Sets the push from now on.
+
+        Args:
+            push: Velocity that is added to that of the robot; None ends the push.
+            time_ns: The present [ns].
+
+        """
+        self._begin(self._continued(time_ns))
+        if self._wheels is None:
+            self._wheels = self._start
+        self._push = push
+        self._begin(self._profile)
+
     def continuing(self: M, before: Motion) -> M:
-        """Takes over trajectory, contacts, distance, slip and command of an earlier motion, and returns this motion.
+        """Takes over trajectory, contacts, distance, slip, push and command of an earlier motion, and returns this motion.
 
         With another kind of drive, the robot stands still until the next command.
         """
         now_ns = self._profile.start_ns
         self.segments[:0], self.contacts[:0] = before.segments, before.contacts
         self._driven = before.distance(now_ns)
-        self._grip, self._wheels = before._grip, before._wheels and before.wheel_pose(now_ns)
+        self._grip, self._push = before._grip, before._push
+        self._wheels = before._wheels and before.wheel_pose(now_ns)
         if self._kind != before._kind:
             self._begin(self._profile_of(now_ns, STANDING, STANDING, now_ns))
             return self
@@ -456,6 +498,8 @@ class Motion:
             self._start,
             self._profile,
             self._grip,
+            self._push,
+            self._acting_push,
             self._wheels,
             self._driven,
             tuple(self.segments),
@@ -470,6 +514,7 @@ class Motion:
         self.map_from_own, self.timeout = state.map_from_own, state.timeout
         self._start, self._profile = state.start, state.profile
         self._grip, self._wheels, self._driven, self._read_ns = state.grip, state.wheels, state.driven, None
+        self._push, self._acting_push = state.push, state.acting_push
         self.segments, self.contacts = list(state.segments), list(state.contacts)
         self._steering, self._rolled = state.steering, state.rolled
 
@@ -478,19 +523,27 @@ class Motion:
 
     def _begin(self, profile: VelocityProfile, *, pose: Pose | None = None) -> None:
         """Begins a segment at `pose` in the motion's own frame. Default: the pose of the robot."""
+        self._begin_pushed(profile, self._push, pose)
+
+    def _begin_pushed(self, profile: VelocityProfile, push: Push | None, pose: Pose | None) -> None:
+        """Begins a segment at `pose` in the motion's own frame with a push, in the map frame."""
         time_ns = profile.start_ns
         driven, wheels = self.distance(time_ns), self._wheels and self.wheel_pose(time_ns)
         if self._rolled is not None:
             self._rolled = self.rolled(time_ns)
         start = (self.pose(time_ns) if pose is None else pose).wrapped()
         self._profile, self._driven, self._wheels, self._start, self._read_ns = profile, driven, wheels, start, None
-        segment = Segment(time_ns, (self.map_from_own * start).wrapped(), profile, self._grip)
+        self._acting_push = None if push is None else self._in_own_frame(push)
+        segment = Segment(time_ns, (self.map_from_own * start).wrapped(), profile, self._grip, push)
         if self.segments and (self.segments[-1].start_ns, self.segments[-1].pose) == (time_ns, segment.pose):
             # Nothing has happened in the last segment.
             self.segments.pop()
         self.segments.append(segment)
         if len(self.segments) > MAX_SEGMENTS:
             self.segments = thinned(self.segments)
+
+    def _in_own_frame(self, push: Push) -> Push:
+        return turned(push, -self.map_from_own.yaw)
 
     def _following(self, command: Velocity, time_ns: int, until_ns: int) -> VelocityProfile:
         """Profile of a robot that follows a command from now on."""

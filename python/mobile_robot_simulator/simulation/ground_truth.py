@@ -74,7 +74,7 @@ class GroundTruth(Handle):
 
     @property
     def distance(self) -> float:
-        """Length of the path driven so far [m]."""
+        """Length of the path driven so far [m], without what pushes add."""
         return self._robot.distance
 
     @property

@@ -17,6 +17,7 @@ from mobile_robot_simulator.faults.reading import FAULTS, read_fault
         ("BlockedSector(-0.2, 0.2)", faults.BlockedSector(-0.2, 0.2)),
         ("OdometryDrift([0.1, 0, 0, 0.1, 0, 0])", faults.OdometryDrift((0.1, 0, 0, 0.1, 0, 0))),
         ("Slip(0.5, robot=None)", faults.Slip(0.5)),
+        ("Push(0.5, direction=1.5, end=2.0)", faults.Push(0.5, 1.5, end=2.0)),
         ("ClockJump(-3.0, at=1.0)", faults.ClockJump(-3.0, at=1.0)),
         ("Outage('laser', robot='a')", faults.Outage("laser", robot="a")),
     ],

@@ -46,6 +46,25 @@ def test_overlapping_slips_multiply_and_end_separately(sim):
     assert speeds == pytest.approx([0.5, 0.25, 0.2, 0.25, 0.5])
 
 
+def test_overlapping_pushes_add_and_end_separately(sim):
+    drive(sim, 0.5)
+    sim.add_fault(faults.Push(0.3, math.pi / 2, start=1.0, end=3.0))
+    push = sim.add_fault(faults.Push(0.1, start=2.0))
+    velocities = []
+    for seconds in (0.5, 1.0, 1.0, 1.0):
+        sim.run_for(seconds)
+        velocities.append(sim.truth.velocity[:2])
+    assert np.array(velocities) == pytest.approx(np.array([(0.5, 0.0), (0.5, 0.3), (0.6, 0.3), (0.6, 0.0)]))
+    assert sim.latest("/faults").data == "the robot is pushed by (0.1, 0) m/s"
+    push.stop()
+    sim.run_for(1.0)
+    assert sim.truth.velocity == (0.5, 0.0, 0.0)
+    assert sim.pose.x == pytest.approx(5.0 + 0.5 * 4.5 + 0.1 * 1.5) and sim.pose.y == pytest.approx(5.0 + 0.3 * 2.0)
+    odometry, (to_odom, to_base) = sim.latest("/odom"), sim.latest("/tf").transforms
+    assert odometry.pose.pose.position.x == pytest.approx(0.5 * 4.5) and odometry.twist.twist.linear.x == 0.5
+    assert to_odom.transform.translation.y + to_base.transform.translation.y == pytest.approx(5.6)
+
+
 def test_drift_agrees_with_its_covariance():
     """The normalised squared errors of 400 drives follow a chi-squared distribution with 3 degrees of freedom.
 
@@ -238,3 +257,12 @@ def test_a_restored_fault_acts_again(sim):
     drop.stop()
     sim.restore(state)
     assert len(arrivals(sim, "/scan", 1.0)) == 0
+
+
+def test_bad_pushes_are_refused():
+    for arguments in ((-0.1,), (math.inf,), (math.nan,), (0.1, math.nan), (0.1, math.inf)):
+        with pytest.raises(ValueError, match="speed"):
+            faults.Push(*arguments)
+    with pytest.raises(TypeError, match="direction must be a number, got 'north'"):
+        faults.Push(0.1, "north")
+    assert repr(faults.Push(0.25, 1.5, end=2.0)) == "Push(0.25 m/s, direction=1.5 rad, end=2 s)"
