@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -11,6 +10,7 @@ from ..benchmarks.control_loop import STEP
 from ..scenarios.world import World
 from ..scenarios.world_map import ROOM, WorldMap
 from .drive import ERROR, TIME, Drive
+from .fault_shrinking import simpler_faults, simpler_numbers, smaller_faults
 
 __all__ = ["LIMIT", "shrink"]
 
@@ -27,11 +27,11 @@ SIDES = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0)
 def shrink(drive: Drive, run: Callable[[World], Drive], *, limit: int = LIMIT) -> Drive:
     """Returns a failed drive in a smaller and simpler world, which fails in the same way.
 
-    It tries, in turns until nothing helps: fewer faults and obstacles, an empty and smaller room, a shorter drive, and
-    numbers with fewer digits. The parameters stay as they are. Start, goal and obstacles stay in free space, and the start
-    keeps its clearance, up to 0.5 m. A drive that ended with an error must end with an error of the same type; another one
-    must violate the requirement. A drive that ended because its time was over keeps its time, because every drive is too
-    short for some requirements.
+    It tries, in turns until nothing helps: fewer faults and obstacles, an empty and smaller room, a shorter drive,
+    shorter and weaker faults, and numbers with fewer digits. The parameters stay as they are. Start, goal and obstacles stay
+    in free space, and the start keeps its clearance, up to 0.5 m. A drive that ended with an error must end with an error of
+    the same type; another one must violate the requirement. A drive that ended because its time was over keeps its time,
+    because every drive is too short for some requirements.
 
     Args:
         drive: The failed drive.
@@ -48,7 +48,7 @@ def shrink(drive: Drive, run: Callable[[World], Drive], *, limit: int = LIMIT) -
     is_changed = True
     while is_changed:
         is_changed = False
-        for step in (_with_less, _on_plainer_maps, _shorter, _with_simpler_numbers):
+        for step in (_with_less, _on_plainer_maps, _shorter, _with_smaller_faults, _with_simpler_numbers):
             # After a success, the same step goes on with the new world.
             again = True
             while again:
@@ -142,47 +142,32 @@ def _shorter(drive: Drive) -> Iterator[World]:
             yield replace(world, duration=duration)
 
 
+def _with_smaller_faults(drive: Drive) -> Iterator[World]:
+    for index, text in enumerate(drive.world.faults):
+        for fault in smaller_faults(text):
+            yield _with_fault(drive.world, index, fault)
+
+
 def _with_simpler_numbers(drive: Drive) -> Iterator[World]:
     world = drive.world
     for axis in reversed(range(3)):
-        for number in _simpler(world.start[axis]):
+        for number in simpler_numbers(world.start[axis]):
             start = (*world.start[:axis], number, *world.start[axis + 1 :])
             yield replace(world, start=start)  # type: ignore[arg-type]
     for axis in range(2) if world.goal is not None else ():
         assert world.goal is not None
-        for number in _simpler(world.goal[axis]):
+        for number in simpler_numbers(world.goal[axis]):
             yield replace(world, goal=(number, world.goal[1]) if axis == 0 else (world.goal[0], number))
     for index, disc in enumerate(world.obstacles):
         for name in ("x", "y", "radius", "vx", "vy"):
-            for number in _simpler(getattr(disc, name)):
+            for number in simpler_numbers(getattr(disc, name)):
                 if name != "radius" or number > 0.0:
                     simpler = replace(disc, **{name: number})
                     yield replace(world, obstacles=(*world.obstacles[:index], simpler, *world.obstacles[index + 1 :]))
     for index, text in enumerate(world.faults):
-        for fault in _simpler_faults(text):
-            yield replace(world, faults=(*world.faults[:index], fault, *world.faults[index + 1 :]))
+        for fault in simpler_faults(text):
+            yield _with_fault(world, index, fault)
 
 
-def _simpler(number: float) -> Iterator[float]:
-    """Yields numbers near a number that take fewer characters, the shortest first."""
-    seen = {number}
-    for candidate in (0.0, round(number), round(2 * number) / 2, round(number, 1), round(number, 2), round(number, 3)):
-        if candidate not in seen and len(f"{candidate:g}") < len(f"{number!r}".removesuffix(".0")):
-            seen.add(candidate)
-            yield float(candidate)
-
-
-def _simpler_faults(text: str) -> Iterator[str]:
-    """Yields the text of a fault with one of its numbers simpler."""
-    count = sum(_is_number(node) for node in ast.walk(ast.parse(text, mode="eval")))
-    for index in range(count):
-        tree = ast.parse(text, mode="eval")
-        node = [each for each in ast.walk(tree) if _is_number(each)][index]
-        assert isinstance(node, ast.Constant) and isinstance(node.value, float | int)
-        for number in _simpler(float(node.value)):
-            node.value = number
-            yield ast.unparse(tree)
-
-
-def _is_number(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and type(node.value) in (float, int)
+def _with_fault(world: World, index: int, fault: str) -> World:
+    return replace(world, faults=(*world.faults[:index], fault, *world.faults[index + 1 :]))

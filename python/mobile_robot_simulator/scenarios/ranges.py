@@ -125,7 +125,7 @@ class FaultRange:
 
     Args:
         kind: Name of the class, such as "Blackout".
-        arguments: Arguments by name. Each is a value, or a `Range` of values.
+        arguments: Arguments by name. Each is a value, a `Range` of values, or a sequence of both.
         duration: Range from which `end` follows: `start` + duration [s]. None: no `end`.
         chance: Share of the worlds that have the fault.
 
@@ -166,10 +166,19 @@ class FaultRange:
         Args:
             number: Returns the value of an argument from its name and its range.
         """
-        arguments = {key: number(key, value) if isinstance(value, Range) else value for key, value in self.arguments.items()}
+        arguments = {key: _drawn(key, value, number) for key, value in self.arguments.items()}
         if self.duration is not None:
             arguments["end"] = round(arguments.get("start", 0.0) + number("duration", self.duration), DIGITS)
-        return f"{self.kind}({', '.join(f'{key}={_plain(value)!r}' for key, value in arguments.items())})"
+        return f"{self.kind}({', '.join(f'{key}={value!r}' for key, value in arguments.items())})"
+
+
+def _drawn(name: str, value: object, number: Callable[[str, Range], float]) -> Any:
+    """Returns the value of an argument, with a number for each range in it."""
+    if isinstance(value, Range):
+        return number(name, value)
+    if isinstance(value, list | tuple):
+        return tuple(_drawn(f"{name} {index}", item, number) for index, item in enumerate(value, 1))
+    return _plain(value)
 
 
 def _plain(value: object) -> object:

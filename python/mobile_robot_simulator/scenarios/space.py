@@ -13,6 +13,7 @@ from ..physics.obstacles import PoseLike
 from ..quoting import quoted
 from ..simulation.arguments import check_at_least_0
 from .checks import check_kinds, items_of, to_goal, to_place
+from .disturbances import Disturbance, Drift
 from .ranges import DIGITS, Dimension, FaultRange, Free, Moving, Range
 from .world import MovingDisc, Place, World
 from .world_map import Places, WorldMap
@@ -56,6 +57,8 @@ class Space:
         goal: A position (x, y) [m], `Free` for any, or None.
         obstacles: The obstacles, or None.
         faults: Faults that a world can have.
+        disturbances: What the world can do to the robot while it drives: `Pushes`, `Slips`, `Drift`. They are among the
+            `faults` of a world, after the others.
         parameters: Parameters of the nodes by name. Each is a value, or a `Range` of values.
         duration: Longest duration of a drive [s].
         tolerance: Distance from the goal at which the robot has arrived [m].
@@ -86,6 +89,7 @@ class Space:
     duration: float = 30.0
     tolerance: float = 0.3
     is_noisy: bool = True
+    disturbances: Sequence[Disturbance] = ()
 
     def __post_init__(self) -> None:
         """Checks the arguments, and converts start and goal to tuples."""
@@ -99,6 +103,12 @@ class Space:
             set_field("goal", to_goal(self.goal))
         check_kinds("a scenarios.Moving or None", Moving | None, obstacles=self.obstacles)
         set_field("faults", items_of("faults", "scenarios.FaultRange", FaultRange, self.faults))
+        set_field(
+            "disturbances", items_of("disturbances", "scenarios.Pushes, Slips or Drift", Disturbance, self.disturbances)
+        )
+        drifts = [number for number, each in enumerate(self.disturbances) if isinstance(each, Drift)]
+        if len(drifts) > 1:
+            raise ValueError(f"disturbances must have at most one scenarios.Drift, got {len(drifts)}")
         check_kinds("a mapping from names to values", Mapping, parameters=self.parameters)
         check_at_least_0(duration=self.duration, tolerance=self.tolerance)
         if not self.duration:
@@ -142,8 +152,17 @@ class Space:
             start,
             goal,
             obstacles=self._obstacles(choices, map, start),
-            faults=tuple(
-                text for number, fault in enumerate(self.faults, 1) if (text := _fault(choices, number, fault)) is not None
+            faults=(
+                *(
+                    text
+                    for number, fault in enumerate(self.faults, 1)
+                    if (text := _fault(choices, number, fault)) is not None
+                ),
+                *(
+                    text
+                    for number, each in enumerate(self.disturbances, 1)
+                    for text in self._disturbed(choices, number, each)
+                ),
             ),
             parameters={
                 name: choices.number(name, value) if isinstance(value, Range) else value
@@ -153,6 +172,24 @@ class Space:
             tolerance=self.tolerance,
             seed=choices.index("seed", SEEDS) if self.is_noisy else 0,
         )
+
+    def _disturbed(self, choices: Choices, number: int, disturbance: Disturbance) -> list[str]:
+        """Returns the faults of a world that are disturbances of one kind."""
+        limits = self._disturbance_ranges[number - 1]
+        kind = f"disturbance {number} {limits.kind}"
+
+        def make(index: int) -> str:
+            name = f"{kind} {index + 1}"
+            seeded = limits
+            if disturbance.is_seeded and self.is_noisy:
+                seeded = disturbance.fault(self.duration, choices.index(f"{name} seed", SEEDS))
+            return seeded.text(lambda key, limits: choices.number(f"{name} {key}", limits))
+
+        return choices.several(kind, disturbance.at_least, disturbance.at_most, make)
+
+    @cached_property
+    def _disturbance_ranges(self) -> tuple[FaultRange, ...]:
+        return tuple(each.fault(self.duration) for each in self.disturbances)
 
     def _obstacles(self, choices: Choices, map: WorldMap, start: Place) -> tuple[MovingDisc, ...]:
         if self.obstacles is None:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .assertions import assert_clearance, assert_no_contact, assert_rate, assert_reaches, assert_scan_close
     from .rclpy_shim import stand_in
     from .requirement_assertions import assert_always, assert_holds
-    from .strategies import faults, poses, worlds
+    from .strategies import disturbances, faults, poses, worlds
 
 __all__ = [
     "assert_always",
@@ -20,6 +20,7 @@ __all__ = [
     "assert_rate",
     "assert_reaches",
     "assert_scan_close",
+    "disturbances",
     "faults",
     "poses",
     "stand_in",
@@ -29,6 +30,7 @@ __all__ = [
 _MODULES = {
     "assert_always": "requirement_assertions",
     "assert_holds": "requirement_assertions",
+    "disturbances": "strategies",
     "faults": "strategies",
     "poses": "strategies",
     "stand_in": "rclpy_shim",

@@ -1,4 +1,4 @@
-"""Strategies of Hypothesis for worlds, poses and faults, for tests with `@given`.
+"""Strategies of Hypothesis for worlds, poses, faults and disturbances, for tests with `@given`.
 
 Example:
     >>> from hypothesis import given, settings
@@ -23,13 +23,14 @@ except ImportError as error:
     raise ImportError("these strategies need Hypothesis: pip install hypothesis") from error
 
 from ..faults.reading import read_fault
+from ..scenarios.disturbances import Disturbance
 from ..scenarios.ranges import DIGITS, FaultRange, Free, Range
 from ..scenarios.space import Space
 from ..scenarios.world import World
 from ..scenarios.world_map import Places, WorldMap
 from ..simulation.fault import Fault
 
-__all__ = ["faults", "poses", "worlds"]
+__all__ = ["disturbances", "faults", "poses", "worlds"]
 
 T = TypeVar("T")
 
@@ -67,6 +68,19 @@ def faults(*ranges: FaultRange) -> st.SearchStrategy[list[Fault]]:
         *ranges: The faults to choose from. Each is in the list once or not at all.
     """
     space = Space(start=(2.0, 2.0, 0.0), goal=None, faults=ranges, is_noisy=False)
+    return worlds(space).map(lambda world: [read_fault(text) for text in world.faults])
+
+
+def disturbances(*kinds: Disturbance, duration: float = 30.0) -> st.SearchStrategy[list[Fault]]:
+    """Returns a strategy for lists of disturbances as faults, new ones for each example.
+
+    It shrinks towards fewer, shorter and weaker ones.
+
+    Args:
+        *kinds: The disturbances to choose from: `scenarios.Pushes`, `Slips`, `Drift`.
+        duration: Longest duration of the drive [s].
+    """
+    space = Space(start=(2.0, 2.0, 0.0), goal=None, disturbances=kinds, duration=duration)
     return worlds(space).map(lambda world: [read_fault(text) for text in world.faults])
 
 

@@ -6,8 +6,20 @@ import pytest
 from hypothesis import HealthCheck, find, given, settings
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator.scenarios import FaultRange, Free, Moving, Range, Space, WorldMap, floor_plans
-from mobile_robot_simulator.testing import faults, poses, worlds
+from mobile_robot_simulator.faults import Push
+from mobile_robot_simulator.scenarios import (
+    Drift,
+    FaultRange,
+    Free,
+    Moving,
+    Pushes,
+    Range,
+    Slips,
+    Space,
+    WorldMap,
+    floor_plans,
+)
+from mobile_robot_simulator.testing import disturbances, faults, poses, worlds
 
 SPACE = Space(
     [WorldMap("room", size=(8.0, 8.0), resolution=0.1), *floor_plans("cave", seeds=(1, 2), size=(8.0, 8.0), resolution=0.1)],
@@ -46,6 +58,31 @@ def test_faults_can_be_added(drawn):
     for fault in drawn:
         sim.add_fault(fault)
     assert len(sim.faults) == len(drawn) <= 2
+
+
+DISTURBANCES = disturbances(Pushes(3), Slips(2), Drift(), duration=10.0)
+
+
+@settings(max_examples=20, deadline=None)
+@given(DISTURBANCES)
+def test_disturbances_can_be_added(drawn):
+    sim = mrs.Simulation(WorldMap().grid(), start=(2.0, 2.0, 0.0))
+    for fault in drawn:
+        assert fault.start <= 10.0
+        sim.add_fault(fault)
+    sim.run_for(0.2)
+
+
+def test_disturbances_shrink_to_fewer_shorter_and_weaker_ones():
+    def least(condition):
+        return [repr(fault) for fault in find(DISTURBANCES, condition, settings=settings(max_examples=2000, database=None))]
+
+    assert least(lambda drawn: True) == []
+    pushed = least(lambda drawn: any(isinstance(fault, Push) and fault.speed > 0.1 for fault in drawn))
+    assert pushed == ["Push(0.101 m/s, end=0.5 s)"]
+    assert least(lambda drawn: any(fault.end - fault.start > 1.5 for fault in drawn if isinstance(fault, Push))) == [
+        "Push(0.05 m/s, end=1.501 s)"
+    ]
 
 
 def small(condition):
