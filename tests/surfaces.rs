@@ -1,11 +1,13 @@
 //! Readings that depend on surfaces: the same bytes for every kernel, for scans that take no time, and for any threads.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use mobile_robot_simulator::raycast::Kernel;
 use mobile_robot_simulator::{
-    BeamLayout, BeamModel, BeamModelOptions, Course, Courses, GridOptions, LaserScanner, MovingObstacle, Noise, Obstacles,
-    OccupancyGrid, Pose, ScannerOptions, Shape, SurfaceModel, SurfaceOptions, Sweeps, Twist, Unknown, random,
+    BeamLayout, BeamModel, BeamModelOptions, Course, Courses, GridOptions, LaserScanner, Material, Materials,
+    MovingObstacle, Noise, Obstacles, OccupancyGrid, Pose, ScannerOptions, Shape, SurfaceModel, SurfaceOptions, Sweeps,
+    Twist, Unknown, random,
 };
 use rand::RngExt;
 
@@ -24,11 +26,24 @@ fn room() -> OccupancyGrid {
     OccupancyGrid::new(cells.collect(), SIDE, options).expect("a good grid")
 }
 
+/// The same room with walls of all materials, in squares of ten cells.
+fn room_of_materials() -> OccupancyGrid {
+    let numbers = (0..SIDE * SIDE).map(|index| (index % SIDE / 10 + index / SIDE / 10) as u8 % 4).collect();
+    let table = Material::NAMED.map(|(_, material)| material).to_vec();
+    let materials = Materials::new(numbers, SIDE, table).expect("good materials");
+    room().with_materials(Some(Arc::new(materials))).expect("the same shape")
+}
+
 fn noise(first_index: u64) -> Noise {
     let model =
         BeamModelOptions { range_sigma_per_metre: 0.01, range_step: 0.001, z_rand: 0.1, ..BeamModelOptions::default() };
-    let surface =
-        SurfaceOptions { incidence_sigma: 0.5, incidence_bias: 0.03, correlation: 0.4, ..SurfaceOptions::default() };
+    let surface = SurfaceOptions {
+        incidence_sigma: 0.5,
+        incidence_bias: 0.03,
+        correlation: 0.4,
+        reference_range: 8.0,
+        ..SurfaceOptions::default()
+    };
     Noise {
         model: BeamModel::new(model).expect("a good model"),
         surface: Some(SurfaceModel::new(surface).expect("a good model")),
@@ -50,13 +65,20 @@ fn laser(kernel: Kernel) -> LaserScanner {
 
 #[test]
 fn all_kernels_and_threads_give_the_same_bytes() {
-    let (grid, poses, disc) = (room(), poses(), Shape::disc(0.5).expect("a disc"));
-    let obstacles = Obstacles::new([(&disc, Pose::new(3.0, 4.0, 0.0)), (&disc, Pose::new(7.0, 6.0, 0.0))]).expect("discs");
+    for grid in [room(), room_of_materials()] {
+        check_kernels_and_threads(&grid);
+    }
+}
+
+fn check_kernels_and_threads(grid: &OccupancyGrid) {
+    let (poses, disc) = (poses(), Shape::disc(0.5).expect("a disc"));
+    let mirror = disc.clone().with_material(Material::MIRROR).expect("a mirror");
+    let obstacles = Obstacles::new([(&disc, Pose::new(3.0, 4.0, 0.0)), (&mirror, Pose::new(7.0, 6.0, 0.0))]).expect("discs");
     let scan = |kernel, threads, chunk: usize| {
         let mut readings = vec![0.0; poses.len() * 100];
         for (index, (poses, readings)) in poses.chunks(chunk).zip(readings.chunks_mut(chunk * 100)).enumerate() {
             let noise = noise((index * chunk) as u64);
-            laser(kernel).scan_batch((&grid, &obstacles), poses, Some(noise), Some(threads), readings).expect("a scan");
+            laser(kernel).scan_batch((grid, &obstacles), poses, Some(noise), Some(threads), readings).expect("a scan");
         }
         readings
     };
@@ -70,7 +92,7 @@ fn all_kernels_and_threads_give_the_same_bytes() {
 
 #[test]
 fn scans_that_take_no_time_have_the_bytes_of_an_instant() {
-    let (grid, poses, disc) = (room(), poses(), Shape::disc(0.5).expect("a disc"));
+    let (grid, poses, disc) = (room_of_materials(), poses(), Shape::disc(0.5).expect("a disc"));
     let at = Pose::new(3.0, 4.0, 0.0);
     let obstacles = Obstacles::new([(&disc, at)]).expect("a disc");
     let twists: Vec<[f64; 3]> = poses.iter().map(|[x, y, _]| [0.1 * x, 0.1 * y, 1.0]).collect();

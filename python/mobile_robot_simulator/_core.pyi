@@ -2672,9 +2672,10 @@ class Drive:
 
 @final
 class SurfaceModel:
-    """How the surface that a beam meets changes its reading: by the angle of incidence, and by an error that stays at its place.
+    """How the surface that a beam meets changes its reading: by the angle, by the light, and by an error that stays at its place.
 
-    It changes the hit part of a `BeamModel`: give both to `scan_batch`, as `noise` and `surfaces`. By default all is off.
+    It changes the hit part of a `BeamModel`, and which beams have a return: give both to `scan_batch`, as `noise` and `surfaces`.
+    By default all is off.
 
     The incidence is the angle between the beam and the normal of the surface, 0 for a beam perpendicular to it. It is exact at
     an obstacle. At a blocking cell, the normal is that of the wall around it (`OccupancyGrid.wall_directions`), or of the side
@@ -2688,6 +2689,9 @@ class SurfaceModel:
             `incidence_bias * (1 - cos(incidence))` is added.
         correlation: Part of the variance of a hit that is fixed for each beam and cell, 0 to 1. The rest is drawn for each
             scan. So a robot that stands sees a constant part of the error. It depends on the seed, not on the index of the scan.
+        reference_range: Distance R at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]. The
+            chance of no return at a distance r is `q**4 / (1 + q**4)`, with `q = r**2 / (R**2 * reflectivity * cos(incidence))`.
+            A beam without a return reads as one that meets nothing: the maximum range. 0 is off: all beams return.
 
     Raises:
         ValueError: A number is out of its range or not finite.
@@ -2715,6 +2719,7 @@ class SurfaceModel:
         incidence_limit: float = 1.5,
         incidence_bias: float = 0.0,
         correlation: float = 0.0,
+        reference_range: float = 0.0,
     ) -> Self: ...
     @property
     def incidence_sigma(self) -> float:
@@ -2728,6 +2733,9 @@ class SurfaceModel:
     @property
     def correlation(self) -> float:
         """Part of the variance of a hit that is fixed for each beam and cell."""
+    @property
+    def reference_range(self) -> float:
+        """Distance at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]; 0 is off."""
 
 @final
 class WheelMotion:

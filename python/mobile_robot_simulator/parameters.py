@@ -515,6 +515,11 @@ class LaserParameters(Parameters):
     correlation: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         0.0, description="part of the variance of a correct range that is fixed for each beam and cell"
     )
+    reference_range: Weight = Field(
+        0.0,
+        description="distance at which a white wall, met at a right angle, returns every second beam [m]; "
+        "darker, farther and grazing surfaces return fewer; 0 for all beams",
+    )
     no_return: Literal["inf", "max", "below_max"] = Field(
         "inf",
         description="reading of a beam without a return: inf (REP-117), max (laser_max_range; range_max is then 1 mm more), "
@@ -588,13 +593,14 @@ class LaserParameters(Parameters):
     @property
     def surface_model(self) -> SurfaceModel | None:
         """How what a beam meets changes the noise of its range; None if it changes nothing."""
-        if (self.incidence_sigma, self.incidence_bias, self.correlation) == (0.0, 0.0, 0.0):
+        if self.incidence_sigma == self.incidence_bias == self.correlation == self.reference_range == 0.0:
             return None
         return SurfaceModel(
             incidence_sigma=self.incidence_sigma,
             incidence_limit=self.incidence_limit,
             incidence_bias=self.incidence_bias,
             correlation=self.correlation,
+            reference_range=self.reference_range,
         )
 
     def scanner(self, mount: Pose | Sequence[float] | None = None) -> LaserScanner:

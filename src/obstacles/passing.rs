@@ -11,6 +11,7 @@ use crate::numeric::sincos::{Last, sincos};
 use crate::numeric::{GROUP, Group};
 use crate::pose::Pose;
 use crate::shape::{MAX_CORNERS, Shape};
+use crate::surface::Material;
 
 /// A shape that moves, or stands, while a scan is taken.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +76,11 @@ impl<'a> Passing<'a> {
     /// Returns true if an obstacle is of glass or a mirror.
     pub fn lead_on(&self) -> bool {
         self.passers.iter().any(|passer| passer.obstacle.shape.material().leads_on())
+    }
+
+    /// Returns the material of an obstacle.
+    pub fn material(&self, index: usize) -> Material {
+        self.passers[index].obstacle.shape.material()
     }
 
     /// Returns the obstacles at the time of a beam, given by its group and its slot there.

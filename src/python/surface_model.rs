@@ -9,9 +9,10 @@ use super::number::Argument;
 use super::{Recipe, recipe};
 use crate::SurfaceOptions;
 
-/// How the surface that a beam meets changes its reading: by the angle of incidence, and by an error that stays at its place.
+/// How the surface that a beam meets changes its reading: by the angle, by the light, and by an error that stays at its place.
 ///
-/// It changes the hit part of a `BeamModel`: give both to `scan_batch`, as `noise` and `surfaces`. By default all is off.
+/// It changes the hit part of a `BeamModel`, and which beams have a return: give both to `scan_batch`, as `noise` and `surfaces`.
+/// By default all is off.
 ///
 /// The incidence is the angle between the beam and the normal of the surface, 0 for a beam perpendicular to it. It is exact at
 /// an obstacle. At a blocking cell, the normal is that of the wall around it (`OccupancyGrid.wall_directions`), or of the side
@@ -25,6 +26,9 @@ use crate::SurfaceOptions;
 ///         `incidence_bias * (1 - cos(incidence))` is added.
 ///     correlation: Part of the variance of a hit that is fixed for each beam and cell, 0 to 1. The rest is drawn for each
 ///         scan. So a robot that stands sees a constant part of the error. It depends on the seed, not on the index of the scan.
+///     reference_range: Distance R at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]. The
+///         chance of no return at a distance r is `q**4 / (1 + q**4)`, with `q = r**2 / (R**2 * reflectivity * cos(incidence))`.
+///         A beam without a return reads as one that meets nothing: the maximum range. 0 is off: all beams return.
 ///
 /// Raises:
 ///     ValueError: A number is out of its range or not finite.
@@ -56,13 +60,15 @@ impl SurfaceModel {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(*, incidence_sigma=0.0, incidence_limit=1.5, incidence_bias=0.0, correlation=0.0)",
+        text_signature = "(*, incidence_sigma=0.0, incidence_limit=1.5, incidence_bias=0.0, correlation=0.0, \
+                          reference_range=0.0)",
         signature = (
             *,
             incidence_sigma = default().incidence_sigma.into(),
             incidence_limit = default().incidence_limit.into(),
             incidence_bias = default().incidence_bias.into(),
             correlation = default().correlation.into(),
+            reference_range = default().reference_range.into(),
         )
     )]
     fn new(
@@ -70,12 +76,14 @@ impl SurfaceModel {
         incidence_limit: Argument<f64>,
         incidence_bias: Argument<f64>,
         correlation: Argument<f64>,
+        reference_range: Argument<f64>,
     ) -> PyResult<Self> {
         let options = SurfaceOptions {
             incidence_sigma: incidence_sigma.named("incidence_sigma")?,
             incidence_limit: incidence_limit.named("incidence_limit")?,
             incidence_bias: incidence_bias.named("incidence_bias")?,
             correlation: correlation.named("correlation")?,
+            reference_range: reference_range.named("reference_range")?,
         };
         Ok(Self(crate::SurfaceModel::new(options)?))
     }
@@ -104,19 +112,33 @@ impl SurfaceModel {
         self.0.options().correlation
     }
 
+    /// Distance at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]; 0 is off.
+    #[getter]
+    fn reference_range(&self) -> f64 {
+        self.0.options().reference_range
+    }
+
     fn __repr__(&self) -> String {
-        let SurfaceOptions { incidence_sigma, incidence_limit, incidence_bias, correlation } = self.0.options();
+        let SurfaceOptions { incidence_sigma, incidence_limit, incidence_bias, correlation, reference_range } =
+            self.0.options();
         format!(
             "SurfaceModel(incidence_sigma={incidence_sigma:?}, incidence_limit={incidence_limit:?}, \
-             incidence_bias={incidence_bias:?}, correlation={correlation:?})"
+             incidence_bias={incidence_bias:?}, correlation={correlation:?}, reference_range={reference_range:?})"
         )
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
         let keywords = PyDict::new(py);
-        let SurfaceOptions { incidence_sigma, incidence_limit, incidence_bias, correlation } = self.0.options();
-        let names = ["incidence_sigma", "incidence_limit", "incidence_bias", "correlation"];
-        for (name, value) in names.into_iter().zip([incidence_sigma, incidence_limit, incidence_bias, correlation]) {
+        let SurfaceOptions { incidence_sigma, incidence_limit, incidence_bias, correlation, reference_range } =
+            self.0.options();
+        let values = [
+            ("incidence_sigma", incidence_sigma),
+            ("incidence_limit", incidence_limit),
+            ("incidence_bias", incidence_bias),
+            ("correlation", correlation),
+            ("reference_range", reference_range),
+        ];
+        for (name, value) in values {
             keywords.set_item(name, value)?;
         }
         recipe::<Self>(py, PyTuple::empty(py), keywords)

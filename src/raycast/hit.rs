@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use super::Ray;
-use super::traversal::traverse;
-use crate::grid::OccupancyGrid;
+use super::traversal::{Walk, traverse};
+use crate::grid::{Cell, OccupancyGrid};
 
 /// Returns the distance \[m\] at which a ray enters the first blocking cell, infinite if there is none, and the component of
 /// its direction along the normal of the side through which it enters; `None` if it starts inside.
@@ -24,6 +24,20 @@ pub fn hit_of(grid: &OccupancyGrid, origin: DVec2, direction: DVec2) -> (f64, Op
         Some(ray.direction.y)
     };
     ((ray.gap + distance.max(0.0)) * grid.resolution(), normal)
+}
+
+/// Returns the first blocking cell that a ray enters.
+#[must_use]
+pub fn cell_hit(grid: &OccupancyGrid, origin: DVec2, direction: DVec2) -> Option<Cell> {
+    let ray = Ray::entering(grid.width(), grid.height(), grid.in_cells(origin), direction)?;
+    let mut walk = Walk::new(&ray);
+    loop {
+        let cell = walk.cell(grid)?;
+        if grid.is_blocking(cell) {
+            return Some(cell);
+        }
+        walk.step();
+    }
 }
 
 /// Returns true if a ray crosses a line between columns at a distance that the traversal found.

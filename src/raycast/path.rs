@@ -35,6 +35,10 @@ pub struct Path {
     pub material: Material,
     /// Cosine of the angle of incidence at the last surface; NaN if the path ends inside something.
     pub cosine: f64,
+    /// Direction of the last part of the path, in the map frame: a unit vector.
+    pub direction: DVec2,
+    /// The cell at which the path ends; `None` if it ends at an obstacle.
+    pub cell: Option<Cell>,
 }
 
 impl Path {
@@ -43,8 +47,13 @@ impl Path {
     /// It is `reflectivity · cos α / length²` (a Lambertian surface, and the inverse square law), times the share of the light
     /// that is left on the way there and back. It is 0 inside something.
     pub fn intensity(&self) -> f64 {
-        let intensity = self.light * self.light * self.material.reflectivity * self.cosine / (self.length * self.length);
+        let intensity = self.share() * self.cosine / (self.length * self.length);
         if intensity.is_finite() { intensity } else { 0.0 }
+    }
+
+    /// Returns the share of the light that the last surface would return at a right angle, on the way there and back.
+    pub fn share(&self) -> f64 {
+        self.light * self.light * self.material.reflectivity
     }
 }
 
@@ -55,6 +64,8 @@ struct Meeting<'a> {
     /// Unit normal of the surface, in the map frame; `None` if the part starts inside.
     normal: Option<DVec2>,
     material: &'a Material,
+    /// The cell whose surface it is; `None` for an obstacle.
+    cell: Option<Cell>,
     next: Next,
 }
 
@@ -104,6 +115,7 @@ impl<'a> Cells<'a> {
                 distance,
                 normal: self.side.map(|side| grid.direction_in_map(side.normal())),
                 material,
+                cell: Some(cell),
                 next: self.next(),
             });
             self.before = Some(cell);
@@ -190,7 +202,8 @@ pub fn follow<'b>(
             };
             let met = if body_is_next { meetings.pop()? } else { cell.take()? };
             let cosine = met.normal.map_or(f64::NAN, |normal| normal.dot(direction).abs().min(1.0));
-            let end = Path { length: length + met.distance, light, material: *met.material, cosine };
+            let end =
+                Path { length: length + met.distance, light, material: *met.material, cosine, direction, cell: met.cell };
             match (met.material.kind, met.normal) {
                 (MaterialKind::Mirror, Some(normal)) => break (met, normal),
                 (MaterialKind::Glass, Some(_)) => {
@@ -232,6 +245,6 @@ fn meeting(body: &Body, origin: DVec2, direction: DVec2, limit: f64) -> Option<M
     let distance = if is_inside { 0.0 } else { body.entry(origin, direction) };
     (distance < limit).then(|| {
         let normal = (!is_inside).then(|| body.normal_near(origin + direction * distance));
-        Meeting { distance, normal, material, next: Next::Anywhere }
+        Meeting { distance, normal, material, cell: None, next: Next::Anywhere }
     })
 }

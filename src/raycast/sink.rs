@@ -1,5 +1,6 @@
 //! Where the results of a cast go.
 
+use super::path::Path;
 use crate::numeric::{GROUP, Group};
 use crate::random::BeamBits;
 
@@ -14,6 +15,10 @@ pub trait Sink {
     fn bits(&self) -> Option<BeamBits> {
         None
     }
+
+    /// Learns where a beam of the group that it takes next ends, given by its slot there. It is called for beams that meet glass
+    /// or a mirror first, and sometimes for others.
+    fn end_at(&mut self, _slot: usize, _path: &Path) {}
 
     /// Takes the distances of a group. Entries past the last ray of a fan are padding.
     fn take(&mut self, group: usize, distances: &Group);

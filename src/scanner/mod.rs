@@ -296,7 +296,7 @@ impl LaserScanner {
                     let sinks = samplers.zip(poses.clone()).zip(readings).map(|((sampler, (pose, world)), readings)| {
                         let scene = Still::new(world, pose * self.base_from_fan);
                         let (grid, cos, sin) = (world.grid, &self.cos[..], &self.sin[..]);
-                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, readings }
+                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, ends: Vec::new(), readings }
                     });
                     return self.cast(caster, world.grid, poses, sinks);
                 }

@@ -96,7 +96,8 @@ impl<'a> Onward<'a> {
     /// Replaces the range \[m\] of each beam of a group that meets glass or a mirror first by the length of its path; or each
     /// range by the intensity, if the sink takes these.
     ///
-    /// `to_walls` are the ranges without obstacles, and `bits` the random bits of the scan.
+    /// `to_walls` are the ranges without obstacles, and `bits` the random bits of the scan. `end_at` gets the slot of each beam that
+    /// is followed to a surface, and its path.
     #[inline(never)]
     pub fn follow(
         &self,
@@ -105,6 +106,7 @@ impl<'a> Onward<'a> {
         to_walls: &Group,
         ranges: &mut Group,
         bits: Option<BeamBits>,
+        end_at: &mut dyn FnMut(usize, &Path),
     ) {
         for (slot, range) in ranges.iter_mut().enumerate() {
             // A range of 0 is that of a laser inside something.
@@ -121,7 +123,10 @@ impl<'a> Onward<'a> {
             }
             let is_wall = *range == to_walls[slot];
             if if is_wall { self.may_lead_on(beam, *range) } else { self.obstacles_lead_on() } {
-                *range = path().map_or(f64::INFINITY, |path| path.length);
+                *range = path().map_or(f64::INFINITY, |path| {
+                    end_at(slot, &path);
+                    path.length
+                });
             }
         }
     }

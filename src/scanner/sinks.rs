@@ -97,7 +97,9 @@ impl<F: Foreground, S: Sink> Sink for Beyond<'_, F, S> {
             foreground.shorten(group, (&self.cos[group], &self.sin[group]), &mut ranges);
         }
         if let Some(onward) = &self.onward {
-            onward.follow(group, (&self.cos[group], &self.sin[group]), to_walls, &mut ranges, self.sink.bits());
+            let (bits, sink) = (self.sink.bits(), &mut self.sink);
+            let end_at = &mut |slot, path: &_| sink.end_at(slot, path);
+            onward.follow(group, (&self.cos[group], &self.sin[group]), to_walls, &mut ranges, bits, end_at);
         }
         if let Some(slant) = self.slant {
             ranges = slant.ranges(group, &ranges);

@@ -11,8 +11,8 @@ use crate::numeric::{GROUP, Group};
 use crate::obstacles::Passing;
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Sink, Sweep, hit_of, store};
-use crate::surface::SurfaceModel;
+use crate::raycast::{Path, Sink, Sweep, cell_hit, hit_of, store};
+use crate::surface::{Material, SurfaceModel};
 use crate::wall_directions::WallDirections;
 use crate::world::World;
 
@@ -34,6 +34,12 @@ const FIRST_OBSTACLE: u64 = 1 << 31;
 /// Bits of the number of a beam in the name of a fixed random number.
 const BEAM_BITS: u32 = 20;
 
+/// Distinguishes the random numbers that say which beams have no return from the others. Beams have smaller numbers.
+const NO_RETURNS: u64 = 1 << 41;
+
+/// Scale of the highest 53 bits of a word, as a number in \[0, 1).
+const PER_BITS: f64 = 1.0 / (1_u64 << 53) as f64;
+
 /// The beams of one scan.
 pub trait Scene {
     /// Returns x and y of the origins of a group of beams \[cells\], and of their directions, in the frame of the grid.
@@ -42,6 +48,27 @@ pub trait Scene {
     /// Returns the obstacle that a beam enters nearer than `limit` \[m\], and the product of the beam's direction and its normal;
     /// no product if the beam starts inside.
     fn obstacle(&self, beam: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)>;
+
+    /// Returns the material of an obstacle.
+    fn material(&self, obstacle: usize) -> Material;
+}
+
+/// What the beams of a group meet.
+struct Met {
+    /// Cosines of the incidences.
+    cosines: Group,
+    /// Numbers of the cells and obstacles.
+    numbers: [u64; GROUP],
+    /// Shares of the light that the surfaces return at a right angle.
+    shares: Group,
+}
+
+/// Where a beam ends that meets glass or a mirror first.
+pub struct End {
+    slot: usize,
+    cosine: f64,
+    number: u64,
+    share: f64,
 }
 
 /// A scan that is taken in one instant.
@@ -76,6 +103,10 @@ impl Scene for Still<'_> {
         let direction = DVec2::new(cos, sin).rotate(in_fan);
         let obstacles = (self.world.obstacles, self.world.except);
         hit_obstacle(obstacles, self.map_from_fan.position, direction, limit).map(|(index, _, product)| (index, product))
+    }
+
+    fn material(&self, obstacle: usize) -> Material {
+        *self.world.obstacles.bodies()[obstacle].material()
     }
 }
 
@@ -114,6 +145,10 @@ impl Scene for Moving<'_> {
         let direction = DVec2::new(cos, sin).rotate(in_fan);
         self.passing.hit(beam, DVec2::new(poses.x[slot], poses.y[slot]), direction, limit)
     }
+
+    fn material(&self, obstacle: usize) -> Material {
+        self.passing.material(obstacle)
+    }
 }
 
 /// Draws a reading for each range from a beam model, as the surface that the beam meets changes it, and stores it.
@@ -127,13 +162,15 @@ pub struct Surfaced<'a, S> {
     pub fixed: BeamBits,
     pub cos: &'a [Group],
     pub sin: &'a [Group],
+    /// Where beams of the next group end that meet glass or a mirror first.
+    pub ends: Vec<End>,
     pub readings: &'a mut [f32],
 }
 
 impl<S: Scene> Surfaced<'_, S> {
-    /// Returns the cosine of the incidence of each beam of a group, and the number of the cell or obstacle that it meets.
+    /// Returns what each beam of a group meets.
     #[inline(always)]
-    fn meet(&self, group: usize, ranges: &Group) -> (Group, [u64; GROUP]) {
+    fn meet(&mut self, group: usize, ranges: &Group) -> Met {
         let [x, y, dx, dy] = self.scene.rays(group, (&self.cos[group], &self.sin[group]));
         let (width, height) = (self.grid.width() as f64, self.grid.height() as f64);
         let per_cell = 1.0 / self.grid.resolution();
@@ -159,7 +196,7 @@ impl<S: Scene> Surfaced<'_, S> {
             let cos = if at_column { dx[slot] } else { dy[slot] }.abs();
             cosines[slot] = if is_hit { cos } else { 1.0 };
         }
-        let mut numbers = [0; GROUP];
+        let (mut numbers, mut shares) = ([0; GROUP], [Material::WALL.reflectivity; GROUP]);
         for slot in 0..GROUP {
             if places[slot] == NOWHERE {
                 continue;
@@ -173,25 +210,49 @@ impl<S: Scene> Surfaced<'_, S> {
                 is_other[slot] = u32::from(!self.grid.blocks_at(place));
             }
         }
+        if let Some(materials) = self.grid.materials().filter(|_| self.surface.loses_beams()) {
+            for slot in (0..GROUP).filter(|&slot| places[slot] != NOWHERE) {
+                shares[slot] = materials.of(places[slot] as usize).reflectivity;
+            }
+        }
+        for end in self.ends.drain(..) {
+            (cosines[end.slot], numbers[end.slot], shares[end.slot]) = (end.cosine, end.number, end.share);
+            is_other[end.slot] = 0;
+        }
         if is_other.iter().fold(0, |any, other| any | other) != 0 {
             for slot in (0..GROUP).filter(|&slot| is_other[slot] != 0) {
                 let ray = (DVec2::new(x[slot], y[slot]), DVec2::new(dx[slot], dy[slot]));
-                (cosines[slot], numbers[slot]) = self.meet_other(group * GROUP + slot, ray, ranges[slot]);
+                (cosines[slot], numbers[slot], shares[slot]) = self.meet_other(group * GROUP + slot, ray, ranges[slot]);
             }
         }
-        (cosines, numbers)
+        Met { cosines, numbers, shares }
+    }
+
+    /// Returns the ranges of a group, infinite for beams that have no return because their light is too weak.
+    #[inline(always)]
+    fn with_losses(&self, group: usize, ranges: &Group, met: &Met) -> Group {
+        let bits = self.sampler.bits();
+        std::array::from_fn(|slot| {
+            let draw = (bits.of((group * GROUP + slot) as u64 | NO_RETURNS) >> 11) as f64 * PER_BITS;
+            let is_lost = self.surface.loses(ranges[slot], met.cosines[slot], met.shares[slot], draw);
+            if is_lost { f64::INFINITY } else { ranges[slot] }
+        })
     }
 
     /// The same for a beam that does not end on the side of a blocking cell: it meets an obstacle or the corner of a cell.
     #[inline(never)]
-    fn meet_other(&self, beam: usize, (origin, direction): (DVec2, DVec2), range: f64) -> (f64, u64) {
+    fn meet_other(&self, beam: usize, (origin, direction): (DVec2, DVec2), range: f64) -> (f64, u64, f64) {
         let in_fan = DVec2::new(self.cos[beam / GROUP][beam % GROUP], self.sin[beam / GROUP][beam % GROUP]);
         // The range is a little more than the one at which the obstacle was found, at most.
         if let Some((index, product)) = self.scene.obstacle(beam, in_fan, range * (1.0 + 1e-9) + 1e-9) {
-            return (product.map_or(1.0, |product| product.abs().min(1.0)), FIRST_OBSTACLE + index as u64);
+            let cosine = product.map_or(1.0, |product| product.abs().min(1.0));
+            return (cosine, FIRST_OBSTACLE + index as u64, self.scene.material(index).reflectivity);
         }
-        let (_, normal) = hit_of(self.grid, origin * self.grid.resolution(), direction);
-        (normal.map_or(1.0, f64::abs), 0)
+        let origin = origin * self.grid.resolution();
+        let (_, normal) = hit_of(self.grid, origin, direction);
+        let cell = cell_hit(self.grid, origin, direction);
+        let material = cell.map_or(&Material::WALL, |cell| self.grid.material(cell));
+        (normal.map_or(1.0, f64::abs), 0, material.reflectivity)
     }
 }
 
@@ -200,11 +261,23 @@ impl<S: Scene> Sink for Surfaced<'_, S> {
         Some(self.sampler.bits())
     }
 
+    fn end_at(&mut self, slot: usize, path: &Path) {
+        let place = path.cell.map(|cell| cell.row * self.grid.width() + cell.col);
+        let direction = self.grid.direction_in_grid(path.direction);
+        let of_wall = place.and_then(|place| self.walls.tangent(place)).map(|tangent| direction.perp_dot(tangent).abs());
+        let cosine = of_wall.unwrap_or(if path.cosine.is_nan() { 1.0 } else { path.cosine });
+        let number = place.map_or(FIRST_OBSTACLE, |place| place as u64);
+        self.ends.push(End { slot, cosine, number, share: path.share() });
+    }
+
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
-        let (cosines, numbers) = self.meet(group, ranges);
+        let met = self.meet(group, ranges);
+        let losses = self.surface.loses_beams().then(|| self.with_losses(group, ranges, &met));
+        let ranges = losses.as_ref().unwrap_or(ranges);
+        let Met { cosines, numbers, .. } = &met;
         let hits = HitColumns {
-            cosines: &cosines,
+            cosines,
             weights: self.surface.weights(),
             // Names of the fixed numbers.
             fixed: (self.surface.options().correlation > 0.0).then(|| {

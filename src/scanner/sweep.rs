@@ -148,7 +148,7 @@ impl LaserScanner {
                     let sinks = samplers.zip(scans.clone()).zip(readings).map(|((sampler, scan), readings)| {
                         let scene = Moving { grid, sweep: self.sweep(&plan, scan), passing: &plan.passing };
                         let (cos, sin) = (&self.cos[..], &self.sin[..]);
-                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, readings }
+                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, ends: Vec::new(), readings }
                     });
                     return self.cast_sweeps(caster, &plan, scans, sinks);
                 }

@@ -22,11 +22,14 @@ pub struct SurfaceOptions {
     pub incidence_bias: f64,
     /// ρ: part of the variance of a hit that is fixed for each beam and cell, 0 to 1. The rest is drawn for each scan.
     pub correlation: f64,
+    /// R \[m\]: distance at which a surface of reflectivity 1, met at a right angle, returns every second beam. 0 is off: all
+    /// beams return.
+    pub reference_range: f64,
 }
 
 impl Default for SurfaceOptions {
     fn default() -> Self {
-        Self { incidence_sigma: 0.0, incidence_limit: 1.5, incidence_bias: 0.0, correlation: 0.0 }
+        Self { incidence_sigma: 0.0, incidence_limit: 1.5, incidence_bias: 0.0, correlation: 0.0, reference_range: 0.0 }
     }
 }
 
@@ -49,6 +52,18 @@ impl Default for SurfaceOptions {
 /// The fixed number belongs to the seed, the beam and the cell or obstacle that it meets, not to the scan. So a robot that stands
 /// sees a constant part of the error, as with a real scanner, and only the rest flickers. The variance is the same for each ρ.
 ///
+/// A beam whose light is too weak has no return. The light that comes back from a matt surface is in proportion to
+/// `reflectivity · cos(α) / r²` at the distance r, if the beam is smaller than the surface (the range equation of lidars).
+///
+/// ```text
+/// q                  = r² / (R² · reflectivity · cos(α))      R = reference_range
+/// chance of no return = q⁴ / (1 + q⁴)
+/// ```
+///
+/// q is how many times too weak the light is. So the log-odds of a return are 4 times the logarithm of the light. The reflectivity
+/// is that of the [`Material`]; on a path through glass and mirrors it is that of the last surface, times the light that is left
+/// on the way there and back. A beam without a return reads as one that meets nothing.
+///
 /// ```
 /// use mobile_robot_simulator::{SurfaceModel, SurfaceOptions};
 ///
@@ -70,7 +85,7 @@ impl SurfaceModel {
     ///
     /// # Errors
     /// [`Error::Number`]: `incidence_sigma` is negative or more than 4, `incidence_limit` is not from 0 to below π/2,
-    /// `correlation` is not from 0 to 1, or a number is not finite.
+    /// `correlation` is not from 0 to 1, `reference_range` is negative, or a number is not finite.
     pub fn new(options: SurfaceOptions) -> Result<Self, Error> {
         check_number("incidence_sigma", options.incidence_sigma, "in 0..4", |value| (0.0..=4.0).contains(&value))?;
         check_number("incidence_limit", options.incidence_limit, "at least 0 and below π/2", |value| {
@@ -79,6 +94,7 @@ impl SurfaceModel {
         })?;
         check_finite("incidence_bias", options.incidence_bias)?;
         check_number("correlation", options.correlation, "in 0..1", |value| (0.0..=1.0).contains(&value))?;
+        check_number("reference_range", options.reference_range, "at least 0", |value| value >= 0.0)?;
         let weights = [(1.0 - options.correlation).sqrt() as f32, options.correlation.sqrt() as f32];
         Ok(Self { options, least_cos: libm::cos(options.incidence_limit), weights })
     }
@@ -92,7 +108,23 @@ impl SurfaceModel {
     /// Returns true if the model changes nothing.
     pub(crate) fn is_off(&self) -> bool {
         let SurfaceOptions { incidence_sigma, incidence_bias, correlation, .. } = self.options;
-        incidence_sigma == 0.0 && incidence_bias == 0.0 && correlation == 0.0
+        incidence_sigma == 0.0 && incidence_bias == 0.0 && correlation == 0.0 && !self.loses_beams()
+    }
+
+    /// Returns true if beams may have no return.
+    pub(crate) fn loses_beams(&self) -> bool {
+        self.options.reference_range > 0.0
+    }
+
+    /// Returns true if a beam has no return from a surface at this range \[m\], with this cosine of its incidence, that returns
+    /// this share of the light at a right angle. `draw` is a random number in \[0, 1).
+    #[inline(always)]
+    pub(crate) fn loses(&self, range: f64, cos: f64, share: f64, draw: f64) -> bool {
+        let cos = if cos > self.least_cos { cos } else { self.least_cos };
+        let ratio = self.options.reference_range / range;
+        // 1 / q: q⁴ / (1 + q⁴) = 1 / (1 + light⁴). At a range of 0, inside something, it is infinite.
+        let light = ratio * ratio * share * cos;
+        draw * (1.0 + (light * light) * (light * light)) < 1.0
     }
 
     /// Returns the hit part of a beam that meets a surface with this cosine of its incidence.
@@ -135,6 +167,24 @@ mod tests {
     }
 
     #[test]
+    fn beams_are_lost_by_the_formula() {
+        let options = SurfaceOptions { reference_range: 20.0, incidence_limit: 1.2, ..SurfaceOptions::default() };
+        let model = SurfaceModel::new(options).unwrap();
+        assert!(model.loses_beams() && !model.is_off());
+        for (range, incidence, share) in
+            [(5.0, 0.0, 1.0), (20.0, 0.0, 1.0), (20.0, 1.1, 1.0), (9.0, 1.5, 0.1), (40.0, 0.5, 0.9)]
+        {
+            let q = range * range / (400.0 * share * libm::cos(f64::min(incidence, 1.2)));
+            let chance = libm::pow(q, 4.0) / (1.0 + libm::pow(q, 4.0));
+            let loses = |draw| model.loses(range, libm::cos(incidence), share, draw);
+            assert!(loses(0.0) && loses(chance * 0.999_999) && !loses(chance * 1.000_001), "{range} {incidence} {share}");
+        }
+        // Nothing comes back from a black surface, and all from one that the laser touches.
+        assert!(model.loses(1.0, 1.0, 0.0, 0.999) && !model.loses(0.0, 1.0, 1.0, 0.0) && !model.loses(0.0, 1.0, 0.0, 0.5));
+        assert!(model.loses(1e30, 1.0, 1.0, 0.999) && !model.loses(1e-100, 1.0, 1.0, 1e-15));
+    }
+
+    #[test]
     fn bad_parameters_are_named() {
         let error = |options: SurfaceOptions| SurfaceModel::new(options).unwrap_err().to_string();
         let off = SurfaceOptions::default();
@@ -143,5 +193,6 @@ mod tests {
         assert!(text.starts_with("incidence_limit must be at least 0 and below π/2, got 1.57"), "{text}");
         assert_eq!(error(SurfaceOptions { incidence_bias: f64::NAN, ..off }), "incidence_bias must be finite, got NaN");
         assert_eq!(error(SurfaceOptions { correlation: 1.5, ..off }), "correlation must be in 0..1, got 1.5");
+        assert_eq!(error(SurfaceOptions { reference_range: -1.0, ..off }), "reference_range must be at least 0, got -1");
     }
 }

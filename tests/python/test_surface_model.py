@@ -182,15 +182,182 @@ def test_part_of_the_error_is_fixed_for_each_beam_and_cell(correlation: float) -
     assert abs(np.corrcoef(elsewhere[0], one_scan)[0, 1]) < 0.15
 
 
+def no_return_chance(distance: Any, cos: Any, share: Any, reference_range: float) -> Any:
+    """Chance of no return, as the formula of the documentation says."""
+    q = distance**2 / (reference_range**2 * share * cos)
+    return q**4 / (1.0 + q**4)
+
+
+def lost(distance: float, incidence: float, material: Any, count: int, as_obstacle: bool, **options: float) -> int:
+    """How many of the beams that meet a wall of a material, at a distance and an incidence, have no return."""
+    x, y = 40.0, 50.0
+    pose = [x - distance * math.cos(incidence), y - distance * math.sin(incidence), incidence]
+    cells = np.zeros((200, 100), np.int8)
+    obstacles = []
+    if as_obstacle:
+        obstacles = [(mrs.Shape.rectangle(1.0, 90.0).with_material(material), (x + 0.5, y, 0.0))]
+    else:
+        cells[:, 80] = 100
+    grid = mrs.OccupancyGrid(cells, resolution=0.5).with_materials(np.zeros(cells.shape, np.uint8), table=[material])
+    # Some beams of each scan, and some scans: the beams are all but parallel.
+    laser = mrs.LaserScanner(fov=1e-6, beam_count=50, max_range=60.0)
+    found = laser.scan_batch(
+        grid,
+        np.tile(pose, (count // 50, 1)),
+        obstacles=obstacles,
+        noise=mrs.BeamModel(sigma_hit=0.01, z_hit=1.0, z_max=0.0),
+        surfaces=mrs.SurfaceModel(**options),
+        seed=SEED,
+    )
+    assert np.all((np.abs(found - distance) < 0.5) | (found == 60.0))
+    return int(np.sum(found == 60.0))
+
+
+@pytest.mark.parametrize("as_obstacle", [False, True])
+def test_the_share_of_beams_without_a_return_fits_the_formula(as_obstacle: bool) -> None:
+    count, reference_range, limit = 10_000, 30.0, 1.4
+    cases = [
+        (distance, incidence, reflectivity)
+        for distance in (4.0, 12.0, 28.0, 38.0)
+        for incidence in (0.0, 0.7, 1.2, 1.55)
+        for reflectivity in (1.0, 0.3, 0.024)
+        if distance * math.cos(incidence) < 39.0
+    ]
+    counts = [
+        lost(
+            distance,
+            incidence,
+            mrs.Material(reflectivity=reflectivity),
+            count,
+            as_obstacle,
+            reference_range=reference_range,
+            incidence_limit=limit,
+        )
+        for distance, incidence, reflectivity in cases
+    ]
+    distances, angles, shares = np.array(cases).T
+
+    def chi_square(reference: float, limit: float) -> tuple[float, int]:
+        chances = no_return_chance(distances, np.cos(np.minimum(angles, limit)), shares, reference)
+        # Where a normal distribution is a good approximation of the binomial one.
+        fits = (chances * count > 20) & ((1.0 - chances) * count > 20)
+        deviations = (np.array(counts) - count * chances)[fits] ** 2 / (count * chances * (1.0 - chances))[fits]
+        assert np.all(np.abs(np.array(counts) / count - chances)[~fits] < 0.01)
+        return float(deviations.sum()), int(fits.sum())
+
+    found, cells = chi_square(reference_range, limit)
+    assert cells >= 15
+    # Seven standard deviations of the chi-square distribution above its mean.
+    critical = cells + 7.0 * math.sqrt(2.0 * cells)
+    assert found < critical, (found, cells)
+    assert chi_square(1.02 * reference_range, limit)[0] > critical
+    assert chi_square(reference_range, 1.39)[0] > critical
+
+
+def test_a_beam_without_a_return_reads_as_one_that_meets_nothing_and_others_keep_their_bytes() -> None:
+    grid = mrs.floor_plan("office", seed=1)
+    poses = grid.draw_free_poses(100, radius=0.3, seed=1)
+    empty = mrs.OccupancyGrid(np.zeros((4, 4), np.int8), resolution=0.1)
+    noise = mrs.BeamModel(sigma_hit=0.05, z_hit=0.8, z_short=0.1, z_max=0.02, z_rand=0.1, range_step=0.01)
+    parts = {"incidence_sigma": 0.5, "incidence_bias": 0.02, "correlation": 0.5}
+    for others in ({}, parts):
+        options: dict[str, Any] = {"noise": noise, "seed": SEED}
+        all_return = LASER.scan_batch(grid, poses, surfaces=mrs.SurfaceModel(**others), **options)
+        nothing = LASER.scan_batch(empty, poses, surfaces=mrs.SurfaceModel(**others), **options)
+        found = LASER.scan_batch(grid, poses, surfaces=mrs.SurfaceModel(**others, reference_range=6.0), **options)
+        assert np.all((found == all_return) | (found == nothing))
+        is_lost = found != all_return
+        assert 0.05 < is_lost.mean() < 0.5
+        # Whether a beam is lost has nothing to do with the number that the noise draws for it.
+        true = LASER.scan_batch(grid, poses)
+        errors = (all_return - true) / 0.05
+        near = is_lost & (np.abs(errors) < 4.0)
+        assert abs(errors[near].mean()) < 0.1 if not others else True
+
+
+def mirror_room(kind: str, end: str) -> mrs.OccupancyGrid:
+    """A room of 10 m by 10 m with walls of one material, and in it a column of clear glass or a mirror at x = 8 m."""
+    cells = np.zeros((100, 100), np.int8)
+    cells[0], cells[-1], cells[:, 0], cells[:, -1], cells[:, 80] = 100, 100, 100, 100, 100
+    numbers = np.zeros(cells.shape, np.uint8)
+    numbers[1:-1, 80] = 1
+    table = [
+        end,
+        mrs.Material("glass", reflectivity=0.08, return_chance=0.0) if kind == "glass" else mrs.Material.named("mirror"),
+    ]
+    return mrs.OccupancyGrid(cells, resolution=0.1).with_materials(numbers, table=table)
+
+
+@pytest.mark.parametrize(("kind", "light"), [("glass", 0.92**2), ("mirror", 0.9**2)])
+@pytest.mark.parametrize("duration", [None, 0.0])
+def test_beyond_glass_and_mirrors_the_surface_at_the_end_counts(kind: str, light: float, duration: float | None) -> None:
+    """The beam meets x = 8 m at an incidence of 1 rad, and ends at y = 9.9 m, from there or beyond, at π/2 - 1."""
+    laser = mrs.LaserScanner(fov=1e-6, beam_count=50, max_range=30.0)
+    pose = [(7.0, 7.0, 1.0)]
+    length, cos = 2.9 / math.sin(1.0), math.sin(1.0)
+    timed: dict[str, Any] = {} if duration is None else {"scan_duration": duration}
+    found = incidences(mirror_room(kind, "wall"), pose, laser, **timed)
+    np.testing.assert_allclose(laser.scan_batch(mirror_room(kind, "wall"), pose, **timed), length, rtol=1e-5)
+    np.testing.assert_allclose(found, cos, atol=1e-5)
+    # An obstacle on the way, in the mirror image or behind the glass: its exact normal, which is turned by 0.4 rad.
+    side = 1.0 if kind == "glass" else -1.0
+    x = 8.0 + side * (2.0 / math.tan(1.0) - 1.0)
+    plate = (mrs.Shape.rectangle(1.0, 0.1).with_material("dark"), (x, 9.0, 0.4 * side))
+    found = incidences(mirror_room(kind, "wall"), pose, laser, obstacles=[plate], **timed)
+    np.testing.assert_allclose(found, math.sin(1.0 - 0.4), atol=1e-5)
+    for end, obstacles, reflectivity, distance, cosine in (
+        ("wall", [], 1.0, length, cos),
+        ("dark", [], 0.024, length, cos),
+        ("wall", [plate], 0.024, None, math.sin(0.6)),
+    ):
+        grid = mirror_room(kind, end)
+        true = float(laser.scan_batch(grid, pose, obstacles=obstacles)[0, 25]) if distance is None else distance
+        # The light at which three of four beams return.
+        reference_range = true / math.sqrt(light * reflectivity * cosine) * 3.0**0.125
+        count = 400
+        found = laser.scan_batch(
+            grid,
+            pose * count,
+            obstacles=obstacles,
+            noise=EXACT,
+            surfaces=mrs.SurfaceModel(reference_range=reference_range),
+            seed=SEED,
+            **timed,
+        )
+        assert abs(np.mean(found == 30.0) - 0.25) < 6.0 * math.sqrt(0.25 * 0.75 / found.size), end
+
+
+def test_the_fixed_error_beyond_a_mirror_is_that_of_the_cell_at_the_end() -> None:
+    laser = mrs.LaserScanner(fov=1e-6, beam_count=200, max_range=30.0)
+    grid, surfaces = mirror_room("mirror", "wall"), mrs.SurfaceModel(correlation=1.0)
+    options: dict[str, Any] = {"noise": mrs.BeamModel(sigma_hit=0.02, z_hit=1.0, z_max=0.0), "surfaces": surfaces}
+
+    def errors(x: float, y: float) -> NDArray[np.float64]:
+        pose = [(x, y, 1.0)]
+        found = laser.scan_batch(grid, pose * 2, seed=SEED, **options).astype(float)
+        assert np.array_equal(found[0], found[1])
+        result: NDArray[np.float64] = (found[0] - laser.scan_batch(grid, pose)[0]) / 0.02
+        return result
+
+    here = errors(7.0, 7.0)
+    assert here.std() == pytest.approx(1.0, abs=0.25)
+    # From 10 cm farther along the beam to the same cell; and to a cell 20 cm away.
+    np.testing.assert_allclose(errors(7.0 - 0.1 * math.cos(1.0), 7.0 - 0.1 * math.sin(1.0)), here, atol=1e-3)
+    assert abs(np.corrcoef(errors(7.2, 7.0), here)[0, 1]) < 0.35
+
+
 def test_all_parts_together_fit_the_model() -> None:
-    """Readings of all beams of an office, each with its own sigma, center and part of the mixture."""
+    """Readings of all beams of an office, each with its own sigma, center, chance of no return and part of the mixture."""
     grid = mrs.floor_plan("office", seed=2)
     poses = grid.draw_free_poses(400, radius=0.3, seed=2)
     laser = mrs.LaserScanner(beam_count=200, max_range=12.0)
     weights = {"z_hit": 0.7, "z_short": 0.1, "z_max": 0.1, "z_rand": 0.1}
     numbers = {"sigma_hit": 0.01, "lambda_short": 0.7, "range_offset": 0.02, "range_sigma_per_metre": 0.004}
-    noise = mrs.BeamModel(**numbers, **weights)
-    surfaces = mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.03, correlation=0.5)
+    step = 0.04
+    noise = mrs.BeamModel(**numbers, **weights, range_step=step)
+    surfaces = mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.03, correlation=0.5, reference_range=8.0)
+    materials = np.random.default_rng(SEED).integers(0, 2, grid.shape).astype(np.uint8)
+    grid = grid.with_materials(materials, table=[mrs.Material(reflectivity=0.9), mrs.Material(reflectivity=0.9)])
     true = laser.scan_batch(grid, poses).astype(float)
     cosines = np.maximum(incidences(grid, poses, laser), math.cos(1.5))
     found = laser.scan_batch(grid, poses, noise=noise, surfaces=surfaces, seed=SEED).astype(float)
@@ -198,13 +365,32 @@ def test_all_parts_together_fit_the_model() -> None:
     true, cosines, found = true[chosen], cosines[chosen], found[chosen]
     sigma = np.maximum(0.01, 0.004 * true) * cosines**-0.5
     center = true + 0.02 + 0.03 * (1.0 - cosines)
-    # The distribution function of each reading makes readings below the maximum uniform, up to the mass at the maximum.
-    hit = reference.normal_cdf((found - center) / sigma)
-    short = np.expm1(-0.7 * np.minimum(found, true)) / np.expm1(-0.7 * true)
-    uniform = np.sort((0.7 * hit + 0.1 * short + 0.1 * found / 12.0)[found < np.float32(12.0)])
-    count = len(true)
-    assert abs(1.0 - len(uniform) / count - 0.1) < 0.01
-    assert np.abs(np.searchsorted(uniform, np.linspace(0, 0.9, 200)) / count - np.linspace(0, 0.9, 200)).max() < 0.012
+    chance = no_return_chance(true, cosines, 0.9, 8.0)
+    assert 0.05 < chance.mean() < 0.95
+
+    def distribution(reading: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Probability of readings up to this one, below the maximum range."""
+        hit = reference.normal_cdf((reading - center) / sigma)
+        short = np.expm1(-0.7 * np.minimum(reading, true)) / np.expm1(-0.7 * true)
+        short_of_nothing = np.expm1(-0.7 * reading) / np.expm1(-0.7 * 12.0)
+        returns = (1.0 - chance) * (0.7 * hit + 0.1 * short) + chance * 0.1 * short_of_nothing
+        result: NDArray[np.float64] = returns + 0.1 * reading / 12.0
+        return result
+
+    # A reading stands for those that are rounded to it. A random one of these makes readings below the maximum uniform,
+    # up to the mass at the maximum.
+    is_below = found < np.float32(12.0)
+    assert np.abs(found[is_below] / step - np.round(found[is_below] / step)).max() < 1e-4
+    last = (found > 12.0 - 1.5 * step) & is_below
+    low, high = distribution(np.maximum(found - step / 2, 0.0)), distribution(np.where(last, 12.0, found + step / 2))
+    draws = np.random.default_rng(SEED).random(len(found))
+    mass = 0.9 - 0.7 * chance
+    uniform = np.sort(((low + draws * (high - low)) / mass)[is_below])
+    count, places = len(uniform), np.linspace(0, 1, 200)
+    assert abs(is_below.mean() - mass.mean()) < 6.0 * math.sqrt(float(np.mean(mass * (1.0 - mass))) / len(true))
+    # Massart's inequality, at 1e-9.
+    critical = math.sqrt(-math.log(0.5e-9) / (2.0 * count))
+    assert np.abs(np.searchsorted(uniform, places) / count - places).max() < critical
 
 
 def test_the_curve_of_real_robots_is_reproduced() -> None:
@@ -234,8 +420,8 @@ def test_what_is_off_leaves_the_bytes_as_they_are() -> None:
     off = LASER.scan_batch(grid, poses, noise=noise, surfaces=mrs.SurfaceModel(), seed=1)
     assert plain.tobytes() == off.tobytes()
     # Switched on, with numbers that change nothing: the same random numbers.
-    tiny = LASER.scan_batch(grid, poses, noise=noise, surfaces=mrs.SurfaceModel(incidence_bias=1e-300), seed=1)
-    assert plain.tobytes() == tiny.tobytes()
+    for tiny in (mrs.SurfaceModel(incidence_bias=1e-300), mrs.SurfaceModel(reference_range=1e30)):
+        assert plain.tobytes() == LASER.scan_batch(grid, poses, noise=noise, surfaces=tiny, seed=1).tobytes()
 
 
 def test_threads_and_chunks_do_not_change_the_bytes() -> None:
@@ -243,7 +429,7 @@ def test_threads_and_chunks_do_not_change_the_bytes() -> None:
     poses = np.array(grid.draw_free_poses(60, radius=0.3, seed=1))
     options: dict[str, Any] = {
         "noise": mrs.BeamModel(sigma_hit=0.05, z_rand=0.1, range_step=0.001),
-        "surfaces": mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.02, correlation=0.5),
+        "surfaces": mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.02, correlation=0.5, reference_range=9.0),
         "obstacles": [(mrs.Shape.disc(0.3), (poses[0][0] + 1.0, poses[0][1], 0.0))],
     }
     whole = LASER.scan_batch(grid, poses, **options, seed=9, threads=1)
@@ -263,6 +449,8 @@ def test_threads_and_chunks_do_not_change_the_bytes() -> None:
         ({"incidence_bias": math.inf}, ValueError, "incidence_bias must be finite, got inf"),
         ({"correlation": 1.01}, ValueError, "correlation must be in 0..1, got 1.01"),
         ({"correlation": "much"}, TypeError, "correlation"),
+        ({"reference_range": -1.0}, ValueError, "reference_range must be at least 0, got -1"),
+        ({"reference_range": math.inf}, ValueError, "reference_range must be at least 0, got inf"),
         ({"sigma": 0.5}, TypeError, "sigma"),
     ],
 )
@@ -286,5 +474,7 @@ def test_invalid_uses_are_rejected() -> None:
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda model: pickle.loads(pickle.dumps(model))])
 def test_copies_equal_the_model(duplicate: Any) -> None:
-    model = mrs.SurfaceModel(incidence_sigma=0.5, incidence_limit=1.4, incidence_bias=-0.01, correlation=0.25)
+    model = mrs.SurfaceModel(
+        incidence_sigma=0.5, incidence_limit=1.4, incidence_bias=-0.01, correlation=0.25, reference_range=20.0
+    )
     assert repr(duplicate(model)) == repr(model) == repr(eval(repr(model), {"SurfaceModel": mrs.SurfaceModel}))

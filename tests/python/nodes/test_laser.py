@@ -72,7 +72,7 @@ def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0
     if parameters.apply_noise:
         names = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "range_offset", "range_step")
         noise = mrs.BeamModel(**{name: getattr(parameters, name) for name in names})
-        names = ("incidence_sigma", "incidence_limit", "incidence_bias", "correlation")
+        names = ("incidence_sigma", "incidence_limit", "incidence_bias", "correlation", "reference_range")
         options["surfaces"] = mrs.SurfaceModel(**{name: getattr(parameters, name) for name in names})
     scanner = mrs.LaserScanner(
         fov=parameters.laser_fov,
@@ -506,7 +506,7 @@ def test_noise_parameters_apply_from_the_next_scan_on(room: mrs.OccupancyGrid) -
 
 
 def test_the_surfaces_that_beams_meet_change_the_scans(room: mrs.OccupancyGrid) -> None:
-    surfaces = {"incidence_sigma": 1.0, "incidence_bias": 0.1, "correlation": 0.5}
+    surfaces = {"incidence_sigma": 1.0, "incidence_bias": 0.1, "correlation": 0.5, "reference_range": 4.0}
     rig = Rig(room, apply_noise=True, seed=NOISE_SEED, range_offset=0.05, range_step=0.01, **surfaces)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
@@ -521,6 +521,41 @@ def test_the_surfaces_that_beams_meet_change_the_scans(room: mrs.OccupancyGrid) 
     rig.laser.set_noise_params(apply_noise=False)
     rig.run_to(0.4)
     assert rig.scans[3].ranges.tobytes() == expected_ranges(rig, room, (1.0, 2.0, 0.5), 3).tobytes()
+
+
+@pytest.mark.parametrize("duration", [0.0, 0.05])
+def test_intensities_are_of_the_panes_that_the_ranges_say(duration: float) -> None:
+    """A box of glass in a room, of which about half of the beams are returned."""
+    cells = np.pad(np.zeros((40, 40), np.int8), 1, constant_values=np.int8(100))
+    cells[10, 10:31] = cells[30, 10:31] = cells[10:31, 10] = cells[10:31, 30] = 100
+    numbers = np.zeros(cells.shape, np.uint8)
+    numbers[10:31, 10:31] = 1
+    pane = mrs.Material("glass", reflectivity=0.3, return_chance=0.5, return_angle=1.5)
+    room = mrs.OccupancyGrid(cells, resolution=0.1).with_materials(numbers, table=["wall", pane])
+    rig = Rig(
+        room,
+        apply_noise=True,
+        seed=NOISE_SEED,
+        sigma_hit=1e-6,
+        z_hit=1.0,
+        z_max=0.0,
+        laser_intensities=True,
+        laser_scan_duration=duration,
+    )
+    rig.link("map", "base_link", (2.05, 2.05, 0.3))
+    rig.run_to(0.2)
+    scanner = rig.laser.scanner
+    options: dict[str, Any] = {} if duration == 0.0 else {"scan_duration": duration}
+    found = [scan.intensities for scan in rig.scans]
+    assert len(found) >= 2
+    for index, scan in enumerate(rig.scans):
+        expected = scanner.intensities(room, [(2.05, 2.05, 0.3)], seed=NOISE_SEED, first_index=index, **options)[0]
+        np.testing.assert_allclose(scan.intensities, expected, rtol=1e-5)
+        # A pane that returns is nearer, and darker, than the wall behind it.
+        is_pane = scan.ranges < 1.5
+        assert 10 < is_pane.sum() < 51
+        assert np.all((scan.intensities * scan.ranges**2 <= 0.3001) == is_pane)
+    assert not np.array_equal(found[0], found[1])
 
 
 @pytest.mark.parametrize(
