@@ -24,6 +24,7 @@ ROOMS = (
     "entity_messages",
     "instant",
     "handle",
+    "worker_pool",
     "parameters",
     "scanners",
     "namespaces",

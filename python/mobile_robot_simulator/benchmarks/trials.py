@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
+from ..quoting import quoted
+from ..worker_pool import WorkerDied, WorkerPool
 from .control_loop import STEP, Controller, ControlLoop
 from .task import Task
 
@@ -84,7 +84,9 @@ def run_tasks(tasks: Iterable[Task], controller: Callable[[], Controller], *, se
         The results.
 
     Raises:
-        ValueError: There is no task, a task is invalid, `processes` is below 1, or a command is not finite.
+        ValueError: There is no task, a task is invalid, `processes` is below 1, a command is not finite, or the controller
+            cannot be pickled for several processes.
+        WorkerDied: Something ended one of several processes during a task. The message names the task.
     """
     tasks = list(tasks)
     if not tasks:
@@ -94,8 +96,18 @@ def run_tasks(tasks: Iterable[Task], controller: Callable[[], Controller], *, se
     run = partial(_run, controller=controller, seed=seed)
     if processes == 1:
         return Trials(tuple(map(run, tasks)))
-    with ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return Trials(tuple(pool.map(run, tasks, chunksize=max(1, len(tasks) // (8 * processes)))))
+    pool: WorkerPool[Task, Trial] = WorkerPool(run, min(processes, len(tasks)))
+    is_done = False
+    try:
+        trials = Trials(tuple(pool.run(tasks)))
+        is_done = True
+        return trials
+    except WorkerDied as died:
+        if died.index is None:
+            raise
+        raise WorkerDied(died.exit_code, died.index, f"before the task {quoted(tasks[died.index].name)} was done") from None
+    finally:
+        pool.close(at_once=not is_done)
 
 
 def _run(task: Task, *, controller: Callable[[], Controller], seed: int) -> Trial:

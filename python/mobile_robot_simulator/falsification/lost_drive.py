@@ -9,8 +9,8 @@ from pathlib import Path
 from ..new_files import write_files
 from ..scenarios.world import World
 from ..user_files import read_text
+from ..worker_pool import how_it_ended
 from .case import Case, repeat_command
-from .worker_pool import how_it_ended
 
 __all__ = ["WORLD_FILE", "LostDrive", "load_world"]
 

@@ -10,9 +10,9 @@ from typing import TypeAlias
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
 from ..scenarios.world import World
+from ..worker_pool import WorkerDied, WorkerPool
 from .drive import Drive, Setup, run_drive
 from .lost_drive import LostDrive
-from .worker_pool import WorkerDied, WorkerPool
 
 __all__ = ["Runner"]
 

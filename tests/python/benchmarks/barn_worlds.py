@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,15 @@ def straight() -> object:
 def still() -> object:
     """A controller that does nothing."""
     return lambda observation: (0.0, 0.0)
+
+
+class Exiting:
+    """A controller that drives straight on, and ends its process if the goal is behind the robot."""
+
+    def __call__(self, observation: Observation) -> tuple[float, float]:
+        if observation.goal[0] < 0.0:
+            os._exit(7)
+        return 1.0, 0.0
 
 
 class Gaps:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from benchmarks.barn_worlds import Gaps, still, straight, write_path, write_world
+from benchmarks.barn_worlds import Exiting, Gaps, still, straight, write_path, write_world
 from mobile_robot_simulator.benchmarks import Observation, Task, Trial, Trials, barn_task, run_tasks
+from mobile_robot_simulator.worker_pool import WorkerDied
 
 SEED = 22
 
@@ -64,6 +66,14 @@ def test_the_goal_is_in_the_frame_of_the_robot(free: Task) -> None:
 def test_the_number_of_processes_does_not_change_the_results(free: Task) -> None:
     tasks = [free] * 4
     assert run_tasks(tasks, Gaps, processes=2) == run_tasks(tasks, Gaps)
+
+
+def test_a_process_that_dies_is_told_with_its_task(free: Task) -> None:
+    behind = (2 * free.start.x - free.goal[0], 2 * free.start.y - free.goal[1])
+    tasks = [free, replace(free, name="deadly", goal=behind), free]
+    with pytest.raises(WorkerDied, match="a process ended with exit code 7 before the task 'deadly' was done") as caught:
+        run_tasks(tasks, Exiting, processes=2)
+    assert caught.value.exit_code == 7
 
 
 def test_the_table() -> None:

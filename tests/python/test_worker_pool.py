@@ -9,7 +9,7 @@ import time
 import pytest
 
 from falsification import deadly
-from mobile_robot_simulator.falsification.worker_pool import WorkerDied, WorkerPool, how_it_ended
+from mobile_robot_simulator.worker_pool import WorkerDied, WorkerPool, how_it_ended
 
 pytestmark = pytest.mark.slow
 
