@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import index
+from pathlib import Path
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
@@ -55,7 +56,9 @@ class Falsification:
 
     def __str__(self) -> str:
         lines = [f"{len(self.known)} known counterexamples still fail"] if self.known else []
-        lines.append(f"{self.failures} of {self.drives} drives failed, the first was drive {self.first_failure or '-'}")
+        if self.drives:
+            first = f", the first was drive {self.first_failure}" if self.first_failure else ""
+            lines.append(f"{self.failures} of {self.drives} drives failed{first}")
         lines.append(f"worst: {self.worst}")
         lines += [f"shrunk: {self.shrunk}"] if self.shrunk else []
         lines += (
@@ -107,7 +110,8 @@ def falsify(
         TypeError: An argument has a wrong type.
         ImportError: The method needs an extra.
         OSError: The corpus cannot be read or written.
-        LostDrive: Something ended one of several processes during a drive. The corpus then has the world of the drive.
+        LostDrive: Something ended one of several processes during a drive. The corpus then has the world of the drive, and
+            the worst failure if it was being shrunk.
     """
     check_task(space, requirement, controller=controller)
     check_counts(budget=budget, processes=processes)
@@ -116,6 +120,7 @@ def falsify(
     check_progress(progress)
     folder = check_corpus(corpus)
     source = sampler(method, len(space.dimensions), seed)
+    failure: Path | None = None
     try:
         with Runner([controller], space, requirement, processes) as runner:
             old = [runner.drive(each.world) for each in Counterexample.all_in(folder)] if folder is not None else []
@@ -137,11 +142,16 @@ def falsify(
                         progress(drives, index(budget), worst.robustness)
                 source.tell(points, values)
             assert worst is not None
-            shrunk = shrink(worst, runner.drive) if worst.failed and is_shrunk else None
+            try:
+                shrunk = shrink(worst, runner.drive) if worst.failed and is_shrunk else None
+            except ChildProcessError:
+                if folder is not None:
+                    failure = Counterexample.save(folder, worst, controller, requirement)[0].folder
+                raise
     except LostDrive as lost:
         if folder is None:
             raise
-        raise lost.saved(folder, Case.of(controller, requirement)) from None
+        raise lost.saved(folder, Case.of(controller, requirement), failure) from None
     saved, notes = None, list[str]()
     if worst.failed and folder is not None:
         saved, notes = Counterexample.save(folder, shrunk or worst, controller, requirement)

@@ -26,22 +26,34 @@ class LostDrive(ChildProcessError):
         world: The world of the drive.
         number: Number of the drive in the search, from 1 on; None if it is one of the corpus or of the shrinking.
         exit_code: Exit code of the process; the number of a signal, negative, if that ended it.
+        failure: Folder of the failure that was being shrunk, None if there was none.
     """
 
-    def __init__(self, world: World, number: int | None, exit_code: int, repeat_with: str | None = None) -> None:
+    def __init__(
+        self,
+        world: World,
+        number: int | None,
+        exit_code: int,
+        repeat_with: str | None = None,
+        failure: Path | None = None,
+    ) -> None:
         if repeat_with is None:
             text = json.dumps(json.loads(world.to_json()))
             repeat_with = f"run_drive(World.from_json(text), controller, requirement), where text = {text!r}"
         drive, ended = "a drive" if number is None else f"drive {number}", how_it_ended(exit_code)
-        super().__init__(f"the process of {drive} {ended} before the drive was over; repeat the drive with: {repeat_with}")
-        self.world, self.number, self.exit_code = world, number, exit_code
+        found = "" if failure is None else f"; the failure that was being shrunk is in {failure}"
+        super().__init__(
+            f"the process of {drive} {ended} before the drive was over{found}; repeat the drive with: {repeat_with}"
+        )
+        self.world, self.number, self.exit_code, self.failure = world, number, exit_code, failure
 
-    def saved(self, corpus: Path, case: Case | None) -> LostDrive:
+    def saved(self, corpus: Path, case: Case | None, failure: Path | None = None) -> LostDrive:
         """Saves the world and returns an error that names its file.
 
         Args:
             corpus: Folder of counterexamples. It is made if it does not exist.
             case: File of the controller and the requirement, or None.
+            failure: Folder of the failure that was being shrunk, or None.
 
         Raises:
             OSError: The file cannot be written.
@@ -53,7 +65,7 @@ class LostDrive(ChildProcessError):
         command = f"run_drive(load_world({str(file)!r}), controller, requirement)"
         if case is not None:
             command = repeat_command(case.file, file)
-        return LostDrive(self.world, self.number, self.exit_code, command)
+        return LostDrive(self.world, self.number, self.exit_code, command, failure)
 
 
 def load_world(file: Path) -> World:

@@ -43,6 +43,14 @@ class Killed(Exiting):
         return 0.5, 0.0
 
 
+class DyingAlone(Crosser):
+    """Ends its process in worlds without obstacles."""
+
+    def __init__(self, sim):
+        if not sim.obstacles:
+            os._exit(7)
+
+
 controller = Exiting
 
 

@@ -40,8 +40,10 @@ def test_a_counterexample_is_saved_and_run_first_the_next_time(tmp_path):
     assert str(found).splitlines()[-1].startswith("repeat with: mobile-robot-simulator falsify ")
     again = falsify(controller, SPACE, requirement, 200, corpus=tmp_path / "corpus")
     assert again.drives == 0 and again.known == (found.shrunk,) and again.worst == found.shrunk and again.failed
+    assert str(again).startswith("1 known counterexamples still fail\nworst: ") and " of 0 drives" not in str(again)
     repaired = falsify(Halting, SPACE, requirement, 5, corpus=tmp_path / "corpus")
     assert repaired.drives == 5 and repaired.known == () and not repaired.failed
+    assert str(repaired).startswith("0 of 5 drives failed\nworst: ")
     assert list(Counterexample.all_in(tmp_path / "corpus")) == [saved]
 
 

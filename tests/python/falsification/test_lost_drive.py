@@ -9,6 +9,7 @@ import shlex
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,9 +17,18 @@ import pytest
 import mobile_robot_simulator as mrs
 from falsification import deadly
 from falsification.crossing import SPACE
-from mobile_robot_simulator.falsification import LostDrive, compare_controllers, estimate, falsify, load_world, run_drive
+from mobile_robot_simulator.falsification import (
+    Counterexample,
+    LostDrive,
+    compare_controllers,
+    estimate,
+    falsify,
+    load_world,
+    run_drive,
+)
 from mobile_robot_simulator.falsification.samplers import sampler
-from mobile_robot_simulator.scenarios import World, WorldMap
+from mobile_robot_simulator.requirements import always, clearance
+from mobile_robot_simulator.scenarios import Moving, World, WorldMap
 
 HERE = Path(__file__).parent
 
@@ -54,6 +64,24 @@ def test_the_drive_is_named(controller, code, tmp_path):
     if controller is deadly.controller:
         shown = f"mobile-robot-simulator falsify {case} --repeat {os.path.relpath(file)}"
     assert load_world(file) == world and str(caught.value) == start + shown
+
+
+@pytest.mark.slow
+def test_a_failure_that_was_being_shrunk_is_saved(tmp_path):
+    space = replace(SPACE, obstacles=Moving(6, at_least=6, from_start=0.1))
+    arguments = deadly.DyingAlone, space, always(clearance > 0.0), 60
+    with pytest.raises(LostDrive, match="the failure that was being shrunk is in") as caught:
+        falsify(*arguments, processes=2, corpus=tmp_path)
+    lost = caught.value
+    assert lost.number is None and lost.world.obstacles == () and lost.exit_code == 7
+    assert (lost.failure / "drive.png").exists() and str(lost.failure) in str(lost)
+    saved = Counterexample.load(lost.failure / "counterexample.json")
+    assert len(saved.world.obstacles) > 1 and list(Counterexample.all_in(tmp_path)) == [saved]
+    drive, is_same = saved.repeat(*(arguments[0], arguments[2]))
+    assert drive.failed and is_same
+    with pytest.raises(LostDrive) as caught:
+        falsify(*arguments, processes=2)
+    assert caught.value.failure is None
 
 
 @pytest.mark.slow
