@@ -106,11 +106,12 @@ class WorkerPool(Generic[Task, Result]):
             tasks: The tasks.
 
         Raises:
-            WorkerDied: A process ended before its task was done.
+            WorkerDied: A process ended before its task was done. All earlier tasks are done, so that it does not depend on
+                timing which of several such tasks it is.
             Exception: Any error that the function raises.
         """
         self._calls += 1
-        waiting, results = deque(range(len(tasks))), dict[int, Result]()
+        waiting, results, deaths = deque(range(len(tasks))), dict[int, Result](), dict[int, WorkerDied]()
         for wanted in range(len(tasks)):
             while True:
                 for worker in self._workers:
@@ -118,8 +119,20 @@ class WorkerPool(Generic[Task, Result]):
                         self._send(worker, waiting.popleft(), tasks)
                 if wanted in results:
                     break
+                if wanted in deaths or (deaths and not self._workers):
+                    raise deaths[min(deaths)]
                 for worker in self._with_news():
-                    index, result = self._receive(worker)
+                    try:
+                        index, result = self._receive(worker)
+                    except WorkerDied as died:
+                        if died.index is None:
+                            raise
+                        deaths[died.index] = died
+                        # The others go on with the tasks before this one.
+                        waiting = deque(number for number in waiting if number < died.index)
+                        worker.connection.close()
+                        self._workers.remove(worker)
+                        continue
                     if index is not None:
                         results[index] = result
             yield results.pop(wanted)

@@ -46,6 +46,13 @@ def test_a_process_that_dies_is_told_with_its_task(pool, task, code):
     assert found == [1, 4] and caught.value.index == 2 and caught.value.exit_code == code
 
 
+def test_of_two_processes_that_die_the_one_with_the_earlier_task_is_told(pool):
+    found = []
+    with pytest.raises(WorkerDied) as caught:
+        found.extend(pool.run([1, "exit late", "exit", 4]))
+    assert found == [1] and (caught.value.index, caught.value.exit_code) == (1, 4)
+
+
 def test_a_process_that_is_killed_while_it_waits(pool):
     os.kill(next(pool.run([0])), signal.SIGKILL)
     with pytest.raises(WorkerDied, match="was killed by SIGKILL, as when memory is used up while it waited") as caught:

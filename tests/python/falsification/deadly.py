@@ -65,6 +65,9 @@ def work(task):
     """Returns the square of a number; other tasks end the process or raise errors."""
     if task == "exit":
         os._exit(3)
+    if task == "exit late":
+        time.sleep(1.0)
+        os._exit(4)
     if task == "close":
         os.closerange(3, 100)
         time.sleep(60.0)
