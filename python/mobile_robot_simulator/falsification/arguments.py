@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-from operator import index
 from pathlib import Path
-from typing import SupportsIndex
 
 from ..quoting import quoted
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
 
-__all__ = ["check_corpus", "check_counts", "check_flags", "check_progress", "check_seed", "check_task"]
+__all__ = ["check_corpus", "check_flags", "check_progress", "check_task"]
 
 
 def check_task(space: object, requirement: object, **controllers: object) -> None:
@@ -32,39 +30,6 @@ def check_task(space: object, requirement: object, **controllers: object) -> Non
         raise TypeError(f"space must be a scenarios.Space, got {quoted(space)}")
     if not isinstance(requirement, Requirement):
         raise TypeError(f"requirement must be a requirement such as always(clearance > 0.2), got {quoted(requirement)}")
-
-
-def check_counts(**counts: object) -> None:
-    """Checks numbers of things.
-
-    Args:
-        **counts: The numbers, each under its name.
-
-    Raises:
-        TypeError: One is not an integer.
-        ValueError: One is below 1.
-    """
-    for name, count in counts.items():
-        if isinstance(count, bool) or not isinstance(count, SupportsIndex):
-            raise TypeError(f"{name} must be an integer, got {quoted(count)}")
-        if index(count) < 1:
-            raise ValueError(f"{name} must be at least 1, got {quoted(count)}")
-
-
-def check_seed(seed: object) -> None:
-    """Checks a seed.
-
-    Args:
-        seed: The seed.
-
-    Raises:
-        TypeError: It is not an integer.
-        ValueError: It is negative.
-    """
-    if isinstance(seed, bool) or not isinstance(seed, SupportsIndex):
-        raise TypeError(f"seed must be an integer, got {quoted(seed)}")
-    if index(seed) < 0:
-        raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
 
 
 def check_flags(**flags: object) -> None:

@@ -8,7 +8,8 @@ from operator import index
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
-from .arguments import check_counts, check_seed, check_task
+from ..simulation.arguments import check_integers
+from .arguments import check_task
 from .drive import Setup
 from .intervals import mcnemar
 from .runner import Runner
@@ -72,8 +73,8 @@ def compare_controllers(
         LostDrive: Something ended one of several processes during a drive.
     """
     check_task(space, requirement, first=first, second=second)
-    check_counts(budget=budget, processes=processes)
-    check_seed(seed)
+    check_integers(1, budget=budget, processes=processes)
+    check_integers(0, seed=seed)
     counts: Counter[tuple[bool, bool]] = Counter()
     with Runner([first, second], space, requirement, processes) as runner:
         source, left = sampler("random", len(space.dimensions), seed), index(budget)

@@ -9,8 +9,8 @@ from operator import index
 from ..quoting import quoted
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
-from ..simulation.arguments import check_numbers
-from .arguments import check_counts, check_progress, check_seed, check_task
+from ..simulation.arguments import check_integers, check_numbers
+from .arguments import check_progress, check_task
 from .drive import Setup
 from .intervals import clopper_pearson, confidence_sequence
 from .runner import Runner
@@ -84,8 +84,8 @@ def estimate(
         LostDrive: Something ended one of several processes during a drive.
     """
     check_task(space, requirement, controller=controller)
-    check_counts(budget=budget, processes=processes)
-    check_seed(seed)
+    check_integers(1, budget=budget, processes=processes)
+    check_integers(0, seed=seed)
     check_progress(progress)
     check_numbers(confidence=confidence)
     if not 0.0 < confidence < 1.0:

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
-from .arguments import check_corpus, check_counts, check_flags, check_progress, check_seed, check_task
+from ..simulation.arguments import check_integers
+from .arguments import check_corpus, check_flags, check_progress, check_task
 from .case import Case
 from .counterexample import Counterexample
 from .drive import Drive, Setup
@@ -114,8 +115,8 @@ def falsify(
             the worst failure if it was being shrunk.
     """
     check_task(space, requirement, controller=controller)
-    check_counts(budget=budget, processes=processes)
-    check_seed(seed)
+    check_integers(1, budget=budget, processes=processes)
+    check_integers(0, seed=seed)
     check_flags(keep_going=keep_going, is_shrunk=is_shrunk)
     check_progress(progress)
     folder = check_corpus(corpus)

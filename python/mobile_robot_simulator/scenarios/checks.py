@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from operator import index
 from types import UnionType
-from typing import Any, SupportsIndex, TypeVar
+from typing import Any, TypeVar
 
 from .._core import Pose
 from ..quoting import quoted
 from ..simulation.arguments import to_pose
 
-__all__ = ["check_integers", "check_kinds", "items_of", "to_goal", "to_place"]
+__all__ = ["check_kinds", "items_of", "to_goal", "to_place"]
 
 T = TypeVar("T")
 
@@ -31,23 +30,6 @@ def check_kinds(needed: str, kind: type[Any] | UnionType, /, **values: object) -
     for name, value in values.items():
         if not isinstance(value, kind):
             raise TypeError(f"{name} must be {needed}, got {quoted(value)}")
-
-
-def check_integers(**values: object) -> None:
-    """Checks that arguments are integers of at least 0.
-
-    Args:
-        **values: The arguments, each under its name.
-
-    Raises:
-        TypeError: One is not an integer.
-        ValueError: One is negative.
-    """
-    for name, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, SupportsIndex):
-            raise TypeError(f"{name} must be an integer, got {quoted(value)}")
-        if index(value) < 0:
-            raise ValueError(f"{name} must be at least 0, got {quoted(value)}")
 
 
 def items_of(name: str, needed: str, kind: type[T], values: Iterable[T]) -> tuple[T, ...]:

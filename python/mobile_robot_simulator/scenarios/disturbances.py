@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from operator import index
 
 from ..quoting import quoted
-from .checks import check_integers, check_kinds
+from ..simulation.arguments import check_integers
+from .checks import check_kinds
 from .ranges import FULL_TURN, FaultRange, Range
 
 __all__ = ["Disturbance", "Drift", "Pushes", "Slips"]
@@ -25,7 +26,7 @@ class Disturbance(ABC):
 
     def __post_init__(self) -> None:
         """Checks the numbers."""
-        check_integers(at_most=self.at_most, at_least=self.at_least)
+        check_integers(0, at_most=self.at_most, at_least=self.at_least)
         if not index(self.at_least) <= index(self.at_most) <= 1000:
             raise ValueError(f"at_most must be {self.at_least} to 1000, got {quoted(self.at_most)}")
         self.fault(1.0)
@@ -148,7 +149,7 @@ class Drift(Disturbance):
 
     def __post_init__(self) -> None:
         """Checks the arguments."""
-        check_integers(at_most=self.at_most)
+        check_integers(0, at_most=self.at_most)
         if self.at_most > 1:
             raise ValueError(
                 f"at_most must be 0 or 1, because drifts of one robot cannot overlap, got {quoted(self.at_most)}"

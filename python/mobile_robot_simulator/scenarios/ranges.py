@@ -12,8 +12,8 @@ import numpy as np
 from ..faults.reading import FAULTS, read_fault
 from ..parameters import unknown_name
 from ..quoting import quoted
-from ..simulation.arguments import check_at_least_0, check_numbers
-from .checks import check_integers, check_kinds
+from ..simulation.arguments import check_at_least_0, check_integers, check_numbers
+from .checks import check_kinds
 
 __all__ = ["Dimension", "FaultRange", "Free", "Moving", "Range"]
 
@@ -112,7 +112,7 @@ class Moving:
 
     def __post_init__(self) -> None:
         """Checks the numbers."""
-        check_integers(at_most=self.at_most, at_least=self.at_least)
+        check_integers(0, at_most=self.at_most, at_least=self.at_least)
         check_kinds("a scenarios.Range", Range, radius=self.radius, speed=self.speed)
         check_at_least_0(at_least=self.at_least, from_start=self.from_start, radius=self.radius.low, speed=self.speed.low)
         if not self.at_least <= self.at_most <= 1000:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from numbers import Real
+from operator import index
+from typing import SupportsIndex
 
 from .._core import Pose
 from ..instant import NANOSECONDS
@@ -28,6 +30,24 @@ def check_numbers(**values: float) -> None:
     for name, value in values.items():
         if not isinstance(value, Real):
             raise TypeError(f"{name} must be a number, got {quoted(value)}")
+
+
+def check_integers(least: int, /, **values: object) -> None:
+    """Checks that arguments are integers that are not too small.
+
+    Args:
+        least: Smallest value that is allowed.
+        **values: Integers, each under the name that the error message uses.
+
+    Raises:
+        TypeError: One is not an integer.
+        ValueError: One is smaller.
+    """
+    for name, value in values.items():
+        if isinstance(value, bool) or not isinstance(value, SupportsIndex):
+            raise TypeError(f"{name} must be an integer, got {quoted(value)}")
+        if index(value) < least:
+            raise ValueError(f"{name} must be at least {least}, got {quoted(value)}")
 
 
 def check_at_least_0(**values: float) -> None:
