@@ -353,6 +353,9 @@ class OccupancyGrid:
         The array does not change when `set_cells` changes the grid.
         """
     @property
+    def revision(self) -> int:
+        """Number of times that `set_cells` has changed the grid. A result that was computed from the cells holds while it stays."""
+    @property
     def shape(self) -> tuple[int, int]:
         """Number of rows and columns (H, W)."""
     @property

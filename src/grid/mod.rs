@@ -99,6 +99,7 @@ pub struct OccupancyGrid {
     kept_field: KeptField,
     wall_directions: Lazy<WallDirections>,
     materials: Option<Arc<Materials>>,
+    revision: u64,
 }
 
 /// Usual value of [`GridOptions::occupied_threshold`].
@@ -159,6 +160,7 @@ impl OccupancyGrid {
             kept_field: KeptField::default(),
             wall_directions: Lazy::new(),
             materials: None,
+            revision: 0,
         })
     }
 
@@ -189,6 +191,12 @@ impl OccupancyGrid {
     #[must_use]
     pub fn material(&self, cell: Cell) -> &Material {
         self.materials.as_ref().map_or(&Material::WALL, |layer| layer.of(cell.row * self.width + cell.col))
+    }
+
+    /// Returns how many times [`set_cells`](Self::set_cells) has changed the grid.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Returns the values of the cells, row by row from row 0 on.
@@ -303,6 +311,7 @@ impl OccupancyGrid {
         for (row, values) in values.chunks_exact(width).enumerate() {
             self.cells[(corner.row + row) * self.width + corner.col..][..width].copy_from_slice(values);
         }
+        self.revision += 1;
         self.free_areas = FreeAreas::default();
         self.kept_field = KeptField::default();
         let region = (corner.col..corner.col + width, corner.row..corner.row + height);
@@ -600,6 +609,7 @@ mod tests {
         assert_eq!(grid.walls(Some(1)).unwrap().steps(), [crate::wall_directions::UNKNOWN; 12]);
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
+        assert_eq!((grid.revision(), grid.try_clone().unwrap().revision()), (1, 1));
         let rebuilt = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
         assert_eq!(grid.free_boxes().lengths(), rebuilt.free_boxes().lengths());
         assert_eq!(grid.walls(None).unwrap().steps(), rebuilt.walls(None).unwrap().steps());

@@ -182,6 +182,12 @@ impl OccupancyGrid {
         Ok(())
     }
 
+    /// Number of times that `set_cells` has changed the grid. A result that was computed from the cells holds while it stays.
+    #[getter]
+    fn revision(&self) -> u64 {
+        self.core().revision()
+    }
+
     /// Number of rows and columns (H, W).
     #[getter]
     fn shape(&self) -> (usize, usize) {

@@ -322,3 +322,13 @@ def test_wall_directions_follow_changes_and_are_the_same_for_any_threads() -> No
         grid.wall_directions(out=np.empty((2, 3), np.float32))
     with pytest.raises(ValueError, match="threads must be"):
         grid.wall_directions(threads=0)
+
+
+def test_a_revision_counts_changes_of_the_cells() -> None:
+    grid = mrs.OccupancyGrid(np.zeros((3, 4), np.int8), resolution=1.0)
+    scan = mrs.LaserScanner(beam_count=1).scan(grid, (0.5, 0.5, 0.0))  # A table that is built is no change.
+    before = grid.revision
+    grid.set_cells(0, 2, np.array([[100]], np.int8))
+    with pytest.raises(ValueError, match="must fit on the grid"):
+        grid.set_cells(0, 9, np.array([[100]], np.int8))
+    assert (before, grid.revision) == (0, 1) and scan > 2.0

@@ -87,6 +87,8 @@ class ConstrainedMotion(Motion):
         self._preview_key = (time_ns, 0)
         self._looked_at: list[Placed] | None = None
         """What was around the robot at the last look that found it free; None if it may have moved faster since."""
+        self._looked_revision = 0
+        """Revision of the map at that look. Its owner may change it at any time."""
         self._clear_ns = self._look_again_ns = time_ns
         """Time until which this look holds, and time from which on another one for as long is worth while [ns]."""
         self._clear_speeds = (0.0, 0.0)
@@ -115,7 +117,8 @@ class ConstrainedMotion(Motion):
         if self._push is not None:
             return False
         others = self._world.obstacles_for(self._body)
-        if others is not self._looked_at or time_ns > self._clear_ns or not self._is_slow(profile):
+        holds = others is self._looked_at and grid.revision == self._looked_revision and time_ns <= self._clear_ns
+        if not holds or not self._is_slow(profile):
             until_ns = time_ns if start_ns < self._look_again_ns else max(time_ns, start_ns + LOOK_NS)
             if not self._look(grid, footprint, others, until_ns):
                 self._look_again_ns = start_ns + LOOK_NS
@@ -134,8 +137,9 @@ class ConstrainedMotion(Motion):
         profile, start_ns = self._profile, self._stepped_ns
         (vx, vy, _), (to_vx, to_vy, _) = profile.velocity, profile.command
         pose, duration = self.pose_for_others(start_ns), (until_ns - start_ns) / NANOSECONDS
+        revision = grid.revision
         is_clear = stays_clear(grid, footprint, pose, profile.velocity, profile.command, duration, obstacles=others)
-        self._looked_at, self._clear_ns = others if is_clear else None, until_ns
+        self._looked_at, self._looked_revision, self._clear_ns = others if is_clear else None, revision, until_ns
         self._clear_speeds = max(abs(vx), abs(to_vx)), max(abs(vy), abs(to_vy))
         return is_clear
 

@@ -198,8 +198,10 @@ def _slowly(seed: int) -> tuple[list[object], int]:
         elif change == 2:
             with suppress(ValueError):  # The new cells may be there.
                 sim.set_pose((0.35, 8.0, 3.0))
-        elif change == 3:
-            sim.set_cells(*(round(ahead[axis] / sim.grid.resolution) for axis in (1, 0)), np.array([[100]], np.int8))
+        elif change in (3, 6):
+            # The owner of the map may also change it without a word to the simulation.
+            owner = sim if change == 3 else sim.grid
+            owner.set_cells(*(round(ahead[axis] / sim.grid.resolution) for axis in (1, 0)), np.array([[100]], np.int8))
         elif change == 4:
             sim.restore(sim.save())
         elif change == 5:
