@@ -2,6 +2,7 @@
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use super::arrays::{Rows, rows, short_repr, type_name};
 use super::pose::{PoseArgument, refused};
@@ -35,6 +36,16 @@ fn items<'py, T>(
     Ok(items)
 }
 
+/// Returns the shape and the pose of an item that is a tuple of the two, as nearly all are; `None` for anything else.
+fn placed<'py>(item: &Bound<'py, PyAny>) -> Option<(Bound<'py, Shape>, Pose)> {
+    let pair = item.cast_exact::<PyTuple>().ok()?;
+    if pair.len() != 2 {
+        return None;
+    }
+    let (shape, pose) = (pair.get_item(0).ok()?, pair.get_item(1).ok()?);
+    Some((shape.cast_into::<Shape>().ok()?, pose.cast::<super::pose::Pose>().ok()?.get().0))
+}
+
 /// Returns the shape and the rest of an item.
 fn parts<'py>(
     item: &Bound<'py, PyAny>,
@@ -49,6 +60,9 @@ impl<'py> FromPyObject<'_, 'py> for ObstaclesArgument {
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let placed = items(&value, "(Shape, pose)", |item, refuse| {
+            if let Some(placed) = placed(item) {
+                return Ok(placed);
+            }
             let (shape, pose) = parts(item, refuse)?;
             Ok((shape, pose.extract::<PoseArgument>()?.0))
         })?;
@@ -127,6 +141,9 @@ impl<'py> FromPyObject<'_, 'py> for MovingObstaclesArgument<'py> {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let needed = "(Shape, pose), (Shape, pose, twist) or (Shape, poses)";
         let read = |item: &Bound<'py, PyAny>, refuse: &dyn Fn(&Bound<'py, PyAny>) -> PyErr| {
+            if let Some((shape, pose)) = placed(item) {
+                return Ok((shape, Motion::Stands(pose)));
+            }
             if item.len().is_ok_and(|count| count == 3) {
                 let (shape, pose, twist) =
                     item.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)>().map_err(|_| refuse(item))?;
