@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use glam::DVec2;
 use mobile_robot_simulator::raycast::cast_rays;
 use mobile_robot_simulator::{
-    BeamLayout, BeamModel, BeamModelOptions, GridOptions, LaserScanner, Noise, OCCUPIED_THRESHOLD, Obstacles, OccupancyGrid,
-    Pose, ScannerOptions, Shape, Unknown, random,
+    BeamLayout, BeamModel, BeamModelOptions, Contact, ContactMode, GridOptions, LaserScanner, Noise, OCCUPIED_THRESHOLD,
+    Obstacles, OccupancyGrid, Pose, ScannerOptions, Shape, Twist, Unknown, World, advance, clearance, random, touches,
 };
 use rand::RngExt;
 
@@ -120,8 +120,8 @@ fn shapes(stream: &mut random::Stream, count: usize) -> Vec<(Shape, Pose)> {
         .collect()
 }
 
-fn set(shapes: &[(Shape, Pose)]) -> Obstacles {
-    Obstacles::new(shapes.iter().map(|(shape, pose)| (shape, *pose))).unwrap()
+fn set<'a>(placed: impl IntoIterator<Item = &'a (Shape, Pose)>) -> Obstacles {
+    Obstacles::new(placed.into_iter().map(|(shape, pose)| (shape, *pose))).unwrap()
 }
 
 #[test]
@@ -276,4 +276,99 @@ fn obstacles_out_of_sight_do_not_change_a_scan() {
 fn the_error_names_the_coordinate_that_is_not_finite() {
     let error = Obstacles::new([(&Shape::disc(1.0).unwrap(), Pose::new(0.0, f64::INFINITY, 0.0))]).unwrap_err();
     assert_eq!(error.to_string(), "y must be finite, got inf");
+}
+
+/// Returns discs and rectangles at random places around the origin.
+fn crowd(count: usize, stream: &mut impl rand::Rng) -> Vec<(Shape, Pose)> {
+    let placed = (0..count).map(|index| {
+        let shape = match index % 7 {
+            0 => Shape::rectangle(3.0, 0.1).unwrap(),
+            1 | 2 => Shape::rectangle(0.6, 0.4).unwrap(),
+            _ => Shape::disc(0.2).unwrap(),
+        };
+        let [x, y, yaw] = [(); 3].map(|()| stream.random_range(-14.0..14.0));
+        (shape, Pose::new(x, y, yaw))
+    });
+    placed.collect()
+}
+
+#[test]
+fn among_many_obstacles_each_range_is_the_shortest_one_among_one_of_them() {
+    let mut stream = random::stream(SEED, 9);
+    let placed = crowd(300, &mut stream);
+    let many = set(&placed);
+    for (layout, count) in [(BeamLayout::Fov(TAU), 1000), (BeamLayout::Fov(4.0), 541), (BeamLayout::Fov(0.1), 3)] {
+        let laser = LaserScanner::new(ScannerOptions { layout, beam_count: count, ..ScannerOptions::default() }).unwrap();
+        for _ in 0..20 {
+            let [x, y, yaw] = [(); 3].map(|()| stream.random_range(-9.0..9.0));
+            let (mut ranges, mut expected, mut one) = (vec![0.0; count], vec![f32::INFINITY; count], vec![0.0; count]);
+            laser.scan((&empty(), &many), Pose::new(x, y, yaw), &mut ranges).unwrap();
+            for each in &placed {
+                laser.scan((&empty(), &set([each])), Pose::new(x, y, yaw), &mut one).unwrap();
+                expected.iter_mut().zip(&one).for_each(|(least, range)| *least = least.min(*range));
+            }
+            assert_eq!(ranges, expected);
+        }
+    }
+}
+
+#[test]
+fn a_robot_among_many_obstacles_moves_as_among_the_nearest() {
+    let mut stream = random::stream(SEED, 10);
+    let (mut contacts, robot) = (0, Shape::rectangle(0.5, 0.4).unwrap());
+    let mut placed = crowd(400, &mut stream);
+    let (mut many, grid) = (set(&placed), empty());
+    for turn in 0..2000 {
+        // One obstacle moves.
+        let index = 31 * turn % placed.len();
+        placed[index].1 = crowd(1, &mut stream)[0].1;
+        many.place(index, &placed[index].0, placed[index].1).unwrap();
+        let [x, y, yaw] = [(); 3].map(|()| stream.random_range(-12.0..12.0));
+        let pose = Pose::new(x, y, yaw);
+        let is_near = |(_, place): &&(Shape, Pose)| place.position.distance(pose.position) < 4.0;
+        let near: Vec<usize> = (0..placed.len()).filter(|&index| is_near(&&placed[index])).collect();
+        let few = set(near.iter().map(|&index| &placed[index]));
+        let (all, part) = (World::from((&grid, &many)), (&grid, &few));
+        assert_eq!(touches(all, &robot, pose).unwrap(), touches(part, &robot, pose).unwrap());
+        assert_eq!(clearance(all, &robot, pose, 1.5).unwrap(), clearance(part, &robot, pose, 1.5).unwrap());
+        for mode in [ContactMode::Stop, ContactMode::Slide] {
+            let twist = Twist::from([1.0, 0.2, 0.5]);
+            let (end, contact) = advance(all, &robot, pose, twist, 1.0, mode).unwrap();
+            let (expected_end, expected) = advance(part, &robot, pose, twist, 1.0, mode).unwrap();
+            let expected = expected.map(|contact| Contact { obstacle: contact.obstacle.map(|at| near[at]), ..contact });
+            assert_eq!((end, contact), (expected_end, expected));
+            contacts += usize::from(contact.is_some());
+        }
+    }
+    assert!(contacts > 1000, "{contacts}");
+}
+
+#[test]
+fn an_obstacle_that_is_left_out_is_as_if_it_were_not_there() {
+    let mut stream = random::stream(SEED, 11);
+    let placed = crowd(100, &mut stream);
+    let (many, grid) = (set(&placed), empty());
+    let rays: Vec<[f64; 3]> = (0..500).map(|_| [(); 3].map(|()| stream.random_range(-9.0..9.0))).collect();
+    let (mut ranges, mut expected) = (vec![0.0; rays.len()], vec![0.0; rays.len()]);
+    for except in [0, 42, 99] {
+        let world = World { grid: &grid, obstacles: &many, except: Some(except) };
+        let others = set(placed.iter().enumerate().filter(|(index, _)| *index != except).map(|(_, each)| each));
+        cast_rays(world, &rays, 30.0, None, &mut ranges).unwrap();
+        cast_rays((&grid, &others), &rays, 30.0, None, &mut expected).unwrap();
+        assert_eq!(ranges, expected);
+    }
+}
+
+#[test]
+fn only_the_next_index_adds_an_obstacle() {
+    let (disc, mut obstacles) = (Shape::disc(1.0).unwrap(), Obstacles::default());
+    assert_eq!(
+        obstacles.place(1, &disc, Pose::default()).unwrap_err().to_string(),
+        "index must be at most the number of obstacles, got 1"
+    );
+    assert!(obstacles.is_empty());
+    obstacles.place(0, &disc, Pose::new(3.0, 0.0, 0.0)).unwrap();
+    assert!(obstacles.place(0, &disc, Pose::new(f64::NAN, 0.0, 0.0)).is_err());
+    assert_eq!((obstacles.len(), cast(&obstacles, 0.0, 0.0, 0.0)), (1, 2.0));
+    assert_eq!(cast(&obstacles.try_clone().unwrap(), 0.0, 0.0, 0.0), 2.0);
 }

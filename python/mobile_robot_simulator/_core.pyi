@@ -22,6 +22,7 @@ __all__ = [
     "Limits",
     "Material",
     "MotionNoise",
+    "Obstacles",
     "OccupancyGrid",
     "Pose",
     "RandomStream",
@@ -49,10 +50,10 @@ MAX_COMMAND: float
 # An obstacle that moves during a scan has a twist, or a pose for each beam.
 _PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[np.float64]
 _TwistLike: TypeAlias = Sequence[float] | NDArray[np.float64]
-_Obstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike]]
+_Obstacles: TypeAlias = Obstacles | Iterable[tuple[Shape, _PoseLike]]
 _MaterialLike: TypeAlias = Material | str
 _Trajectory: TypeAlias = _PoseLike | ArrayLike
-_MovingObstacles: TypeAlias = Iterable[tuple[Shape, _PoseLike] | tuple[Shape, _PoseLike, _TwistLike]]
+_MovingObstacles: TypeAlias = Obstacles | Iterable[tuple[Shape, _PoseLike] | tuple[Shape, _PoseLike, _TwistLike]]
 
 @final
 class Pose:
@@ -301,6 +302,55 @@ class Material:
         """Largest angle between a beam and the normal of glass at which it may return [rad]."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class Obstacles:
+    """Obstacles that are converted once, for many calls: shapes at poses in the map frame.
+
+    Every function that takes `obstacles` takes them in place of pairs (Shape, pose), with the same result. An obstacle is
+    known by its index.
+
+    Args:
+        placed: Pairs (Shape, pose), with poses in the map frame.
+
+    Raises:
+        TypeError: An item is not such a pair.
+        ValueError: A pose is not finite.
+
+    Examples:
+        >>> import mobile_robot_simulator as mrs
+        >>> from mobile_robot_simulator._core import Obstacles
+        >>> disc = mrs.Shape.disc(1.0)
+        >>> obstacles = Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
+        >>> len(obstacles)
+        2
+    """
+
+    def __new__(cls, placed: Iterable[tuple[Shape, _PoseLike]] = ()) -> Self: ...
+    def __len__(self) -> int: ...
+    def place(self, index: int, shape: Shape, pose: _PoseLike) -> None:
+        """Places a shape at a pose, as the obstacle with this index: in place of the one that has it, or as the next one.
+
+        Args:
+            index: Index of the obstacle, at most their number.
+            shape: The shape.
+            pose: Pose (x, y, yaw) in the map frame [m, m, rad].
+
+        Raises:
+            ValueError: The index is larger than the number of obstacles, or the pose is not finite. Nothing changes.
+        """
+
+    def without(self, index: int | None) -> Obstacles:
+        """Returns the same obstacles as if the one with this index were not there.
+
+        The others keep their indices. What is placed later is placed in both.
+
+        Args:
+            index: Index of the obstacle; None leaves out none. There may be none with it yet.
+
+        Raises:
+            ValueError: The index is negative.
+        """
 
 @final
 class OccupancyGrid:
@@ -1254,19 +1304,16 @@ class Fleet:
                    [1.5, 1.8]]), array([[False, False],
                    [False,  True]]))
         """
-    def relative(
-        self, goals: ArrayLike, mask: ArrayLike | None = None, *, out: NDArray[np.float64] | None = None
-    ) -> NDArray[np.float64]:
-        """Returns the goals of robots as seen from them.
+    def relative(self, goals: ArrayLike, *, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """Returns the goal of each robot as seen from it.
 
         Args:
             goals: (N, 2), the goal (x, y) of each robot in the map frame [m].
-            mask: (N,) bool, which robots to look at. None means all. Goals of the other robots are ignored.
-            out: (M, 2) float64, an array for the result. None means a new array.
+            out: (N, 2) float64, an array for the result. None means a new array.
 
         Returns:
-            (M, 2) float64, which is `out` if it was given: for each of the M chosen robots the distance [m], and the bearing in
-            (-π, π] [rad], 0 straight ahead and positive to the left.
+            (N, 2) float64, which is `out` if it was given: the distance [m], and the bearing in (-π, π] [rad], 0 straight ahead
+            and positive to the left.
 
         Raises:
             ValueError: A shape is wrong, a goal is not finite, or `out` cannot be used.

@@ -74,7 +74,7 @@ impl<'a> Blockers<'a> {
             let (middle, reach) = body.bounds();
             world.except != Some(index) && middle.distance(in_map) <= radius + reach
         };
-        !world.obstacles.bodies().iter().enumerate().any(is_near) && !rows.any(|row| grid.has_blocking(row, cols.clone()))
+        !world.obstacles.near(in_map, radius).any(is_near) && !rows.any(|row| grid.has_blocking(row, cols.clone()))
     }
 
     /// Replaces the pieces by those within `radius` \[m\] of another point. May add pieces that are a little farther away.
@@ -173,7 +173,9 @@ impl<'a> Blockers<'a> {
         let grid_from_map = self.world.grid.options().origin.inverse();
         let (sin, cos) = libm::sincos(grid_from_map.yaw);
         let to_grid = |point: DVec2| grid_from_map.position + DVec2::new(cos, sin).rotate(point);
-        for (index, body) in self.world.obstacles.bodies().iter().enumerate() {
+        let in_map = self.world.grid.options().origin.transform_point(center);
+        let of_grid = self.near.len();
+        for (index, body) in self.world.obstacles.near(in_map, radius) {
             let (middle, reach) = body.bounds();
             if self.world.except == Some(index) || to_grid(middle).distance(center) > radius + reach {
                 continue;
@@ -186,6 +188,8 @@ impl<'a> Blockers<'a> {
                 }
             }
         }
+        // Which of two equal contacts is found depends on their order. The edges of an obstacle stay in theirs.
+        self.near[of_grid..].sort_by_key(|blocker| blocker.obstacle);
         Ok(())
     }
 
@@ -196,13 +200,12 @@ impl<'a> Blockers<'a> {
 
     /// Returns the index of the first obstacle that contains a point in the frame of the grid, `None` if there is none.
     pub fn obstacle_at(&self, point: DVec2) -> Option<usize> {
-        let bodies = self.world.obstacles.bodies();
-        if bodies.is_empty() {
+        if self.world.obstacles.is_empty() {
             return None;
         }
         let in_map = self.world.grid.options().origin.transform_point(point);
-        let mut bodies = bodies.iter().enumerate();
-        bodies.find(|&(index, body)| self.world.except != Some(index) && body.contains(in_map)).map(|(index, _)| index)
+        let bodies = self.world.obstacles.near(in_map, 0.0).map(|(index, body)| (index, body.contains(in_map)));
+        bodies.filter(|&(index, holds)| holds && self.world.except != Some(index)).map(|(index, _)| index).min()
     }
 
     /// Returns true if a footprint overlaps anything: an edge meets a piece, or one of the two is inside the other.

@@ -12,7 +12,7 @@ use crate::surface::Material;
 const BEHIND_TOLERANCE: f64 = 1e-9;
 
 /// A shape placed at a pose, in map coordinates.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Body {
     /// Corners of a polygon, counter-clockwise, or the centre of a disc \[m\].
     corners: Vec<DVec2>,
@@ -38,6 +38,14 @@ impl Body {
         let center = low.midpoint(high);
         let reach = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max) + radius;
         Ok(Self { corners, radius, bounds: (center, reach), material: shape.material() })
+    }
+
+    /// Returns a copy.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn try_clone(&self) -> Result<Self, Error> {
+        Ok(Self { corners: memory::collected(super::OBSTACLES, self.corners.iter().copied())?, ..*self })
     }
 
     /// What the shape is made of.

@@ -2,6 +2,7 @@
 
 mod body;
 mod passing;
+mod squares;
 mod trajectory;
 mod view;
 
@@ -13,6 +14,8 @@ pub(crate) use passing::Passing;
 pub use trajectory::Trajectory;
 pub(crate) use view::View;
 
+use squares::{Circle, Squares};
+
 use crate::error::Error;
 use crate::memory;
 use crate::pose::Pose;
@@ -20,6 +23,9 @@ use crate::shape::Shape;
 
 /// Name of the obstacles in an error.
 const OBSTACLES: &str = "the obstacles";
+
+/// Share of a radius by which bounds are enlarged, and the same in metres: far more than rounding errors.
+const MARGIN: f64 = 1e-6;
 
 /// A set of obstacles, each a [`Shape`] at a [`Pose`] in the map frame.
 ///
@@ -43,14 +49,23 @@ const OBSTACLES: &str = "the obstacles";
 /// assert_eq!(obstacles.cast(DVec2::ZERO, DVec2::Y, 10.0), f64::INFINITY);
 /// # Ok::<(), mobile_robot_simulator::Error>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug)]
 pub struct Obstacles {
     bodies: Vec<Body>,
+    /// Centre and radius \[m\] of a circle that encloses each body: side by side, so that a search reads little memory.
+    circles: Vec<Circle>,
+    squares: Squares,
+}
+
+impl Default for Obstacles {
+    fn default() -> Self {
+        Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE }
+    }
 }
 
 impl Obstacles {
     /// The empty set.
-    pub const NONE: &'static Self = &Self { bodies: Vec::new() };
+    pub const NONE: &'static Self = &Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE };
 
     /// Returns the set of the given shapes, each placed at its pose in the map frame.
     ///
@@ -60,11 +75,24 @@ impl Obstacles {
     /// - [`Error::Number`]: a pose is not finite.
     /// - [`Error::Memory`]: there is not enough memory.
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Shape, Pose)>) -> Result<Self, Error> {
-        let mut bodies = Vec::new();
-        for (shape, pose) in shapes {
-            memory::push(OBSTACLES, &mut bodies, Body::new(shape, pose.checked()?)?)?;
+        let mut obstacles = Self::default();
+        for (index, (shape, pose)) in shapes.into_iter().enumerate() {
+            obstacles.place(index, shape, pose.checked()?)?;
         }
-        Ok(Self { bodies })
+        Ok(obstacles)
+    }
+
+    /// Returns a copy.
+    ///
+    /// # Errors
+    /// [`Error::Memory`]: there is not enough memory.
+    pub fn try_clone(&self) -> Result<Self, Error> {
+        let mut copy = Self { bodies: memory::with_room(OBSTACLES, self.len())?, ..Self::default() };
+        copy.circles = memory::with_room(OBSTACLES, self.len())?;
+        for body in &self.bodies {
+            copy.add(body.try_clone()?)?;
+        }
+        Ok(copy)
     }
 
     /// Returns the number of obstacles.
@@ -84,8 +112,13 @@ impl Obstacles {
     /// `origin` \[m\] and `direction` (a unit vector) are in the map frame. Cost: linear in the number of obstacles.
     #[must_use]
     pub fn cast(&self, origin: DVec2, direction: DVec2, limit: f64) -> f64 {
+        self.cast_past(None, origin, direction, limit)
+    }
+
+    /// Same as [`cast`](Self::cast), as if the obstacle with the index `except` were not there.
+    fn cast_past(&self, except: Option<usize>, origin: DVec2, direction: DVec2, limit: f64) -> f64 {
         let mut nearest = f64::INFINITY;
-        for body in &self.bodies {
+        for (_, body) in self.bodies.iter().enumerate().filter(|(index, _)| Some(*index) != except) {
             if body.is_near(origin, direction, limit.min(nearest)) {
                 let distance = if body.contains(origin) { 0.0 } else { body.entry(origin, direction) };
                 nearest = nearest.min(distance);
@@ -94,26 +127,55 @@ impl Obstacles {
         if nearest < limit { nearest } else { f64::INFINITY }
     }
 
-    /// Same as [`cast`](Self::cast), from the position of `pose` along its heading.
-    pub(crate) fn cast_pose(&self, pose: Pose, limit: f64) -> f64 {
+    /// Same as [`cast`](Self::cast), from the position of `pose` along its heading, as if the obstacle with the index `except`
+    /// were not there.
+    pub(crate) fn cast_pose(&self, except: Option<usize>, pose: Pose, limit: f64) -> f64 {
         if self.is_empty() {
             return f64::INFINITY;
         }
         let (sin, cos) = libm::sincos(pose.yaw);
-        self.cast(pose.position, DVec2::new(cos, sin), limit)
+        self.cast_past(except, pose.position, DVec2::new(cos, sin), limit)
     }
 
-    /// Places a shape at a pose, as the obstacle with this index: one of the set, or the next one.
+    /// Places a shape at a pose in the map frame, as the obstacle with this index: one of the set, or the next one.
     ///
     /// # Errors
-    /// [`Error::Memory`]: there is not enough memory.
-    pub(crate) fn place(&mut self, index: usize, shape: &Shape, pose: Pose) -> Result<(), Error> {
-        let body = Body::new(shape, pose)?;
-        match self.bodies.get_mut(index) {
-            Some(old) => *old = body,
-            None => memory::push(OBSTACLES, &mut self.bodies, body)?,
+    /// - [`Error::Count`]: the index is larger than the number of obstacles.
+    /// - [`Error::Number`]: the pose is not finite.
+    /// - [`Error::Memory`]: there is not enough memory. The set is unchanged.
+    pub fn place(&mut self, index: usize, shape: &Shape, pose: Pose) -> Result<(), Error> {
+        let body = Body::new(shape, pose.checked()?)?;
+        if index < self.len() {
+            let before = std::mem::replace(&mut self.circles[index], body.bounds());
+            self.bodies[index] = body;
+            self.squares.update(&self.circles, index, Some(before));
+            return Ok(());
         }
+        if index > self.len() {
+            return Err(Error::Count { name: "index", value: index, needed: "at most the number of obstacles" });
+        }
+        self.add(body)
+    }
+
+    fn add(&mut self, body: Body) -> Result<(), Error> {
+        let index = self.len();
+        memory::push(OBSTACLES, &mut self.circles, body.bounds())?;
+        memory::push(OBSTACLES, &mut self.bodies, body).inspect_err(|_| self.circles.truncate(index))?;
+        self.squares.update(&self.circles, index, None);
         Ok(())
+    }
+
+    /// Iterates over the obstacles with a point within `radius` \[m\] of `center` in the map frame, each with its index, in any
+    /// order; and over some that are a little farther away.
+    pub(crate) fn near(&self, center: DVec2, radius: f64) -> impl Iterator<Item = (usize, &Body)> {
+        let near = self.squares.near(&self.circles, center, radius);
+        let all = if near.is_none() { 0..self.len() } else { 0..0 };
+        let is_near = move |&index: &usize| {
+            let (middle, reach) = self.circles[index];
+            let limit = (radius + reach) * (1.0 + MARGIN) + MARGIN;
+            middle.distance_squared(center) <= limit * limit
+        };
+        all.chain(near.into_iter().flatten()).filter(is_near).map(|index| (index, &self.bodies[index]))
     }
 
     /// Returns true if an obstacle is of glass or a mirror.

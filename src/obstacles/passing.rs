@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::body::{Side, contains, disc_entry, edge_entry, placed, side};
-use super::{Body, OBSTACLES};
+use super::{Body, MARGIN, OBSTACLES};
 use crate::error::Error;
 use crate::memory;
 use crate::motion::{Course, PoseColumns};
@@ -45,9 +45,6 @@ struct Beams {
     dx: Group,
     dy: Group,
 }
-
-/// Share of a radius by which bounds are enlarged, and the same in metres: far more than rounding errors.
-const MARGIN: f64 = 1e-6;
 
 impl<'a> Passing<'a> {
     /// Returns the obstacles of a scan of `beam_count` beams.

@@ -23,6 +23,9 @@ use crate::pose::Pose;
 /// Extra angle \[rad\] on both sides of an obstacle, far larger than the rounding error of its bearing.
 const ANGLE_MARGIN: f64 = 1e-9;
 
+/// Number of beams up to which an obstacle is narrow.
+const NARROW: usize = 32;
+
 /// The obstacles that a scan can see from one pose.
 pub struct View<'a> {
     /// Position of the laser in the map frame \[m\].
@@ -30,7 +33,10 @@ pub struct View<'a> {
     /// Unit vector along the laser's x axis, in the map frame.
     heading: DVec2,
     max_range: f64,
-    seen: Vec<Seen<'a>>,
+    /// Obstacles that many beams can hit.
+    wide: Vec<Seen<'a>>,
+    /// The others, by the first beam that can hit them.
+    narrow: Vec<Seen<'a>>,
 }
 
 /// One obstacle and the beams that can hit it.
@@ -58,8 +64,12 @@ impl<'a> View<'a> {
     ) -> Result<Self, Error> {
         let (sin, cos) = libm::sincos(map_from_laser.yaw);
         let (origin, heading) = (map_from_laser.position, DVec2::new(cos, sin));
-        let mut seen = Vec::new();
-        for (_, body) in obstacles.bodies.iter().enumerate().filter(|(index, _)| Some(*index) != except) {
+        let (mut wide, mut narrow) = (Vec::new(), Vec::new());
+        let mut add = |seen: Seen<'a>| {
+            let list = if seen.beams.1 - seen.beams.0 > NARROW { &mut wide } else { &mut narrow };
+            memory::push(OBSTACLES, list, seen)
+        };
+        for (_, body) in obstacles.near(origin, max_range).filter(|(index, _)| Some(*index) != except) {
             let (center, reach) = body.bounds();
             let offset = center - origin;
             let distance = offset.length();
@@ -72,18 +82,19 @@ impl<'a> View<'a> {
                 let bearing = libm::atan2(offset.y, offset.x);
                 let half_angle = libm::asin(reach / distance) + ANGLE_MARGIN;
                 for beams in beams.within(bearing - half_angle, bearing + half_angle).filter(|beams| beams.0 < beams.1) {
-                    memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams })?;
+                    add(Seen { body, inside, beams })?;
                 }
             } else {
-                memory::push(OBSTACLES, &mut seen, Seen { body, inside, beams: (0, beam_count) })?;
+                add(Seen { body, inside, beams: (0, beam_count) })?;
             }
         }
-        Ok(Self { origin, heading, max_range, seen })
+        narrow.sort_unstable_by_key(|seen| seen.beams.0);
+        Ok(Self { origin, heading, max_range, wide, narrow })
     }
 
     /// Returns true if the scan can see no obstacle.
     pub fn is_empty(&self) -> bool {
-        self.seen.is_empty()
+        self.wide.is_empty() && self.narrow.is_empty()
     }
 
     /// Replaces each range \[m\] by the distance to the nearest obstacle, if that is shorter than the range and `max_range`.
@@ -91,7 +102,10 @@ impl<'a> View<'a> {
     /// `ranges[i]` is the range of beam `first + i`, infinite for no return. `direction(i)` is the direction of that beam: a
     /// unit vector in the laser frame.
     pub fn shorten(&self, first: usize, direction: impl Fn(usize) -> DVec2, ranges: &mut [f64]) {
-        for seen in &self.seen {
+        // A narrow obstacle ends at most `NARROW` beams after its first one.
+        let starts_before = |beam: usize| self.narrow.partition_point(|seen| seen.beams.0 < beam);
+        let narrow = &self.narrow[starts_before((first + 1).saturating_sub(NARROW))..starts_before(first + ranges.len())];
+        for seen in self.wide.iter().chain(narrow) {
             let (start, end) = (seen.beams.0.max(first), seen.beams.1.min(first + ranges.len()));
             for beam in start..end {
                 let range = &mut ranges[beam - first];

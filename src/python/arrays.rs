@@ -7,7 +7,6 @@ use numpy::{
     PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -112,20 +111,7 @@ pub fn elements<T: Element + Copy>(name: &str, value: &Bound<'_, PyAny>, count: 
         let needed = count.map_or_else(|| "(N,)".to_owned(), |count| shape(&[count]));
         return Err(PyValueError::new_err(format!("{name} must have shape {needed}, got {}", shape(array.shape()))));
     }
-    let view = array.as_array();
-    Ok(match view.as_slice() {
-        Some(elements) => memory::collected(WHAT, elements.iter().copied())?,
-        None => memory::collected(WHAT, view.iter().copied())?,
-    })
-}
-
-/// Returns the rows of an array whose last dimension is 2.
-pub fn pairs(what: &'static str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<[f64; 2]>> {
-    let view = array.as_array();
-    Ok(match view.as_slice() {
-        Some(numbers) => memory::collected(what, numbers.as_chunks().0.iter().copied())?,
-        None => memory::collected(what, view.rows().into_iter().map(|row| [row[0], row[1]]))?,
-    })
+    Ok(memory::collected(WHAT, array.as_array().iter().copied())?)
 }
 
 /// Returns the numbers of an array of integers of shape `(count,)`, none of them negative.
@@ -316,15 +302,8 @@ pub fn fill<'py, T: Element>(
     dimensions: &[usize],
     work: impl FnOnce(&mut [T]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (out, mut array) = if let Some(out) = out {
-        let array = writable(&out, dimensions)?;
-        (out, array)
-    } else {
-        // A new array needs no checks.
-        let out = zeros::<T>(py, dimensions)?;
-        let array = out.cast::<numpy::PyArrayDyn<T>>()?.readwrite();
-        (out, array)
-    };
+    let out = out.map_or_else(|| zeros::<T>(py, dimensions), Ok)?;
+    let mut array = writable(&out, dimensions)?;
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)
@@ -332,7 +311,7 @@ pub fn fill<'py, T: Element>(
 
 /// Returns true if all elements are aligned in memory. Fields of packed records are not.
 fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> PyResult<bool> {
-    array.getattr(intern!(array.py(), "flags"))?.getattr(intern!(array.py(), "aligned"))?.extract()
+    array.getattr("flags")?.getattr("aligned")?.extract()
 }
 
 /// Returns a new one-dimensional array.

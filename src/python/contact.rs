@@ -130,7 +130,7 @@ pub fn touches(
     obstacles: ObstaclesArgument,
 ) -> PyResult<bool> {
     let (grid, footprint) = (grid.get().core(), footprint.get());
-    Ok(py.detach(|| crate::touches((&*grid, &obstacles.0), footprint, pose.0))?)
+    Ok(py.detach(|| crate::touches(obstacles.on(&grid), footprint, pose.0))?)
 }
 
 /// Returns True if a quick look shows that a robot touches nothing for some time. False means that it may touch something.
@@ -176,7 +176,8 @@ pub fn stays_clear(
     obstacles: ObstaclesArgument,
 ) -> PyResult<bool> {
     let twists = [velocity.named("velocity")?.into(), command.named("command")?.into()];
-    let world = (&*grid.get().core(), &obstacles.0);
+    let grid = grid.get().core();
+    let world = obstacles.on(&grid);
     Ok(crate::stays_clear(world, footprint.get(), pose.0, twists, dt.named("dt")?)?)
 }
 
@@ -217,7 +218,7 @@ pub fn clearance(
     obstacles: ObstaclesArgument,
 ) -> PyResult<f64> {
     let (grid, footprint, limit) = (grid.get().core(), footprint.get(), limit.named("limit")?);
-    Ok(py.detach(|| crate::clearance((&*grid, &obstacles.0), footprint, pose.0, limit))?)
+    Ok(py.detach(|| crate::clearance(obstacles.on(&grid), footprint, pose.0, limit))?)
 }
 
 /// Returns the clearance of a footprint at each of many poses: `clearance` of each row.
@@ -267,7 +268,7 @@ pub fn clearance_batch<'py>(
     let (poses, limit, threads) = (rows("poses", poses, None)?, limit.named("limit")?, thread_count(threads)?);
     let poses: &[[f64; 3]] = &poses;
     fill(py, None, &[poses.len()], |distances| {
-        crate::clearance_batch((&*grid, &obstacles.0), footprint, poses, limit, threads, distances)
+        crate::clearance_batch(obstacles.on(&grid), footprint, poses, limit, threads, distances)
     })
 }
 
@@ -329,7 +330,7 @@ pub fn advance(
     let mode = contact_mode("mode", mode)?;
     let (grid, footprint) = (grid.get().core(), footprint.get());
     let (twist, dt) = (twist.named("twist")?, dt.named("dt")?);
-    let step = py.detach(|| crate::advance((&*grid, &obstacles.0), footprint, pose.0, twist.into(), dt, mode))?;
+    let step = py.detach(|| crate::advance(obstacles.on(&grid), footprint, pose.0, twist.into(), dt, mode))?;
     Ok((Pose(step.0), step.1.map(Contact)))
 }
 

@@ -1,22 +1,121 @@
 //! Conversion of obstacle arguments.
 
+use std::sync::Arc;
+
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
 use super::arrays::{Rows, rows, short_repr, type_name};
 use super::pose::{PoseArgument, refused};
 use super::shape::Shape;
-use crate::{Course, Error, MovingObstacle, Obstacles, Pose, Twist, memory};
+use super::whole_number;
+use crate::fork::Lock;
+use crate::{Course, MovingObstacle, OccupancyGrid, Pose, Twist, World, memory};
 
-/// An obstacle argument: an iterable of `(Shape, pose)` pairs, with poses in the map frame.
-pub struct ObstaclesArgument(pub Obstacles);
+/// Obstacles that are converted once, for many calls: shapes at poses in the map frame.
+///
+/// Every function that takes `obstacles` takes them in place of pairs (Shape, pose), with the same result. An obstacle is
+/// known by its index.
+///
+/// Args:
+///     placed: Pairs (Shape, pose), with poses in the map frame.
+///
+/// Raises:
+///     TypeError: An item is not such a pair.
+///     ValueError: A pose is not finite.
+///
+/// Examples:
+///     >>> import mobile_robot_simulator as mrs
+///     >>> from mobile_robot_simulator._core import Obstacles
+///     >>> disc = mrs.Shape.disc(1.0)
+///     >>> obstacles = Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
+///     >>> len(obstacles)
+///     2
+#[pyclass(frozen, module = "mobile_robot_simulator._core")]
+pub struct Obstacles {
+    /// The set, shared with those that leave out an obstacle. A call keeps the set that it started with.
+    core: Arc<Lock<Arc<crate::Obstacles>>>,
+    except: Option<usize>,
+}
+
+#[pymethods]
+impl Obstacles {
+    #[new]
+    #[pyo3(text_signature = "(placed=())", signature = (placed = None))]
+    fn new(placed: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let obstacles = placed.map_or_else(|| Ok(crate::Obstacles::default()), obstacles_of)?;
+        Ok(Self { core: Arc::new(Lock::new(Arc::new(obstacles))), except: None })
+    }
+
+    /// Places a shape at a pose, as the obstacle with this index: in place of the one that has it, or as the next one.
+    ///
+    /// Args:
+    ///     index: Index of the obstacle, at most their number.
+    ///     shape: The shape.
+    ///     pose: Pose (x, y, yaw) in the map frame [m, m, rad].
+    ///
+    /// Raises:
+    ///     ValueError: The index is larger than the number of obstacles, or the pose is not finite. Nothing changes.
+    fn place(&self, index: &Bound<'_, PyAny>, shape: &Shape, pose: PoseArgument) -> PyResult<()> {
+        let index = whole_number("index", index, "at least 0")?;
+        let mut core = self.core.lock();
+        if Arc::get_mut(&mut core).is_none() {
+            *core = Arc::new(core.try_clone()?);
+        }
+        Ok(Arc::get_mut(&mut core).expect("the only reference").place(index, &shape.0, pose.0)?)
+    }
+
+    /// Returns the same obstacles as if the one with this index were not there.
+    ///
+    /// The others keep their indices. What is placed later is placed in both.
+    ///
+    /// Args:
+    ///     index: Index of the obstacle; None leaves out none. There may be none with it yet.
+    ///
+    /// Raises:
+    ///     ValueError: The index is negative.
+    fn without(&self, index: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let except = index.map(|index| whole_number("index", index, "at least 0")).transpose()?;
+        Ok(Self { core: Arc::clone(&self.core), except })
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.lock().len()
+    }
+}
+
+/// An obstacle argument: [`Obstacles`], or an iterable of `(Shape, pose)` pairs with poses in the map frame.
+pub struct ObstaclesArgument {
+    /// `None` for none.
+    obstacles: Option<Arc<crate::Obstacles>>,
+    except: Option<usize>,
+}
 
 impl ObstaclesArgument {
     /// The default of every `obstacles` argument.
     pub fn none() -> Self {
-        Self(Obstacles::default())
+        Self { obstacles: None, except: None }
     }
+
+    /// Returns the obstacles on a grid.
+    pub fn on<'a>(&'a self, grid: &'a OccupancyGrid) -> World<'a> {
+        World { grid, obstacles: self.obstacles.as_deref().unwrap_or(crate::Obstacles::NONE), except: self.except }
+    }
+
+    /// Returns the obstacles of an argument that is a set of them, `None` if it is something else.
+    fn of_set(value: &Bound<'_, PyAny>) -> Option<Self> {
+        let set = value.cast::<Obstacles>().ok()?.get();
+        Some(Self { obstacles: Some(Arc::clone(&set.core.lock())), except: set.except })
+    }
+}
+
+/// Returns the obstacles of an iterable of `(Shape, pose)` pairs.
+fn obstacles_of(value: &Bound<'_, PyAny>) -> PyResult<crate::Obstacles> {
+    let placed = items(value, "(Shape, pose)", |item, refuse| {
+        let (shape, pose) = parts(item, refuse)?;
+        Ok((shape, pose.extract::<PoseArgument>()?.0))
+    })?;
+    Ok(crate::Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?)
 }
 
 /// Returns what `read` makes of each item of an iterable; `needed` describes the items in an error.
@@ -36,16 +135,6 @@ fn items<'py, T>(
     Ok(items)
 }
 
-/// Returns the shape and the pose of an item that is a tuple of the two, as nearly all are; `None` for anything else.
-fn placed<'py>(item: &Bound<'py, PyAny>) -> Option<(Bound<'py, Shape>, Pose)> {
-    let pair = item.cast_exact::<PyTuple>().ok()?;
-    if pair.len() != 2 {
-        return None;
-    }
-    let (shape, pose) = (pair.get_item(0).ok()?, pair.get_item(1).ok()?);
-    Some((shape.cast_into::<Shape>().ok()?, pose.cast::<super::pose::Pose>().ok()?.get().0))
-}
-
 /// Returns the shape and the rest of an item.
 fn parts<'py>(
     item: &Bound<'py, PyAny>,
@@ -59,23 +148,22 @@ impl<'py> FromPyObject<'_, 'py> for ObstaclesArgument {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let placed = items(&value, "(Shape, pose)", |item, refuse| {
-            if let Some(placed) = placed(item) {
-                return Ok(placed);
-            }
-            let (shape, pose) = parts(item, refuse)?;
-            Ok((shape, pose.extract::<PoseArgument>()?.0))
-        })?;
-        Ok(Self(Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?))
+        match Self::of_set(&value) {
+            Some(argument) => Ok(argument),
+            None => Ok(Self { obstacles: Some(Arc::new(obstacles_of(&value)?)), except: None }),
+        }
     }
 }
 
-/// An obstacle argument of scans that can take time: an iterable of `(Shape, pose)`, `(Shape, pose, twist)` or
+/// An obstacle argument of scans that can take time: [`Obstacles`], or an iterable of `(Shape, pose)`, `(Shape, pose, twist)` or
 /// `(Shape, poses)`.
-pub struct MovingObstaclesArgument<'py>(Vec<(Bound<'py, Shape>, Motion<'py>)>);
+pub enum MovingObstaclesArgument<'py> {
+    Set(ObstaclesArgument),
+    Items(Vec<(Bound<'py, Shape>, Motion<'py>)>),
+}
 
 /// How an obstacle moves while a scan is taken.
-enum Motion<'py> {
+pub enum Motion<'py> {
     Stands(Pose),
     Arc(Pose, Twist),
     /// A pose for each beam.
@@ -85,41 +173,50 @@ enum Motion<'py> {
 impl MovingObstaclesArgument<'_> {
     /// The default of every `obstacles` argument.
     pub fn none() -> Self {
-        Self(Vec::new())
+        Self::Items(Vec::new())
     }
 
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        match self {
+            Self::Set(set) => set.obstacles.as_ref().is_none_or(|obstacles| obstacles.is_empty()),
+            Self::Items(items) => items.is_empty(),
+        }
     }
 
     /// Returns the obstacles as they stand.
     ///
     /// # Errors
     /// `ValueError` if one of them moves.
-    pub fn standing(&self) -> PyResult<Obstacles> {
-        let placed = self.0.iter().map(|(shape, motion)| match motion {
+    pub fn standing(self) -> PyResult<ObstaclesArgument> {
+        let items = match self {
+            Self::Set(set) => return Ok(set),
+            Self::Items(items) => items,
+        };
+        let placed = items.iter().map(|(shape, motion)| match motion {
             Motion::Stands(pose) => Ok((shape, *pose)),
             Motion::Arc(..) | Motion::Poses(_) => Err(needs_duration()),
         });
         let placed: Vec<_> = placed.collect::<PyResult<_>>()?;
-        Ok(Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?)
+        let obstacles = crate::Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?;
+        Ok(ObstaclesArgument { obstacles: Some(Arc::new(obstacles)), except: None })
     }
 
-    /// Checks that no obstacle has a twist.
+    /// Returns the obstacles and how each of them moves.
     ///
     /// # Errors
-    /// `ValueError` if one has.
-    pub fn check_have_poses(&self) -> PyResult<()> {
-        let has_twist = self.0.iter().any(|(_, motion)| matches!(motion, Motion::Arc(..)));
-        if has_twist { Err(needs_duration()) } else { Ok(()) }
-    }
-
-    /// Returns the obstacles and how they move.
-    ///
-    /// # Errors
-    /// [`Error::Memory`]: there is not enough memory.
-    pub fn moving(&self) -> Result<Vec<MovingObstacle<'_>>, Error> {
-        let obstacles = self.0.iter().map(|(shape, motion)| {
+    /// - `TypeError` if they are a set, whose obstacles stand.
+    /// - `ValueError` if one has a twist, unless `takes_twists`.
+    /// - [`Error::Memory`]: there is not enough memory.
+    pub fn moving(&self, takes_twists: bool) -> PyResult<Vec<MovingObstacle<'_>>> {
+        let Self::Items(items) = self else {
+            let text = "obstacles of scans that take time must be a sequence of (Shape, pose), (Shape, pose, twist) or \
+                        (Shape, poses), got Obstacles";
+            return Err(PyTypeError::new_err(text));
+        };
+        if !takes_twists && items.iter().any(|(_, motion)| matches!(motion, Motion::Arc(..))) {
+            return Err(needs_duration());
+        }
+        let obstacles = items.iter().map(|(shape, motion)| {
             let course = match motion {
                 Motion::Stands(pose) => Course::Arc { start: *pose, twist: Twist::default() },
                 Motion::Arc(start, twist) => Course::Arc { start: *start, twist: *twist },
@@ -127,7 +224,7 @@ impl MovingObstaclesArgument<'_> {
             };
             MovingObstacle { shape: &shape.get().0, course }
         });
-        memory::collected("the obstacles", obstacles)
+        Ok(memory::collected("the obstacles", obstacles)?)
     }
 }
 
@@ -139,11 +236,11 @@ impl<'py> FromPyObject<'_, 'py> for MovingObstaclesArgument<'py> {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Some(set) = ObstaclesArgument::of_set(&value) {
+            return Ok(Self::Set(set));
+        }
         let needed = "(Shape, pose), (Shape, pose, twist) or (Shape, poses)";
         let read = |item: &Bound<'py, PyAny>, refuse: &dyn Fn(&Bound<'py, PyAny>) -> PyErr| {
-            if let Some((shape, pose)) = placed(item) {
-                return Ok((shape, Motion::Stands(pose)));
-            }
             if item.len().is_ok_and(|count| count == 3) {
                 let (shape, pose, twist) =
                     item.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)>().map_err(|_| refuse(item))?;
@@ -165,6 +262,6 @@ impl<'py> FromPyObject<'_, 'py> for MovingObstaclesArgument<'py> {
             };
             Ok((shape, motion))
         };
-        Ok(Self(items(&value, needed, read)?))
+        Ok(Self::Items(items(&value, needed, read)?))
     }
 }

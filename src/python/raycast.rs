@@ -59,5 +59,5 @@ pub fn cast_rays<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (grid, rays, threads) = (grid.get().core(), rows("rays", rays, out.as_ref())?, thread_count(threads)?);
     let (rays, max_range): (&[[f64; 3]], f64) = (&rays, max_range.named("max_range")?);
-    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays((&*grid, &obstacles.0), rays, max_range, threads, ranges))
+    fill(py, out, &[rays.len()], |ranges| raycast::cast_rays(obstacles.on(&grid), rays, max_range, threads, ranges))
 }

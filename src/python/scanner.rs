@@ -233,7 +233,7 @@ impl LaserScanner {
         obstacles: ObstaclesArgument,
     ) -> PyResult<Bound<'py, PyAny>> {
         let grid = grid.get().core();
-        fill(py, None, &[self.beam_count()], |ranges| self.0.scan((&*grid, &obstacles.0), pose.0, ranges))
+        fill(py, None, &[self.beam_count()], |ranges| self.0.scan(obstacles.on(&grid), pose.0, ranges))
     }
 
     /// Returns one scan from each pose of a batch, with or without noise.
@@ -348,9 +348,7 @@ impl LaserScanner {
             .transpose()?;
         if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;
-            return fill(py, out, &size, |readings| {
-                self.0.scan_batch((&*grid, &obstacles), poses, noise, threads, readings)
-            });
+            return fill(py, out, &size, |readings| self.0.scan_batch(obstacles.on(&grid), poses, noise, threads, readings));
         }
         let obstacles = sweep.obstacles(&obstacles)?;
         let sweeps = sweep.sweeps(&obstacles);
@@ -429,7 +427,7 @@ impl LaserScanner {
         if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;
             return fill(py, out, &size, |intensities| {
-                self.0.intensities((&*grid, &obstacles), poses, stream, threads, intensities)
+                self.0.intensities(obstacles.on(&grid), poses, stream, threads, intensities)
             });
         }
         let obstacles = sweep.obstacles(&obstacles)?;
@@ -553,7 +551,7 @@ impl LaserScanner {
         if let Some(poses) = sweep.instant() {
             let obstacles = obstacles.standing()?;
             return fill(py, out, &[scans], |scores| {
-                self.0.log_likelihoods((&*grid, &obstacles), poses, score, threads, scores)
+                self.0.log_likelihoods(obstacles.on(&grid), poses, score, threads, scores)
             });
         }
         let obstacles = sweep.obstacles(&obstacles)?;
@@ -671,7 +669,7 @@ impl LaserScanner {
         let scans = if has_beams { poses.len() / beams } else { poses.len() };
         let mut hits = memory::filled("the hits", Hit::default(), scans * beams)?;
         let rows: &[[f64; 3]] = &poses;
-        py.detach(|| self.0.hits((&*grid, &obstacles.0), rows, threads, &mut hits))?;
+        py.detach(|| self.0.hits(obstacles.on(&grid), rows, threads, &mut hits))?;
         let surfaces = fill(py, None, &[scans, beams], |surfaces| {
             surfaces.iter_mut().zip(&hits).for_each(|(surface, hit): (&mut i32, _)| *surface = hit.surface);
             Ok(())
@@ -725,10 +723,7 @@ impl LaserScanner {
         let readings = typed::<f32>("readings", readings)?;
         let readings = readings.as_array();
         fill(py, None, readings.shape(), |marked| {
-            match readings.as_slice() {
-                Some(readings) => marked.copy_from_slice(readings),
-                None => marked.iter_mut().zip(&readings).for_each(|(marked, reading)| *marked = *reading),
-            }
+            marked.iter_mut().zip(&readings).for_each(|(marked, reading)| *marked = *reading);
             self.0.mark_invalid(marked, no_return);
             Ok(())
         })

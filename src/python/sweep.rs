@@ -54,10 +54,7 @@ impl<'py> SweepArguments<'py> {
 
     /// Returns how obstacles move.
     pub fn obstacles<'a>(&self, obstacles: &'a MovingObstaclesArgument<'py>) -> PyResult<Vec<MovingObstacle<'a>>> {
-        if self.scan_duration.is_none() {
-            obstacles.check_have_poses()?;
-        }
-        Ok(obstacles.moving()?)
+        obstacles.moving(self.scan_duration.is_some())
     }
 
     pub fn sweeps<'a>(&'a self, obstacles: &'a [MovingObstacle<'a>]) -> Sweeps<'a> {

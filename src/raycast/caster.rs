@@ -162,6 +162,17 @@ impl<'grid> Caster<'grid> {
         threads: Option<usize>,
         ranges: &mut [f32],
     ) -> Result<(), Error> {
+        self.cast_rays_past((obstacles, None), rays, threads, ranges)
+    }
+
+    /// Same as [`cast_rays`](Self::cast_rays), as if the obstacle with the index `except` were not there.
+    fn cast_rays_past(
+        &self,
+        (obstacles, except): (&Obstacles, Option<usize>),
+        rays: &[[f64; 3]],
+        threads: Option<usize>,
+        ranges: &mut [f32],
+    ) -> Result<(), Error> {
         thread_local! {
             static GROUPS: RefCell<Vec<RayColumns>> = const { RefCell::new(Vec::new()) };
         }
@@ -180,7 +191,7 @@ impl<'grid> Caster<'grid> {
             });
             if !obstacles.is_empty() {
                 for (range, ray) in ranges.iter_mut().zip(rays) {
-                    *range = range.min(obstacles.cast_pose(Pose::from(*ray), f64::from(*range)) as f32);
+                    *range = range.min(obstacles.cast_pose(except, Pose::from(*ray), f64::from(*range)) as f32);
                 }
             }
             Ok(())
@@ -278,8 +289,8 @@ pub fn cast_rays<'a>(
     threads: Option<usize>,
     ranges: &mut [f32],
 ) -> Result<(), Error> {
-    let World { grid, obstacles, .. } = world.into();
-    Caster::new(grid, max_range, Kernel::chosen()?)?.cast_rays(obstacles, rays, threads, ranges)
+    let World { grid, obstacles, except } = world.into();
+    Caster::new(grid, max_range, Kernel::chosen()?)?.cast_rays_past((obstacles, except), rays, threads, ranges)
 }
 
 #[cfg(test)]

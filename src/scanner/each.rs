@@ -2,7 +2,7 @@
 
 use super::LaserScanner;
 use super::sinks::Noisy;
-use crate::batch::{for_each_heavy_chunk, thread_count};
+use crate::batch::{for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
 use crate::error::Error;
 use crate::pose::Pose;
@@ -27,39 +27,41 @@ impl Shot<'_> {
 }
 
 impl LaserScanner {
-    /// Writes the readings \[m\] of each scan to its row: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise
-    /// alone. There must be a row of `beam_count` elements for each scan.
+    /// Writes the readings \[m\] of each scan: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise alone.
     ///
     /// Successive scans on the same grid are the fastest.
     ///
     /// # Errors
     /// Those of [`scan_batch`](Self::scan_batch).
-    pub(crate) fn scan_each(
-        &self,
-        shots: &[Shot<'_>],
-        threads: Option<usize>,
-        rows: &mut [&mut [f32]],
-    ) -> Result<(), Error> {
-        let beam_count = self.options.beam_count;
+    pub(crate) fn scan_each(&self, shots: &[Shot<'_>], threads: Option<usize>, readings: &mut [f32]) -> Result<(), Error> {
+        let (beam_count, max_range) = (self.options.beam_count, self.options.max_range);
+        if readings.len() != shots.len() * beam_count {
+            return Err(Error::Length { name: "out", value: readings.len(), needed: shots.len() * beam_count });
+        }
         let Some(first) = shots.first() else { return Ok(()) };
         for together in shots.chunk_by(Shot::goes_with) {
             self.caster(together[0].world)?.prepare(threads)?;
         }
-        let threads_used = thread_count(threads, rows.len() * beam_count)?;
+        let threads_used = thread_count(threads, readings.len())?;
         let at_a_time = self.caster(first.world)?.fans_per_cast(shots.len(), self.cos.len(), threads_used);
-        for_each_heavy_chunk(threads, rows, beam_count, at_a_time, |chunk, mut rows| {
-            let shots = &shots[chunk * at_a_time..][..rows.len()];
+        for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, mut readings| {
+            let shots = &shots[chunk * at_a_time..][..readings.len() / beam_count];
             for together in shots.chunk_by(Shot::goes_with) {
-                let (own, others) = rows.split_at_mut(together.len());
-                rows = others;
-                self.cast_together(together, own.iter_mut().map(|row| &mut **row))?;
+                let (own, others) = readings.split_at_mut(together.len() * beam_count);
+                readings = others;
+                self.cast_together(together, max_range, own.chunks_exact_mut(beam_count))?;
             }
             Ok(())
         })
     }
 
-    fn cast_together<'a>(&self, shots: &[Shot<'_>], readings: impl Iterator<Item = &'a mut [f32]>) -> Result<(), Error> {
-        let (grid, max_range) = (shots[0].world.grid, self.options.max_range);
+    fn cast_together<'a>(
+        &self,
+        shots: &[Shot<'_>],
+        max_range: f64,
+        readings: impl Iterator<Item = &'a mut [f32]>,
+    ) -> Result<(), Error> {
+        let grid = shots[0].world.grid;
         let caster = self.caster(shots[0].world)?;
         let scans = shots.iter().map(|shot| (shot.map_from_base, shot.world));
         if shots[0].noise.is_none() {

@@ -26,8 +26,7 @@ class BusClock(Handle):
         Raises:
             RuntimeError: The clock has no bus yet, because it was neither made nor called by a node.
         """
-        bus = self._found or self._bus
-        return Instant(bus.time_ns + bus.clock_offset_ns)
+        return Instant((self._found or self._bus).clock_ns)
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:
         """Lets simulated time pass. The simulation runs meanwhile.

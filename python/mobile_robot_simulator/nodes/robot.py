@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import messages
-from .._core import MAX_COMMAND, MotionNoise, OccupancyGrid, Pose, Shape, touches
+from .._core import MAX_COMMAND, MotionNoise, Obstacles, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
 from ..instant import NANOSECONDS
 from ..messages import (
@@ -31,12 +31,13 @@ from ..messages import (
 from ..messages import Twist as TwistMessage
 from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
+from ..physics.crowd import Placed
 from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.push import Push
 from ..physics.velocity_profile import Velocity
 from ..physics.wheel_odometer import WheelOdometer, WheelReading
-from ..physics.world import Passing, Placed, World
+from ..physics.world import Passing, World
 from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
@@ -251,6 +252,11 @@ class MobileRobotSimulator(Handle):
     @property
     def surroundings(self) -> list[Placed]:
         """Obstacles and other robots that a scanner on this robot sees now, with their poses in the map frame."""
+        return [placed for other, placed in self._world.everybody() if other is not self]
+
+    @property
+    def seen(self) -> Obstacles:
+        """The same as `surroundings`, for functions that take obstacles."""
         return self._world.seen_by(self)
 
     def poses_at(self, offsets_ns: NDArray[np.int64]) -> NDArray[np.float64]:

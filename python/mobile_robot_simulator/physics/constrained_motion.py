@@ -9,12 +9,12 @@ from typing import Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Contact, Drive, Limits, OccupancyGrid, Pose, Shape, advance, stays_clear
+from .._core import Contact, Drive, Limits, Obstacles, OccupancyGrid, Pose, Shape, advance, stays_clear
 from ..instant import NANOSECONDS
 from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
 from .push import Push, displaced, with_push
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
-from .world import Body, Placed, World
+from .world import Body, World
 
 C = TypeVar("C", bound="ConstrainedMotion")
 
@@ -85,7 +85,7 @@ class ConstrainedMotion(Motion):
         self._touched: str | None = None
         self._preview: ConstrainedMotion | None = None
         self._preview_key = (time_ns, 0)
-        self._looked_at: list[Placed] | None = None
+        self._looked_at: Obstacles | None = None
         """What was around the robot at the last look that found it free; None if it may have moved faster since."""
         self._looked_revision = 0
         """Revision of the map at that look. Its owner may change it at any time."""
@@ -128,11 +128,11 @@ class ConstrainedMotion(Motion):
         self._preview = self._reached = self._touched = None
         return True
 
-    def _look(self, grid: OccupancyGrid, footprint: Shape, others: list[Placed], until_ns: int) -> bool:
+    def _look(self, grid: OccupancyGrid, footprint: Shape, others: Obstacles, until_ns: int) -> bool:
         """Returns True if a quick look shows that the robot touches nothing before a time [ns], and remembers it.
 
         It then also holds for any other velocities that are not larger, because it looks at all places that the robot can
-        reach. Whatever moves or changes around the robot makes another list of `others`.
+        reach. Whatever changes around the robot while nothing moves makes other `others`.
         """
         profile, start_ns = self._profile, self._stepped_ns
         (vx, vy, _), (to_vx, to_vy, _) = profile.velocity, profile.command
@@ -309,7 +309,7 @@ class ConstrainedMotion(Motion):
 
     def _record_contact(self, step: _Step, contact: Contact) -> None:
         """Appends a contact event, unless the robot already touched the same thing in the previous step."""
-        what = self._world.obstacle_name(self._body, contact.obstacle)
+        what = self._world.obstacle_name(contact.obstacle)
         if what == self._touched:
             return
         self._touched = what

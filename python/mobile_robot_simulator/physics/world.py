@@ -9,9 +9,10 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import OccupancyGrid, Pose, Shape, touches
+from .._core import Obstacles, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
 from ..quoting import quoted
+from .crowd import Crowd, Placed
 from .motion import Motion
 from .obstacles import Course, Obstacle, ObstacleSnapshot
 from .velocity_profile import Velocity
@@ -27,10 +28,6 @@ OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
 
 SHOWN_NAMES = 10
 """Number of obstacles that a message names at most."""
-
-Placed: TypeAlias = tuple[Shape, Pose]
-"""A shape and its pose in the map frame."""
-
 
 Passing: TypeAlias = tuple[Shape, Course]
 """A shape, and its pose or its poses at several times in the map frame."""
@@ -58,7 +55,7 @@ class Carrier(Protocol):
         """True pose now, in the map frame."""
 
     @property
-    def surroundings(self) -> list[Placed]:
+    def seen(self) -> Obstacles:
         """Obstacles and other robots now; scanners see these in addition to the map."""
 
     def poses_at(self, offsets_ns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -120,20 +117,16 @@ class World(Handle):
         self._stepping = False
         self.changes = 0
         """Number of calls of `changed`."""
-        self._frozen: list[tuple[Body | Obstacle, Placed]] = []
-        """Each obstacle and robot with the shape and pose that others can collide with during the current step."""
+        self._frozen: Crowd[Body | Obstacle] = Crowd()
+        """The obstacles, then the robots, where others can collide with them during the current step."""
         self._moving: list[tuple[int, Obstacle]] = []
         """Obstacles that do not stand, each with its index in `_frozen`."""
-        self._others: dict[Body, list[Placed]] = {}
-        """Results of `obstacles_for` as long as they hold."""
         self._stepped: list[Body] = []
         """Robots that advance in time steps."""
         self._lone: Body | None = None
         """The robot that advances in time steps, if it is the only one and no other robot has a footprint."""
-        self._index_of: dict[Body, int] = {}
-        """Index of each robot in `_frozen`."""
-        self._latest: tuple[int, list[tuple[Body | Obstacle, Placed]]] | None = None
-        """Result of `everybody` for the last time at which it was called."""
+        self._latest: tuple[int, Crowd[Body | Obstacle]] | None = None
+        """Obstacles and robots at the last time at which somebody asked for them."""
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -164,9 +157,7 @@ class World(Handle):
         self.now_ns()
         placed = obstacle.placed(self._stepped_ns)
         # Only what is new is computed, so that many obstacles can be added.
-        self._frozen.insert(len(self.obstacles), (obstacle, placed))
-        self._others = {}
-        self._index_of = {other: index + 1 for other, index in self._index_of.items()}
+        self._frozen.insert(len(self.obstacles), obstacle, placed)
         if not obstacle.stands:
             self._moving.append((len(self.obstacles), obstacle))
         self.obstacles.append(obstacle)
@@ -220,17 +211,16 @@ class World(Handle):
         self._latest = None
         self._freeze()
 
-    def obstacles_for(self, body: Body) -> list[Placed]:
-        """Obstacles and other robots that a robot can collide with during the current step."""
-        if (others := self._others.get(body)) is None:
-            others = self._others[body] = [placed for other, placed in self._frozen if other is not body]
-        return others
+    def obstacles_for(self, body: Body) -> Obstacles:
+        """Obstacles and other robots that a robot can collide with during the current step.
 
-    def obstacle_name(self, body: Body, index: int | None) -> str:
+        It is the same object until an obstacle or a robot comes, goes or is moved by something other than its own motion.
+        """
+        return self._frozen.around(body)
+
+    def obstacle_name(self, index: int | None) -> str:
         """Name of the thing at an index of `obstacles_for`; None stands for a wall."""
-        if index is None:
-            return "a wall"
-        return _name_of([other for other, _ in self._frozen if other is not body][index])
+        return "a wall" if index is None else _name_of(self._frozen.things[index][0])
 
     def check_place(self, what: str, pose: Pose, shape: Shape | None, body: Body | None = None) -> None:
         """Checks that a robot can stand at a pose now. Without a map it can stand anywhere.
@@ -254,22 +244,29 @@ class World(Handle):
             return
         if touches(self.grid, shape, pose):
             raise ValueError(f"{what} must leave the robot room beside walls, got {shown}")
-        for other, placed in self.everybody():
+        present = self._present()
+        others = present.around(body) if body is not None else [placed for _, placed in present.things]
+        if not touches(OPEN, shape, pose, obstacles=others):
+            return
+        for other, placed in present.things:
             if other is not body and touches(OPEN, shape, pose, obstacles=[placed]):
                 raise ValueError(f"{what} must leave the robot room beside {_name_of(other)}, got {shown}")
 
     def everybody(self) -> list[tuple[Body | Obstacle, Placed]]:
         """All obstacles and all robots with a footprint, where they are now."""
+        return self._present().things
+
+    def _present(self) -> Crowd[Body | Obstacle]:
         now = self.now_ns()
         if self._latest is None or self._latest[0] != now:
-            self._latest = now, self._everybody(now, lambda body: body.motion.map_pose(now))
+            self._latest = now, Crowd(self._everybody(now, lambda body: body.motion.map_pose(now)))
         return self._latest[1]
 
-    def seen_by(self, body: Body) -> list[Placed]:
+    def seen_by(self, body: Body) -> Obstacles:
         """Obstacles and other robots, where they are now."""
         if body is self._lone and not self._moving:
-            return list(self.obstacles_for(body))
-        return [placed for other, placed in self.everybody() if other is not body]
+            return self.obstacles_for(body)
+        return self._present().around(body)
 
     def around_at(self, body: Body, time_ns: int) -> list[Placed]:
         """Obstacles and other robots, where they were at a time in the past."""
@@ -328,19 +325,13 @@ class World(Handle):
     def _take_step(self, time_ns: int) -> None:
         """Moves everything until the end of a time step [ns]."""
         self._stepped_ns = time_ns
-        if self._moving:
-            self._others = {}
         for index, obstacle in self._moving:
-            self._frozen[index] = obstacle, obstacle.placed(time_ns)
+            self._frozen.move(index, obstacle.pose(time_ns))
         for body in self._stepped:
             motion = body.motion
             motion.step(time_ns)
-            if body in self._index_of:
-                index = self._index_of[body]
-                shape, _ = self._frozen[index][1]
-                self._frozen[index] = body, (shape, motion.pose_for_others(time_ns))
-                if len(self._bodies) > 1:
-                    self._others = {}
+            if len(self._bodies) > 1 and (index := self._frozen.index_of(body)) is not None:
+                self._frozen.move(index, motion.pose_for_others(time_ns))
 
     def _freeze(self) -> None:
         self._stepped = [body for body in self._bodies if body.motion.is_stepped]
@@ -348,9 +339,7 @@ class World(Handle):
         if any(body is not self._lone and body.footprint is not None for body in self._bodies):
             self._lone = None
         self._moving = [(index, obstacle) for index, obstacle in enumerate(self.obstacles) if not obstacle.stands]
-        self._frozen = self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns))
-        self._others = {}
-        self._index_of = {other: index for index, (other, _) in enumerate(self._frozen) if not isinstance(other, Obstacle)}
+        self._frozen = Crowd(self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns)))
 
     def _everybody(self, time_ns: int, pose_of: Callable[[Body], Pose]) -> list[tuple[Body | Obstacle, Placed]]:
         everybody: list[tuple[Body | Obstacle, Placed]] = [

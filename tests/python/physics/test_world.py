@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator._core import stays_clear
-from mobile_robot_simulator.physics import constrained_motion
+from mobile_robot_simulator.physics import constrained_motion, world
 from mobile_robot_simulator.physics.constrained_motion import ConstrainedMotion
+from mobile_robot_simulator.physics.crowd import Crowd
 from simulations import drive, hall, pair, simulation
 
 
@@ -259,3 +261,45 @@ def test_a_second_in_the_open_takes_one_look(monkeypatch):
         drive(sim, 0.2, 1.0)
         sim.run_for(0.1)
     assert 10 <= len(looks) <= 12
+
+
+class PlainCrowd(Crowd[Any]):
+    """A crowd that tells the core about every thing each time: the plain way."""
+
+    def around(self, thing: Any) -> Any:
+        # Something far away keeps the indices of the others.
+        far = mrs.Pose(1e5, 1e5, 0.0)
+        return [(placed[0], far) if other is thing else placed for other, placed in self.things]
+
+
+@pytest.mark.parametrize("contact", ["stop", "slide", "report"])
+def test_many_robots_do_what_they_do_if_the_core_is_told_everything_each_time(
+    monkeypatch: pytest.MonkeyPatch, contact: str
+) -> None:
+    grid = mrs.OccupancyGrid(cells=np.pad(np.zeros((160, 160), np.int8), 2, constant_values=100), resolution=0.05)
+    rng = np.random.default_rng(3)
+    places = [(0.6 + index % 8, 0.8 + 0.8 * (index // 8), 6.28 * rng.random()) for index in range(72)]
+    robots = {f"r{index}": place for index, place in enumerate(places)}
+    commands = {name: (rng.uniform(0.2, 0.8), rng.uniform(-0.5, 0.5)) for name in robots}
+
+    def ends() -> tuple[list[object], int]:
+        parameters = {"robot_radius": 0.15, "velocity_timeout": 0.0, "laser_beam_count": 61, "contact": contact}
+        sim = mrs.Simulation(grid, parameters=parameters, robots=robots, seed=1)
+        sim.add_obstacle(mrs.Shape.rectangle(0.3, 0.2), [(0.0, 0.4, 0.4, 0.0), (3.0, 7.6, 7.6, 3.0)])
+        sim.add_obstacle(mrs.Shape.disc(0.1), (1.1, 1.2, 0.0))
+        for name, (speed, turn) in commands.items():
+            drive(sim, speed, turn, topic=f"/{name}/cmd_vel")
+        sim.run_for(1.507)
+        sim.move_obstacle(sim.obstacles[1], (2.5, 2.0, 0.0), velocity=(0.3, 0.0, 0.0))
+        state = sim.save()
+        sim.run_for(0.7)
+        sim.restore(state)
+        sim.run_for(0.8)
+        found = [(tuple(robot.pose), robot.truth.contacts, robot.truth.clearance) for robot in sim.robots.values()]
+        scans = [sim.latest(f"/{name}/scan").ranges.tobytes() for name in robots]
+        return [*found, *scans], sum(len(contacts) for _, contacts, _ in found)
+
+    fast, contacts = ends()
+    monkeypatch.setattr(world, "Crowd", PlainCrowd)
+    assert ends() == (fast, contacts)
+    assert contacts > 50

@@ -1,0 +1,65 @@
+"""Crowd: the obstacles and the robots with a footprint at one time, as Python and as the core know them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Generic, TypeAlias, TypeVar
+
+from .._core import Obstacles, Pose, Shape
+
+T = TypeVar("T")
+
+Placed: TypeAlias = tuple[Shape, Pose]
+"""A shape and its pose in the map frame."""
+
+
+class Crowd(Generic[T]):
+    """Things with a shape, each at its place, in an order that stays.
+
+    The core gets each place once, however many robots look at it.
+
+    Args:
+        things: Each thing with its shape and its pose in the map frame.
+
+    """
+
+    def __init__(self, things: Sequence[tuple[T, Placed]] = ()) -> None:
+        self.things = list(things)
+        """Each thing with its shape and pose."""
+        self._core: Obstacles | None = None
+        """The same for the core, None until it is needed."""
+        self._index_of: dict[T, int] = {}
+        """Index of each thing, if `_core` is not None."""
+        self._around: dict[T, Obstacles] = {}
+        """Results of `around`."""
+
+    def index_of(self, thing: T) -> int | None:
+        """Returns the index of a thing in `things`, None if it is not there."""
+        self._prepare()
+        return self._index_of.get(thing)
+
+    def move(self, index: int, pose: Pose) -> None:
+        """Moves the thing at an index of `things`."""
+        thing, (shape, _) = self.things[index]
+        self.things[index] = thing, (shape, pose)
+        if self._core is not None:
+            self._core.place(index, shape, pose)
+
+    def insert(self, index: int, thing: T, placed: Placed) -> None:
+        """Adds a thing before the one at an index of `things`."""
+        self.things.insert(index, (thing, placed))
+        self._core = None
+
+    def around(self, thing: T) -> Obstacles:
+        """Returns everything but one thing, whose index remains. Always the same object until something is inserted."""
+        self._prepare()
+        if (around := self._around.get(thing)) is None:
+            assert self._core is not None
+            around = self._around[thing] = self._core.without(self._index_of.get(thing))
+        return around
+
+    def _prepare(self) -> None:
+        if self._core is None:
+            self._core = Obstacles([placed for _, placed in self.things])
+            self._index_of = {thing: index for index, (thing, _) in enumerate(self.things)}
+            self._around = {}
