@@ -42,6 +42,7 @@ fn noise(first_index: u64) -> Noise {
         incidence_bias: 0.03,
         correlation: 0.4,
         reference_range: 8.0,
+        beam_divergence: 0.02,
         ..SurfaceOptions::default()
     };
     Noise {

@@ -1045,6 +1045,8 @@ class Fleet:
         slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
         scanner: The scanner on each robot; None for no scans.
         noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
+        surfaces: How what a beam meets changes the noise of its reading: a `SurfaceModel` for all robots, or a sequence with one for
+            each. None means not at all. It needs `noise`, and a scanner that is not tilted.
         odometry_noise: Noise of the odometry between two steps: for all robots, or a sequence with one for each. None means
             exact odometry.
         world_of: (N,) integers. Robots with the same number share a world. None means a world for each robot, with its index as
@@ -1093,6 +1095,7 @@ class Fleet:
         slip: float | ArrayLike | None = None,
         scanner: LaserScanner | None = None,
         noise: BeamModel | Sequence[BeamModel] | None = None,
+        surfaces: SurfaceModel | Sequence[SurfaceModel] | None = None,
         odometry_noise: MotionNoise | Sequence[MotionNoise] | None = None,
         world_of: ArrayLike | None = None,
         obstacles: Iterable[tuple[Shape, _Trajectory] | tuple[Shape, _Trajectory, int | None]] = (),
@@ -1392,6 +1395,9 @@ class Fleet:
     @property
     def noise(self) -> list[BeamModel] | None:
         """Noise of the ranges: one for all robots, or one for each; None for true ranges."""
+    @property
+    def surfaces(self) -> list[SurfaceModel] | None:
+        """How what a beam meets changes its reading: one for all robots, or one for each; None for not at all."""
     @property
     def odometry_noise(self) -> list[MotionNoise] | None:
         """Noise of the odometry: one for all robots, or one for each; None for exact odometry."""
@@ -2725,9 +2731,10 @@ class Drive:
 
 @final
 class SurfaceModel:
-    """How the surface that a beam meets changes its reading: by the angle, by the light, and by an error that stays at its place.
+    """How the surface that a beam meets changes its reading: by angle, light and place, and by the width of the beam.
 
-    It changes the hit part of a `BeamModel`, and which beams have a return: give both to `scan_batch`, as `noise` and `surfaces`.
+    It changes the hit part of a `BeamModel`, and which beams have a return: give both to `scan_batch` or a `Fleet`, as `noise` and
+    `surfaces`.
     By default all is off.
 
     The incidence is the angle between the beam and the normal of the surface, 0 for a beam perpendicular to it. It is exact at
@@ -2745,6 +2752,13 @@ class SurfaceModel:
         reference_range: Distance R at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]. The
             chance of no return at a distance r is `q**4 / (1 + q**4)`, with `q = r**2 / (R**2 * reflectivity * cos(incidence))`.
             A beam without a return reads as one that meets nothing: the maximum range. 0 is off: all beams return.
+        beam_divergence: Angle over which a beam is spread [rad], 0 to 0.2. A beam that meets an edge reads one of the two surfaces, or
+            a range between them. 0 is off: a beam has no width.
+        edge_depth: Smallest difference between the ranges of the two surfaces at an edge [m]. A beam at a smaller step has the
+            range of its middle.
+        mixing_length: Two surfaces at an edge whose ranges differ by at most this much can be mixed [m]. If the near one has a share s
+            of the beam, the beam reads the near one with the probability `s**2`, the far one with `(1 - s)**2`, else a range
+            between them. If they are farther apart, these are s, 1 - s and 0.
 
     Raises:
         ValueError: A number is out of its range or not finite.
@@ -2773,6 +2787,9 @@ class SurfaceModel:
         incidence_bias: float = 0.0,
         correlation: float = 0.0,
         reference_range: float = 0.0,
+        beam_divergence: float = 0.0,
+        edge_depth: float = 0.1,
+        mixing_length: float = 0.75,
     ) -> Self: ...
     @property
     def incidence_sigma(self) -> float:
@@ -2789,6 +2806,15 @@ class SurfaceModel:
     @property
     def reference_range(self) -> float:
         """Distance at which a surface of reflectivity 1, met at a right angle, returns every second beam [m]; 0 is off."""
+    @property
+    def beam_divergence(self) -> float:
+        """Angle over which a beam is spread [rad]; 0 is off."""
+    @property
+    def edge_depth(self) -> float:
+        """Smallest difference between the ranges of the two surfaces at an edge [m]."""
+    @property
+    def mixing_length(self) -> float:
+        """Largest difference of two ranges that become one reading between them [m]."""
 
 @final
 class WheelMotion:

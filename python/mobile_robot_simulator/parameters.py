@@ -520,6 +520,17 @@ class LaserParameters(Parameters):
         description="distance at which a white wall, met at a right angle, returns every second beam [m]; "
         "darker, farther and grazing surfaces return fewer; 0 for all beams",
     )
+    beam_divergence: Annotated[Number, Field(ge=0.0, le=0.2)] = Field(
+        0.0,
+        description="angle over which a beam is spread: at an edge, it reads one of the two surfaces or between them [rad]; "
+        "0 for a beam without width",
+    )
+    edge_depth: Weight = Field(
+        0.1, description="smallest difference between the ranges of the two surfaces at an edge, for wide beams [m]"
+    )
+    mixing_length: Weight = Field(
+        0.75, description="largest difference of two ranges at an edge that become one reading between them [m]; 0 for none"
+    )
     no_return: Literal["inf", "max", "below_max"] = Field(
         "inf",
         description="reading of a beam without a return: inf (REP-117), max (laser_max_range; range_max is then 1 mm more), "
@@ -593,7 +604,8 @@ class LaserParameters(Parameters):
     @property
     def surface_model(self) -> SurfaceModel | None:
         """How what a beam meets changes the noise of its range; None if it changes nothing."""
-        if self.incidence_sigma == self.incidence_bias == self.correlation == self.reference_range == 0.0:
+        switches = (self.incidence_sigma, self.incidence_bias, self.correlation, self.reference_range, self.beam_divergence)
+        if not any(switches):
             return None
         return SurfaceModel(
             incidence_sigma=self.incidence_sigma,
@@ -601,6 +613,9 @@ class LaserParameters(Parameters):
             incidence_bias=self.incidence_bias,
             correlation=self.correlation,
             reference_range=self.reference_range,
+            beam_divergence=self.beam_divergence,
+            edge_depth=self.edge_depth,
+            mixing_length=self.mixing_length,
         )
 
     def scanner(self, mount: Pose | Sequence[float] | None = None) -> LaserScanner:

@@ -22,8 +22,9 @@ use crate::interrupt::Watch;
 use crate::memory;
 use crate::motion::{Drive, DriveCommands, Limits, MotionNoise, Twist, nanoseconds};
 use crate::pose::Pose;
-use crate::scanner::{LaserScanner, Shot};
+use crate::scanner::{LaserScanner, Shot, ShotNoise};
 use crate::shape::Shape;
+use crate::surface::SurfaceModel;
 use command::Command;
 use member::Member;
 pub use member::{Thing, Touch};
@@ -66,6 +67,8 @@ pub struct FleetOptions {
     pub scanner: Option<LaserScanner>,
     /// Noise of the ranges; empty for true ranges.
     pub noise: Vec<BeamModel>,
+    /// How what a beam meets changes its reading, beside the noise; empty for not at all.
+    pub surfaces: Vec<SurfaceModel>,
     /// Noise of the odometry; empty for exact odometry.
     pub odometry_noise: Vec<MotionNoise>,
     /// Distance up to which the clearance of the robots is measured after a step \[m\]; `None` to not measure it.
@@ -98,6 +101,7 @@ pub struct FleetOptions {
 ///     slip: vec![],
 ///     scanner: None,
 ///     noise: vec![],
+///     surfaces: vec![],
 ///     odometry_noise: vec![],
 ///     clearance_limit: None,
 ///     clearance: 0.0,
@@ -203,6 +207,7 @@ impl FleetOptions {
             ("drive", self.drives.len()),
             ("slip", self.slip.len()),
             ("noise", self.noise.len()),
+            ("surfaces", self.surfaces.len()),
             ("odometry_noise", self.odometry_noise.len()),
         ];
         for (name, length) in lengths {
@@ -603,7 +608,9 @@ impl Fleet {
         let mut shots = Vec::new();
         for (robot, &place) in chosen() {
             let (member, number) = (&next[place], world_of[place]);
-            let noise = of_robot(&options.noise, robot).map(|model| (model, member.seed, member.scans));
+            let surface = of_robot(&options.surfaces, robot);
+            let noise = of_robot(&options.noise, robot);
+            let noise = noise.map(|model| ShotNoise { model, surface, seed: member.seed, index: member.scans });
             let world = scenes[number].world_of(robot, &arounds[number]);
             memory::push(ROBOTS, &mut shots, Shot { world, map_from_base: member.pose, noise })?;
         }

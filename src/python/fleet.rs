@@ -23,6 +23,7 @@ use super::number::Argument;
 use super::pose::PoseArgument;
 use super::scanner::LaserScanner;
 use super::shape::{FootprintArgument, Shape};
+use super::surface_model::SurfaceModel;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
 use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Trajectory};
@@ -50,6 +51,8 @@ use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Tra
 ///     slip: Share of the commanded motion that slipping wheels lose, in 0..1: a number, or (N,) numbers. None means 0.
 ///     scanner: The scanner on each robot; None for no scans.
 ///     noise: Noise of the ranges: for all robots, or a sequence with one for each. None means true ranges.
+///     surfaces: How what a beam meets changes the noise of its reading: a `SurfaceModel` for all robots, or a sequence with one for
+///         each. None means not at all. It needs `noise`, and a scanner that is not tilted.
 ///     odometry_noise: Noise of the odometry between two steps: for all robots, or a sequence with one for each. None means
 ///         exact odometry.
 ///     world_of: (N,) integers. Robots with the same number share a world. None means a world for each robot, with its index as
@@ -362,6 +365,7 @@ impl Fleet {
             slip = None,
             scanner = None,
             noise = None,
+            surfaces = None,
             odometry_noise = None,
             world_of = None,
             obstacles = None,
@@ -369,7 +373,7 @@ impl Fleet {
             clearance_limit = None,
         ),
         text_signature = "(grids, poses=None, *, seeds=None, grid_of=None, footprint=None, contact='stop', limits=None, \
-                          drive=None, slip=None, scanner=None, noise=None, odometry_noise=None, world_of=None, obstacles=(), \
+                          drive=None, slip=None, scanner=None, noise=None, surfaces=None, odometry_noise=None, world_of=None, obstacles=(), \
                           clearance=0.0, clearance_limit=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
@@ -386,6 +390,7 @@ impl Fleet {
         slip: Option<&Bound<'_, PyAny>>,
         scanner: Option<&Bound<'_, PyAny>>,
         noise: Option<&Bound<'_, PyAny>>,
+        surfaces: Option<&Bound<'_, PyAny>>,
         odometry_noise: Option<&Bound<'_, PyAny>>,
         world_of: Option<&Bound<'_, PyAny>>,
         obstacles: Option<&Bound<'_, PyAny>>,
@@ -422,6 +427,9 @@ impl Fleet {
         if noise.is_some() && scanner.is_none() {
             return Err(PyValueError::new_err("noise needs a scanner, got scanner=None"));
         }
+        if surfaces.is_some() && noise.is_none() {
+            return Err(PyValueError::new_err("surfaces need noise, a BeamModel, got None"));
+        }
         let slip = match slip {
             None => Vec::new(),
             Some(slip) => match slip.extract::<Argument<f64>>()?.named("slip") {
@@ -432,6 +440,8 @@ impl Fleet {
         let limits = one_or_each("limits", "Limits", limits, |value| Some(value.cast::<Limits>().ok()?.get().0))?;
         let drives = one_or_each("drive", "Drive", drive, |value| Some(value.cast::<Drive>().ok()?.get().0))?;
         let noise = one_or_each("noise", "BeamModel", noise, |value| Some(value.cast::<BeamModel>().ok()?.get().0))?;
+        let surfaces =
+            one_or_each("surfaces", "SurfaceModel", surfaces, |value| Some(value.cast::<SurfaceModel>().ok()?.get().0))?;
         let odometry_noise = one_or_each("odometry_noise", "MotionNoise", odometry_noise, |value| {
             Some(value.cast::<MotionNoise>().ok()?.get().0)
         })?;
@@ -443,6 +453,7 @@ impl Fleet {
             slip,
             scanner,
             noise,
+            surfaces,
             odometry_noise,
             clearance: clearance.named("clearance")?,
             clearance_limit: clearance_limit.map(|limit| limit.named("clearance_limit")).transpose()?,
@@ -983,6 +994,13 @@ impl Fleet {
         Ok(Some(noise).filter(|noise| !noise.is_empty()))
     }
 
+    /// How what a beam meets changes its reading: one for all robots, or one for each; None for not at all.
+    #[getter]
+    fn surfaces(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<SurfaceModel>>> {
+        let surfaces = borrowed(slf)?.core.options().surfaces.iter().copied().map(SurfaceModel).collect::<Vec<_>>();
+        Ok(Some(surfaces).filter(|surfaces| !surfaces.is_empty()))
+    }
+
     /// Noise of the odometry: one for all robots, or one for each; None for exact odometry.
     #[getter]
     fn odometry_noise(slf: &Bound<'_, Self>) -> PyResult<Option<Vec<MotionNoise>>> {
@@ -1040,6 +1058,7 @@ impl Fleet {
         keywords.set_item("slip", Self::slip(slf)?)?;
         keywords.set_item("scanner", Self::scanner(slf)?)?;
         keywords.set_item("noise", Self::noise(slf)?)?;
+        keywords.set_item("surfaces", Self::surfaces(slf)?)?;
         keywords.set_item("odometry_noise", Self::odometry_noise(slf)?)?;
         keywords.set_item("world_of", Self::world_of(slf)?)?;
         keywords.set_item("obstacles", Self::obstacles(slf)?)?;

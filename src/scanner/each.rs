@@ -1,13 +1,15 @@
-//! Batches of scans in which each scan has a world and a random stream of its own.
+//! Scans in one instant, each of which has a world and a random stream of its own.
 
 use super::LaserScanner;
 use super::sinks::Noisy;
+use super::surfaces::{Still, Surfaced};
 use crate::batch::{for_each_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
 use crate::error::Error;
 use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::StoreRanges;
+use crate::surface::SurfaceModel;
 use crate::world::World;
 
 /// One scan of a batch.
@@ -15,32 +17,57 @@ use crate::world::World;
 pub(crate) struct Shot<'a> {
     pub world: World<'a>,
     pub map_from_base: Pose,
-    /// Noise of the readings, and seed and index of its random stream; `None` for true ranges.
-    pub noise: Option<(&'a BeamModel, u64, u64)>,
+    /// Noise of the readings; `None` for true ranges.
+    pub noise: Option<ShotNoise<'a>>,
 }
 
-impl Shot<'_> {
+/// The noise of one scan.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShotNoise<'a> {
+    pub model: &'a BeamModel,
+    /// How what a beam meets changes its reading; `None` for not at all.
+    pub surface: Option<&'a SurfaceModel>,
+    /// Seed and index of the random stream.
+    pub seed: u64,
+    pub index: u64,
+}
+
+impl ShotNoise<'_> {
+    /// Returns the random bits of the scan.
+    pub fn bits(&self) -> BeamBits {
+        BeamBits::new(self.seed, self.index)
+    }
+}
+
+impl<'a> Shot<'a> {
     /// Returns true if both scans can be cast together.
     fn goes_with(&self, other: &Self) -> bool {
-        std::ptr::eq(self.world.grid, other.world.grid) && self.noise.is_some() == other.noise.is_some()
+        std::ptr::eq(self.world.grid, other.world.grid)
+            && self.noise.is_some() == other.noise.is_some()
+            && self.surface() == other.surface()
+    }
+
+    /// Returns the surface model if it changes something.
+    fn surface(&self) -> Option<&'a SurfaceModel> {
+        self.noise?.surface.filter(|surface| !surface.is_off())
     }
 }
 
 impl LaserScanner {
     /// Writes the readings \[m\] of each scan: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise alone.
     ///
-    /// Successive scans on the same grid are the fastest.
+    /// Successive scans on the same grid, with the same surface model, are the fastest.
     ///
     /// # Errors
     /// Those of [`scan_batch`](Self::scan_batch).
     pub(crate) fn scan_each(&self, shots: &[Shot<'_>], threads: Option<usize>, readings: &mut [f32]) -> Result<(), Error> {
-        let (beam_count, max_range) = (self.options.beam_count, self.options.max_range);
+        let beam_count = self.options.beam_count;
         if readings.len() != shots.len() * beam_count {
             return Err(Error::Length { name: "out", value: readings.len(), needed: shots.len() * beam_count });
         }
         let Some(first) = shots.first() else { return Ok(()) };
         for together in shots.chunk_by(Shot::goes_with) {
-            self.caster(together[0].world)?.prepare(threads)?;
+            self.prepare(together[0].world, together[0].surface(), threads)?;
         }
         let threads_used = thread_count(threads, readings.len())?;
         let at_a_time = self.caster(first.world)?.fans_per_cast(shots.len(), self.cos.len(), threads_used);
@@ -49,27 +76,66 @@ impl LaserScanner {
             for together in shots.chunk_by(Shot::goes_with) {
                 let (own, others) = readings.split_at_mut(together.len() * beam_count);
                 readings = others;
-                self.cast_together(together, max_range, own.chunks_exact_mut(beam_count))?;
+                self.cast_together(&together.iter().copied(), own.chunks_exact_mut(beam_count))?;
             }
             Ok(())
         })
     }
 
-    fn cast_together<'a>(
+    /// Builds what scans in a world need, on `threads` threads (default: all cores).
+    ///
+    /// # Errors
+    /// - [`Error::Tilted`]: the scanner is tilted, and surfaces change the readings.
+    /// - [`Error::Memory`], [`Error::Kernel`]: as in [`scan`](Self::scan).
+    pub(super) fn prepare(
         &self,
-        shots: &[Shot<'_>],
-        max_range: f64,
-        readings: impl Iterator<Item = &'a mut [f32]>,
+        world: World<'_>,
+        surface: Option<&SurfaceModel>,
+        threads: Option<usize>,
     ) -> Result<(), Error> {
-        let grid = shots[0].world.grid;
-        let caster = self.caster(shots[0].world)?;
-        let scans = shots.iter().map(|shot| (shot.map_from_base, shot.world));
-        if shots[0].noise.is_none() {
+        if surface.is_some() {
+            if self.slant.is_some() {
+                return Err(Error::Tilted);
+            }
+            world.grid.walls(threads)?;
+        }
+        self.caster(world)?.prepare(threads)
+    }
+
+    /// Casts scans that go with each other.
+    pub(super) fn cast_together<'a, 'b>(
+        &self,
+        shots: &(impl Iterator<Item = Shot<'a>> + Clone),
+        readings: impl Iterator<Item = &'b mut [f32]>,
+    ) -> Result<(), Error> {
+        let Some(first) = shots.clone().next() else { return Ok(()) };
+        let (grid, max_range, caster) = (first.world.grid, self.options.max_range, self.caster(first.world)?);
+        let scans = shots.clone().map(|shot| (shot.map_from_base * self.base_from_fan, shot.world));
+        if first.noise.is_none() {
             return self.cast(caster, grid, scans, readings.map(|ranges| StoreRanges { max_range, ranges }));
         }
-        let sinks = shots.iter().zip(readings).filter_map(|(shot, readings)| {
-            let (model, seed, index) = shot.noise?;
-            Some(Noisy { sampler: Sampler::new(model, max_range, BeamBits::new(seed, index)), readings })
+        let noises = shots.clone().filter_map(|shot| shot.noise);
+        let samplers = noises.clone().map(|noise| Sampler::new(noise.model, max_range, noise.bits()));
+        let Some(surface) = first.surface() else {
+            let sinks = samplers.zip(readings).map(|(sampler, readings)| Noisy { sampler, readings });
+            return self.cast(caster, grid, scans, sinks);
+        };
+        let walls = grid.walls(Some(1))?;
+        let footprints = self.footprints(caster, grid, &scans.clone().zip(noises.clone()), surface)?;
+        let sinks = samplers.zip(noises).zip(scans.clone()).zip(readings).enumerate();
+        let sinks = sinks.map(|(number, (((sampler, noise), (map_from_fan, world)), readings))| Surfaced {
+            scene: Still::new(world, map_from_fan),
+            grid,
+            walls,
+            surface,
+            footprints: footprints.as_ref().map(|footprints| footprints.of_scan(number, self.cos.len())),
+            sampler,
+            fixed: BeamBits::of_places(noise.seed),
+            max_range,
+            cos: &self.cos,
+            sin: &self.sin,
+            ends: Vec::new(),
+            readings,
         });
         self.cast(caster, grid, scans, sinks)
     }

@@ -38,7 +38,7 @@ impl LaserScanner {
         let caster = self.caster(world)?;
         caster.prepare(threads)?;
         for_each_chunk(threads, intensities, beam_count, |scan, intensities| {
-            let scans = std::iter::once((Pose::from(poses[scan]), world));
+            let scans = std::iter::once((Pose::from(poses[scan]) * self.base_from_fan, world));
             let sink = StoreIntensities { bits: bits(stream, scan), intensities };
             self.cast(caster, world.grid, scans, std::iter::once(sink))
         })
@@ -63,7 +63,7 @@ impl LaserScanner {
         caster.prepare(threads)?;
         for_each_chunk(threads, intensities, self.options.beam_count, |scan, intensities| {
             let sink = StoreIntensities { bits: bits(stream, scan), intensities };
-            self.cast_sweeps(caster, &plan, scan..scan + 1, std::iter::once(sink))
+            self.cast_sweeps(caster, &plan, scan..scan + 1, 0.0, std::iter::once(sink))
         })
     }
 

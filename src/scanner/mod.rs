@@ -1,6 +1,7 @@
 //! Laser scanners: single scans and batches of scans.
 
 mod each;
+mod footprint;
 mod hits;
 mod intensities;
 mod onward;
@@ -14,7 +15,7 @@ use std::iter;
 use glam::DVec2;
 
 use crate::batch::{check_rows, for_each_chunk, thread_count};
-use crate::beam_model::{BeamModel, Sampler};
+use crate::beam_model::BeamModel;
 use crate::beams::{BeamLayout, Beams};
 use crate::error::{Error, check_finite, check_number};
 use crate::grid::OccupancyGrid;
@@ -23,18 +24,15 @@ use crate::mount::{Attitude, Mount};
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::View;
 use crate::pose::Pose;
-use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::surface::SurfaceModel;
-use crate::wall_directions::WallDirections;
 use crate::world::World;
-pub(crate) use each::Shot;
+pub(crate) use each::{Shot, ShotNoise};
 pub use hits::Hit;
 use onward::Onward;
 pub use score::{Readings, Score};
-use sinks::{Beyond, Noisy, SinkPerScan};
-use surfaces::{Still, Surfaced};
+use sinks::{Beyond, SinkPerScan};
 pub use sweep::{Courses, Sweeps};
 
 /// Parameters of a [`LaserScanner`], with the defaults of a SICK S300.
@@ -71,6 +69,13 @@ pub struct Noise {
     pub seed: u64,
     /// Index of the first scan of the batch. Indices wrap around at 2⁶⁴.
     pub first_index: u64,
+}
+
+impl Noise {
+    /// Returns the surface model if it changes something.
+    fn surface(&self) -> Option<&SurfaceModel> {
+        self.surface.as_ref().filter(|surface| !surface.is_off())
+    }
 }
 
 /// Value that marks a beam without a return, see [`LaserScanner::mark_invalid`].
@@ -246,7 +251,12 @@ impl LaserScanner {
         assert_eq!(ranges.len(), self.options.beam_count, "ranges must have one element per beam");
         let caster = self.caster(world)?;
         caster.prepare(None)?;
-        self.cast(caster, world.grid, iter::once((map_from_base, world)), iter::once(StoreRanges { max_range, ranges }))
+        self.cast(
+            caster,
+            world.grid,
+            iter::once((map_from_base * self.base_from_fan, world)),
+            iter::once(StoreRanges { max_range, ranges }),
+        )
     }
 
     /// Writes the readings \[m\] of one scan per pose to `readings`, with noise if `noise` is given.
@@ -278,33 +288,20 @@ impl LaserScanner {
         if readings.len() != poses.len() * beam_count {
             return Err(Error::Length { name: "out", value: readings.len(), needed: poses.len() * beam_count });
         }
-        let max_range = self.options.max_range;
-        let surfaces = self.surfaces(noise.as_ref(), world.grid, threads)?;
-        let caster = self.caster(world)?;
-        caster.prepare(threads)?;
-        let at_a_time = caster.fans_per_cast(poses.len(), self.cos.len(), thread_count(threads, readings.len())?);
+        let shot = |scan: usize| {
+            let noise = noise.as_ref().map(|Noise { model, surface, seed, first_index }| {
+                let index = first_index.wrapping_add(scan as u64);
+                ShotNoise { model, surface: surface.as_ref(), seed: *seed, index }
+            });
+            Shot { world, map_from_base: poses[scan].into(), noise }
+        };
+        self.prepare(world, noise.as_ref().and_then(Noise::surface), threads)?;
+        let threads_used = thread_count(threads, readings.len())?;
+        let at_a_time = self.caster(world)?.fans_per_cast(poses.len(), self.cos.len(), threads_used);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
-            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world));
-            let poses = poses.take(readings.len() / beam_count);
-            let readings = readings.chunks_exact_mut(beam_count);
-            if let Some(Noise { model, seed, first_index, .. }) = &noise {
-                let samplers = (first..)
-                    .map(|scan| Sampler::new(model, max_range, BeamBits::new(*seed, first_index.wrapping_add(scan as u64))));
-                if let Some((surface, walls)) = surfaces {
-                    let fixed = BeamBits::of_places(*seed);
-                    let sinks = samplers.zip(poses.clone()).zip(readings).map(|((sampler, (pose, world)), readings)| {
-                        let scene = Still::new(world, pose * self.base_from_fan);
-                        let (grid, cos, sin) = (world.grid, &self.cos[..], &self.sin[..]);
-                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, ends: Vec::new(), readings }
-                    });
-                    return self.cast(caster, world.grid, poses, sinks);
-                }
-                let sinks = samplers.zip(readings).map(|(sampler, readings)| Noisy { sampler, readings });
-                self.cast(caster, world.grid, poses, sinks)
-            } else {
-                self.cast(caster, world.grid, poses, readings.map(|ranges| StoreRanges { max_range, ranges }))
-            }
+            let shots = (first..first + readings.len() / beam_count).map(shot);
+            self.cast_together(&shots, readings.chunks_exact_mut(beam_count))
         })
     }
 
@@ -417,27 +414,12 @@ impl LaserScanner {
         Self { kernel: Some(kernel), ..self }
     }
 
-    /// Returns the surface model of the noise, and the walls of the grid; `None` if it changes nothing.
-    fn surfaces<'a>(
-        &self,
-        noise: Option<&'a Noise>,
-        grid: &'a OccupancyGrid,
-        threads: Option<usize>,
-    ) -> Result<Option<(&'a SurfaceModel, &'a WallDirections)>, Error> {
-        let Some(surface) = noise.and_then(|noise| noise.surface.as_ref()).filter(|surface| !surface.is_off()) else {
-            return Ok(None);
-        };
-        if self.slant.is_some() {
-            return Err(Error::Tilted);
-        }
-        Ok(Some((surface, grid.walls(threads)?)))
-    }
-
     fn caster<'a>(&self, world: World<'a>) -> Result<Caster<'a>, Error> {
         Caster::new(world.grid, self.options.max_range, self.kernel.map_or_else(Kernel::chosen, Ok)?)
     }
 
-    /// Casts all beams from each pose, among the obstacles of its world, and sends the ranges of each scan to its own sink.
+    /// Casts all beams from each pose of the frame from which they spread, among the obstacles of its world, and sends the ranges of
+    /// each scan to its own sink.
     fn cast<'a, S: Sink>(
         &self,
         caster: Caster<'_>,
@@ -446,34 +428,26 @@ impl LaserScanner {
         sinks: impl Iterator<Item = S>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, options: ScannerOptions { beam_count, max_range, .. }, .. } = self;
-        let map_from_fan = |map_from_base: Pose| map_from_base * self.base_from_fan;
         let mut starts = [Start::default(); Fans::MAX];
         let mut count = 0;
-        for (start, (map_from_base, _)) in starts.iter_mut().zip(scans.clone()) {
-            *start = Start::new(grid, grid.pose_in_grid(map_from_fan(map_from_base)));
+        for (start, (map_from_fan, _)) in starts.iter_mut().zip(scans.clone()) {
+            *start = Start::new(grid, grid.pose_in_grid(map_from_fan));
             count += 1;
         }
         debug_assert!(scans.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
         // Views are large. Without obstacles and slant, the array is neither filled nor moved.
         let has_views = slant.is_some() || scans.clone().any(|(_, world)| !world.obstacles.is_empty());
         let mut views = has_views.then_some([const { None }; Fans::MAX]);
-        for (view, (map_from_base, world)) in views.iter_mut().flatten().zip(scans.clone()) {
-            let seen = View::new(
-                (world.obstacles, world.except),
-                map_from_fan(map_from_base),
-                self.horizontal,
-                *beam_count,
-                *max_range,
-            )?;
+        for (view, (map_from_fan, world)) in views.iter_mut().flatten().zip(scans.clone()) {
+            let seen = View::new((world.obstacles, world.except), map_from_fan, self.horizontal, *beam_count, *max_range)?;
             *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();
         let mut worlds = scans;
         let mut sinks = sinks.map(|sink| {
             let view = views.next().and_then(Option::take);
-            let onward = worlds
-                .next()
-                .and_then(|(map_from_base, world)| Onward::in_world::<S>(world, map_from_fan(map_from_base), *max_range));
+            let onward =
+                worlds.next().and_then(|(map_from_fan, world)| Onward::in_world::<S>(world, map_from_fan, *max_range));
             Beyond { foreground: view, onward, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };

@@ -1,7 +1,7 @@
 //! Onward: the beams of a scan that meet glass or a mirror first, and go on from there.
 
 use glam::DVec2;
-use rand::{Rng, RngExt};
+use rand::RngExt;
 
 use crate::grid::OccupancyGrid;
 use crate::motion::PoseColumns;
@@ -115,8 +115,7 @@ impl<'a> Onward<'a> {
                 continue;
             }
             let beam = Beam { map_from_fan: self.map_from_fan(group, slot), direction: DVec2::new(cos[slot], sin[slot]) };
-            let number = (group * GROUP + slot) as u64;
-            let path = || self.path(beam, group, slot, bits.map(|bits| bits.stream(number | PANES)));
+            let path = || self.path(beam, group, slot, bits);
             if self.takes_intensities {
                 *range = path().map_or(0.0, |path| path.intensity());
                 continue;
@@ -167,19 +166,44 @@ impl<'a> Onward<'a> {
     }
 
     /// Returns the path of a beam; `None` if it has no return.
-    fn path(&self, beam: Beam, group: usize, slot: usize, stream: Option<impl Rng>) -> Option<Path> {
-        let mut stream = stream;
-        // Without noise, a half: the beam takes the likelier way.
-        let draw = || stream.as_mut().map_or(0.5, RngExt::random::<f64>);
+    fn path(&self, beam: Beam, group: usize, slot: usize, bits: Option<BeamBits>) -> Option<Path> {
+        let draw = draws(bits, group * GROUP + slot);
         match &self.scene {
             Scene::Instant { obstacles, except, .. } => {
-                let bodies = obstacles.bodies().iter().enumerate().filter(|(index, _)| Some(*index) != *except);
-                follow(self.grid, &bodies.map(|(_, body)| body), beam, self.max_range, draw)
+                let world = World { grid: self.grid, obstacles, except: *except };
+                path_in_world(world, beam, self.max_range, draw)
             }
-            Scene::Passing { passing, .. } => {
-                let bodies = passing.bodies(group, slot);
-                follow(self.grid, &bodies.iter(), beam, self.max_range, draw)
-            }
+            Scene::Passing { passing, .. } => path_passing(self.grid, passing, (group, slot), beam, self.max_range, draw),
         }
     }
+}
+
+/// Returns what draws for each pane on the way of a beam. Without noise, it draws a half: the beam takes the likelier way.
+pub fn draws(bits: Option<BeamBits>, beam: usize) -> impl FnMut() -> f64 {
+    let mut stream = bits.map(|bits| bits.stream(beam as u64 | PANES));
+    move || stream.as_mut().map_or(0.5, RngExt::random::<f64>)
+}
+
+/// Returns the path of a beam of a scan in one instant; `None` if it has no return.
+pub fn path_in_world(
+    World { grid, obstacles, except }: World<'_>,
+    beam: Beam,
+    max_range: f64,
+    draw: impl FnMut() -> f64,
+) -> Option<Path> {
+    let bodies = obstacles.bodies().iter().enumerate().filter(|(index, _)| Some(*index) != except);
+    follow(grid, &bodies.map(|(_, body)| body), beam, max_range, draw)
+}
+
+/// Returns the path of a beam of a scan that takes time, given by its group and slot; `None` if it has no return.
+pub fn path_passing(
+    grid: &OccupancyGrid,
+    passing: &Passing<'_>,
+    (group, slot): (usize, usize),
+    beam: Beam,
+    max_range: f64,
+    draw: impl FnMut() -> f64,
+) -> Option<Path> {
+    let bodies = passing.bodies(group, slot);
+    follow(grid, &bodies.iter(), beam, max_range, draw)
 }

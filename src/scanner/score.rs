@@ -112,7 +112,8 @@ impl LaserScanner {
         for_each_heavy_chunk(threads, scores, beams, at_a_time, |chunk, scores| {
             let first = chunk * at_a_time;
             let columns = scoring.columns(first, scores.len())?;
-            let poses = poses[first..].iter().map(|&pose| (Pose::from(pose), world)).take(scores.len());
+            let poses =
+                poses[first..].iter().map(|&pose| (Pose::from(pose) * scanner.base_from_fan, world)).take(scores.len());
             scanner.cast(caster, world.grid, poses, scoring.sinks(&columns, scores))
         })
     }
@@ -143,7 +144,7 @@ impl LaserScanner {
             let first = chunk * at_a_time;
             let columns = scoring.columns(first, scores.len())?;
             let scans = first..first + scores.len();
-            self.cast_sweeps(caster, &plan, scans, scoring.sinks(&columns, scores))
+            self.cast_sweeps(caster, &plan, scans, 0.0, scoring.sinks(&columns, scores))
         })
     }
 

@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
+use super::footprint::{ScanFootprints, turned};
 use super::hits::hit_obstacle;
+use super::onward::{draws, path_in_world, path_passing};
 use crate::beam_model::{HitColumns, Sampler};
 use crate::grid::OccupancyGrid;
 use crate::motion::PoseColumns;
@@ -11,7 +13,7 @@ use crate::numeric::{GROUP, Group};
 use crate::obstacles::Passing;
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::{Path, Sink, Sweep, cell_hit, hit_of, store};
+use crate::raycast::{Beam, Path, Sink, Sweep, cell_hit, hit_of, store};
 use crate::surface::{Material, SurfaceModel};
 use crate::wall_directions::WallDirections;
 use crate::world::World;
@@ -51,6 +53,9 @@ pub trait Scene {
 
     /// Returns the material of an obstacle.
     fn material(&self, obstacle: usize) -> Material;
+
+    /// Follows a beam, in a direction in the frame from which the beams spread; `None` if it has no return. `draw` is for panes.
+    fn path(&self, beam: usize, in_fan: DVec2, max_range: f64, draw: impl FnMut() -> f64) -> Option<Path>;
 }
 
 /// What the beams of a group meet.
@@ -69,6 +74,17 @@ pub struct End {
     cosine: f64,
     number: u64,
     share: f64,
+}
+
+impl End {
+    fn new(grid: &OccupancyGrid, walls: &WallDirections, slot: usize, path: &Path) -> Self {
+        let place = path.cell.map(|cell| cell.row * grid.width() + cell.col);
+        let direction = grid.direction_in_grid(path.direction);
+        let of_wall = place.and_then(|place| walls.tangent(place)).map(|tangent| direction.perp_dot(tangent).abs());
+        let cosine = of_wall.unwrap_or(if path.cosine.is_nan() { 1.0 } else { path.cosine });
+        let number = place.map_or(FIRST_OBSTACLE, |place| place as u64);
+        Self { slot, cosine, number, share: path.share() }
+    }
 }
 
 /// A scan that is taken in one instant.
@@ -108,6 +124,10 @@ impl Scene for Still<'_> {
     fn material(&self, obstacle: usize) -> Material {
         *self.world.obstacles.bodies()[obstacle].material()
     }
+
+    fn path(&self, _: usize, in_fan: DVec2, max_range: f64, draw: impl FnMut() -> f64) -> Option<Path> {
+        path_in_world(self.world, Beam { map_from_fan: self.map_from_fan, direction: in_fan }, max_range, draw)
+    }
 }
 
 /// A scan that takes time.
@@ -138,16 +158,28 @@ impl Scene for Moving<'_> {
     }
 
     fn obstacle(&self, beam: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)> {
-        let mut poses = PoseColumns::ORIGIN;
-        self.sweep.write_poses(beam / GROUP, &mut poses, &mut [Last::default(); 2]);
-        let slot = beam % GROUP;
-        let (sin, cos) = libm::sincos(poses.yaw[slot]);
-        let direction = DVec2::new(cos, sin).rotate(in_fan);
-        self.passing.hit(beam, DVec2::new(poses.x[slot], poses.y[slot]), direction, limit)
+        let Pose { position, yaw } = self.map_from_fan(beam);
+        let (sin, cos) = libm::sincos(yaw);
+        self.passing.hit(beam, position, DVec2::new(cos, sin).rotate(in_fan), limit)
     }
 
     fn material(&self, obstacle: usize) -> Material {
         self.passing.material(obstacle)
+    }
+
+    fn path(&self, beam: usize, in_fan: DVec2, max_range: f64, draw: impl FnMut() -> f64) -> Option<Path> {
+        let (place, map_from_fan) = ((beam / GROUP, beam % GROUP), self.map_from_fan(beam));
+        path_passing(self.grid, self.passing, place, Beam { map_from_fan, direction: in_fan }, max_range, draw)
+    }
+}
+
+impl Moving<'_> {
+    /// Returns where a beam starts.
+    fn map_from_fan(&self, beam: usize) -> Pose {
+        let mut poses = PoseColumns::ORIGIN;
+        self.sweep.write_poses(beam / GROUP, &mut poses, &mut [Last::default(); 2]);
+        let slot = beam % GROUP;
+        Pose::new(poses.x[slot], poses.y[slot], poses.yaw[slot])
     }
 }
 
@@ -157,9 +189,12 @@ pub struct Surfaced<'a, S> {
     pub grid: &'a OccupancyGrid,
     pub walls: &'a WallDirections,
     pub surface: &'a SurfaceModel,
+    /// Footprints of the beams; `None` if they have no width.
+    pub footprints: Option<ScanFootprints<'a>>,
     pub sampler: Sampler<'a>,
     /// Bits of the fixed random numbers.
     pub fixed: BeamBits,
+    pub max_range: f64,
     pub cos: &'a [Group],
     pub sin: &'a [Group],
     /// Where beams of the next group end that meet glass or a mirror first.
@@ -228,6 +263,18 @@ impl<S: Scene> Surfaced<'_, S> {
         Met { cosines, numbers, shares }
     }
 
+    /// Returns the ranges of a group of beams, of which some are at edges.
+    #[inline(always)]
+    fn split(&mut self, footprints: ScanFootprints<'_>, group: usize, ranges: &Group) -> Group {
+        let Self { scene, grid, walls, sampler, max_range, cos, sin, ends, .. } = self;
+        let bits = sampler.bits();
+        let path = |slot: usize, angle: f64| {
+            let (beam, in_fan) = (group * GROUP + slot, DVec2::new(cos[group][slot], sin[group][slot]));
+            scene.path(beam, turned(in_fan, angle), *max_range, draws(Some(bits), beam))
+        };
+        footprints.split(group, ranges, bits, path, |slot, path| ends.push(End::new(grid, walls, slot, path)))
+    }
+
     /// Returns the ranges of a group, infinite for beams that have no return because their light is too weak.
     #[inline(always)]
     fn with_losses(&self, group: usize, ranges: &Group, met: &Met) -> Group {
@@ -262,16 +309,13 @@ impl<S: Scene> Sink for Surfaced<'_, S> {
     }
 
     fn end_at(&mut self, slot: usize, path: &Path) {
-        let place = path.cell.map(|cell| cell.row * self.grid.width() + cell.col);
-        let direction = self.grid.direction_in_grid(path.direction);
-        let of_wall = place.and_then(|place| self.walls.tangent(place)).map(|tangent| direction.perp_dot(tangent).abs());
-        let cosine = of_wall.unwrap_or(if path.cosine.is_nan() { 1.0 } else { path.cosine });
-        let number = place.map_or(FIRST_OBSTACLE, |place| place as u64);
-        self.ends.push(End { slot, cosine, number, share: path.share() });
+        self.ends.push(End::new(self.grid, self.walls, slot, path));
     }
 
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
+        let split = self.footprints.map(|footprints| self.split(footprints, group, ranges));
+        let ranges = split.as_ref().unwrap_or(ranges);
         let met = self.meet(group, ranges);
         let losses = self.surface.loses_beams().then(|| self.with_losses(group, ranges, &met));
         let ranges = losses.as_ref().unwrap_or(ranges);

@@ -14,6 +14,7 @@ use crate::motion::{Course, PoseColumns};
 use crate::numeric::GROUP;
 use crate::numeric::sincos::Last;
 use crate::obstacles::{MovingObstacle, Passing};
+use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Caster, Fans, Sink, StoreRanges, Sweep};
 
@@ -132,31 +133,40 @@ impl LaserScanner {
         if readings.len() != plan.scans * beam_count {
             return Err(Error::Length { name: "out", value: readings.len(), needed: plan.scans * beam_count });
         }
-        let surfaces = self.surfaces(noise.as_ref(), grid, threads)?;
         let caster = self.caster(grid.into())?;
-        caster.prepare(threads)?;
+        self.prepare(grid.into(), noise.as_ref().and_then(Noise::surface), threads)?;
         let at_a_time = caster.fans_per_cast(plan.scans, self.cos.len(), thread_count(threads, readings.len())?);
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
             let scans = first..first + readings.len() / beam_count;
             let readings = readings.chunks_exact_mut(beam_count);
-            if let Some(Noise { model, seed, first_index, .. }) = &noise {
-                let samplers = (first..)
-                    .map(|scan| Sampler::new(model, max_range, BeamBits::new(*seed, first_index.wrapping_add(scan as u64))));
-                if let Some((surface, walls)) = surfaces {
-                    let fixed = BeamBits::of_places(*seed);
-                    let sinks = samplers.zip(scans.clone()).zip(readings).map(|((sampler, scan), readings)| {
-                        let scene = Moving { grid, sweep: self.sweep(&plan, scan), passing: &plan.passing };
-                        let (cos, sin) = (&self.cos[..], &self.sin[..]);
-                        Surfaced { scene, grid, walls, surface, sampler, fixed, cos, sin, ends: Vec::new(), readings }
-                    });
-                    return self.cast_sweeps(caster, &plan, scans, sinks);
-                }
+            let Some(noise @ Noise { model, seed, first_index, .. }) = &noise else {
+                let sinks = readings.map(|ranges| StoreRanges { max_range, ranges });
+                return self.cast_sweeps(caster, &plan, scans, 0.0, sinks);
+            };
+            let bits = scans.clone().map(|scan| BeamBits::new(*seed, first_index.wrapping_add(scan as u64)));
+            let samplers = bits.clone().map(|bits| Sampler::new(model, max_range, bits));
+            let Some(surface) = noise.surface() else {
                 let sinks = samplers.zip(readings).map(|(sampler, readings)| Noisy { sampler, readings });
-                self.cast_sweeps(caster, &plan, scans, sinks)
-            } else {
-                self.cast_sweeps(caster, &plan, scans, readings.map(|ranges| StoreRanges { max_range, ranges }))
-            }
+                return self.cast_sweeps(caster, &plan, scans, 0.0, sinks);
+            };
+            let walls = grid.walls(Some(1))?;
+            let footprints = self.footprints_of_sweeps(caster, &plan, scans.clone(), &bits, surface)?;
+            let sinks = samplers.zip(scans.clone()).zip(readings).map(|((sampler, scan), readings)| Surfaced {
+                scene: Moving { grid, sweep: self.sweep(&plan, scan, 0.0), passing: &plan.passing },
+                grid,
+                walls,
+                surface,
+                footprints: footprints.as_ref().map(|footprints| footprints.of_scan(scan - first, self.cos.len())),
+                sampler,
+                fixed: BeamBits::of_places(*seed),
+                max_range,
+                cos: &self.cos,
+                sin: &self.sin,
+                ends: Vec::new(),
+                readings,
+            });
+            self.cast_sweeps(caster, &plan, scans, 0.0, sinks)
         })
     }
 
@@ -204,32 +214,34 @@ impl LaserScanner {
         Ok(Plan { courses, scans, time_increment, passing })
     }
 
-    /// Returns the rays of a scan.
-    fn sweep<'a>(&'a self, plan: &Plan<'a>, scan: usize) -> Sweep<'a> {
-        self.sweep_of(plan, plan.courses.course(scan, self.options.beam_count))
+    /// Returns the rays of a scan, turned by an angle \[rad\].
+    fn sweep<'a>(&'a self, plan: &Plan<'a>, scan: usize, angle: f64) -> Sweep<'a> {
+        self.sweep_of(plan, plan.courses.course(scan, self.options.beam_count), angle)
     }
 
-    /// Returns the rays of a scan from a robot on this course.
-    fn sweep_of<'a>(&'a self, plan: &Plan<'_>, course: Course<'a>) -> Sweep<'a> {
+    /// Returns the rays of a scan from a robot on this course, turned by an angle \[rad\].
+    fn sweep_of<'a>(&'a self, plan: &Plan<'_>, course: Course<'a>, angle: f64) -> Sweep<'a> {
         let Self { cos, sin, base_from_fan, options, .. } = self;
-        let (time_increment, base_from_fan) = (plan.time_increment, *base_from_fan);
+        let base_from_fan = Pose { yaw: base_from_fan.yaw + angle, ..*base_from_fan };
+        let time_increment = plan.time_increment;
         Sweep { course, time_increment, base_from_fan, cos, sin, count: options.beam_count }
     }
 
-    /// Casts all beams of some scans and sends the ranges of each scan to its own sink.
+    /// Casts all beams of some scans, turned by an angle \[rad\], and sends the ranges of each scan to its own sink.
     pub(super) fn cast_sweeps<S: Sink>(
         &self,
         caster: Caster<'_>,
         plan: &Plan<'_>,
         scans: Range<usize>,
+        angle: f64,
         sinks: impl Iterator<Item = S>,
     ) -> Result<(), Error> {
         let Self { cos, sin, slant, .. } = self;
         let passing = &plan.passing;
-        let mut sweeps = [self.sweep_of(plan, Course::Poses(&[])); Fans::MAX];
+        let mut sweeps = [self.sweep_of(plan, Course::Poses(&[]), angle); Fans::MAX];
         let count = scans.len();
         for (place, scan) in sweeps.iter_mut().zip(scans) {
-            *place = self.sweep(plan, scan);
+            *place = self.sweep(plan, scan, angle);
         }
         caster.with_sweeps(&sweeps[..count], |swept| {
             let mut scans = swept.map_from_fan.chunks_exact(cos.len());

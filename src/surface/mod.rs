@@ -1,5 +1,6 @@
 //! Surfaces: what they are made of, and how what a beam meets changes its reading.
 
+mod footprint;
 mod material;
 
 use std::f64::consts::FRAC_PI_2;
@@ -8,6 +9,7 @@ use crate::beam_model::HitPart;
 use crate::error::{Error, check_finite, check_number};
 use crate::numeric::elementary::ln32;
 use crate::numeric::exponential::exp;
+pub(crate) use footprint::Footprint;
 pub use material::{Material, MaterialKind, Materials};
 
 /// Parameters of a [`SurfaceModel`]. By default all is off.
@@ -25,11 +27,27 @@ pub struct SurfaceOptions {
     /// R \[m\]: distance at which a surface of reflectivity 1, met at a right angle, returns every second beam. 0 is off: all
     /// beams return.
     pub reference_range: f64,
+    /// δ \[rad\]: angle over which a beam is spread, 0 to 0.2. 0 is off: a beam has no width.
+    pub beam_divergence: f64,
+    /// Smallest difference between the ranges of the two surfaces at an edge \[m\]. A beam at a smaller step has the range of its
+    /// middle.
+    pub edge_depth: f64,
+    /// L \[m\]: two returns whose ranges differ by at most this much become one, somewhere between them. 0 is off.
+    pub mixing_length: f64,
 }
 
 impl Default for SurfaceOptions {
     fn default() -> Self {
-        Self { incidence_sigma: 0.0, incidence_limit: 1.5, incidence_bias: 0.0, correlation: 0.0, reference_range: 0.0 }
+        Self {
+            incidence_sigma: 0.0,
+            incidence_limit: 1.5,
+            incidence_bias: 0.0,
+            correlation: 0.0,
+            reference_range: 0.0,
+            beam_divergence: 0.0,
+            edge_depth: 0.1,
+            mixing_length: 0.75,
+        }
     }
 }
 
@@ -64,6 +82,21 @@ impl Default for SurfaceOptions {
 /// is that of the [`Material`]; on a path through glass and mirrors it is that of the last surface, times the light that is left
 /// on the way there and back. A beam without a return reads as one that meets nothing.
 ///
+/// A beam is as wide as its `beam_divergence` δ. If it meets an edge, its light falls on two surfaces and it reads one of them, or
+/// a *mixed pixel* between them (Hebert & Krotkov 1992; Tuley, Vandapel & Hebert 2005). It meets an edge if the ranges at its two
+/// ends and in its middle differ by more than `edge_depth`, and the three points are not along a straight wall. Then
+///
+/// ```text
+/// u₁, u₂, w       uniform in [0, 1)
+/// rᵢ              range in the direction (uᵢ - ½) · δ beside the beam
+/// range           r₁ + w · (r₂ - r₁)  if |r₂ - r₁| <= L, else r₁     L = mixing_length
+/// ```
+///
+/// Let the near surface have a share s of the beam. If the surfaces are at most L apart, the beam reads the near one with the
+/// probability s², the far one with (1 - s)², and a range between them, uniform, with 2s(1 - s). If they are farther apart, these
+/// are s, 1 - s and 0. A part of the beam that meets nothing is a surface without a return. For a scanner with pulses of the
+/// length τ, L is cτ / 2, from which on it can tell two returns apart.
+///
 /// ```
 /// use mobile_robot_simulator::{SurfaceModel, SurfaceOptions};
 ///
@@ -85,7 +118,8 @@ impl SurfaceModel {
     ///
     /// # Errors
     /// [`Error::Number`]: `incidence_sigma` is negative or more than 4, `incidence_limit` is not from 0 to below π/2,
-    /// `correlation` is not from 0 to 1, `reference_range` is negative, or a number is not finite.
+    /// `correlation` is not from 0 to 1, `beam_divergence` is not from 0 to 0.2, `reference_range`, `edge_depth` or `mixing_length`
+    /// is negative, or a number is not finite.
     pub fn new(options: SurfaceOptions) -> Result<Self, Error> {
         check_number("incidence_sigma", options.incidence_sigma, "in 0..4", |value| (0.0..=4.0).contains(&value))?;
         check_number("incidence_limit", options.incidence_limit, "at least 0 and below π/2", |value| {
@@ -95,6 +129,10 @@ impl SurfaceModel {
         check_finite("incidence_bias", options.incidence_bias)?;
         check_number("correlation", options.correlation, "in 0..1", |value| (0.0..=1.0).contains(&value))?;
         check_number("reference_range", options.reference_range, "at least 0", |value| value >= 0.0)?;
+        // A wider beam is one in degrees.
+        check_number("beam_divergence", options.beam_divergence, "in 0..0.2 rad", |value| (0.0..=0.2).contains(&value))?;
+        check_number("edge_depth", options.edge_depth, "at least 0", |value| value >= 0.0)?;
+        check_number("mixing_length", options.mixing_length, "at least 0", |value| value >= 0.0)?;
         let weights = [(1.0 - options.correlation).sqrt() as f32, options.correlation.sqrt() as f32];
         Ok(Self { options, least_cos: libm::cos(options.incidence_limit), weights })
     }
@@ -108,7 +146,14 @@ impl SurfaceModel {
     /// Returns true if the model changes nothing.
     pub(crate) fn is_off(&self) -> bool {
         let SurfaceOptions { incidence_sigma, incidence_bias, correlation, .. } = self.options;
-        incidence_sigma == 0.0 && incidence_bias == 0.0 && correlation == 0.0 && !self.loses_beams()
+        let changes_hits = incidence_sigma != 0.0 || incidence_bias != 0.0 || correlation != 0.0;
+        !changes_hits && !self.loses_beams() && self.footprint().is_none()
+    }
+
+    /// Returns the footprint of the beams; `None` if they have no width.
+    pub(crate) fn footprint(&self) -> Option<Footprint> {
+        let SurfaceOptions { beam_divergence: divergence, edge_depth, mixing_length, .. } = self.options;
+        (divergence > 0.0).then_some(Footprint { divergence, edge_depth, mixing_length })
     }
 
     /// Returns true if beams may have no return.
@@ -194,5 +239,10 @@ mod tests {
         assert_eq!(error(SurfaceOptions { incidence_bias: f64::NAN, ..off }), "incidence_bias must be finite, got NaN");
         assert_eq!(error(SurfaceOptions { correlation: 1.5, ..off }), "correlation must be in 0..1, got 1.5");
         assert_eq!(error(SurfaceOptions { reference_range: -1.0, ..off }), "reference_range must be at least 0, got -1");
+        let text = error(SurfaceOptions { beam_divergence: 0.5, ..off });
+        assert_eq!(text, "beam_divergence must be in 0..0.2 rad, got 0.5");
+        assert_eq!(error(SurfaceOptions { edge_depth: -1.0, ..off }), "edge_depth must be at least 0, got -1");
+        let text = error(SurfaceOptions { mixing_length: f64::INFINITY, ..off });
+        assert_eq!(text, "mixing_length must be at least 0, got inf");
     }
 }

@@ -170,6 +170,7 @@ def good() -> dict[str, Any]:
             ("range_offset", "range_sigma_base", "range_sigma_per_metre", "range_step", "range_step_share"), 0.1
         ),
         **dict.fromkeys(("incidence_sigma", "incidence_limit", "incidence_bias", "correlation", "reference_range"), 0.5),
+        **dict.fromkeys(("beam_divergence", "edge_depth", "mixing_length"), 0.1),
         **dict.fromkeys(("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "resolution", "grip"), 0.5),
         **dict.fromkeys(("alpha1", "alpha2", "alpha3", "alpha4", "alpha5", "alpha6", "reference_step", "qw"), 0.5),
         **dict.fromkeys(("origin", "mount", "pose", "other", "twist", "wanted", "current", "command"), (0.5, 0.5, 0.0)),
@@ -276,7 +277,7 @@ def instances() -> list[Any]:
 
 
 OF_ITS_OWN = {
-    "Fleet": {"grids": grid(), "noise": None},
+    "Fleet": {"grids": grid(), "noise": None, "surfaces": None},
     "Fleet.rollout": {"commands": np.full((2, 4, 3), 0.5)},
     "Material.named": {"name": "glass"},
     "OccupancyGrid.with_materials": {"materials": np.zeros(grid().shape, np.uint8)},

@@ -283,10 +283,17 @@ def test_the_surface_model_is_none_unless_it_changes_something() -> None:
     parameters = LaserParameters
     assert parameters().surface_model is None
     assert parameters(incidence_limit=1.0).surface_model is None
-    values = {"incidence_sigma": 0.5, "incidence_bias": 0.03, "correlation": 0.4, "reference_range": 20.0}
+    values = {
+        "incidence_sigma": 0.5,
+        "incidence_bias": 0.03,
+        "correlation": 0.4,
+        "reference_range": 20.0,
+        "beam_divergence": 0.01,
+    }
     for name, value in values.items():
         assert repr(parameters(**{name: value}).surface_model) == repr(mrs.SurfaceModel(**{name: value}))
-    values["incidence_limit"] = 1.2
+    values |= {"incidence_limit": 1.2, "edge_depth": 0.2, "mixing_length": 0.3}
+    assert parameters(edge_depth=0.2, mixing_length=0.3).surface_model is None
     assert repr(parameters(**values).surface_model) == repr(mrs.SurfaceModel(**values))
     by_range = {"range_offset": 0.1, "range_sigma_base": 0.01, "range_sigma_per_metre": 0.02, "range_step": 0.001}
     assert repr(parameters(**by_range, range_step_share=0.01).beam_model) == repr(

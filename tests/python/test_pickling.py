@@ -42,6 +42,7 @@ OBJECTS = [
         range_offset=-0.1, range_sigma_base=0.01, range_sigma_per_metre=0.02, range_step=0.001, range_step_share=0.01
     ),
     mrs.SurfaceModel(incidence_sigma=0.5, incidence_limit=1.4, incidence_bias=0.03, correlation=0.25, reference_range=9.0),
+    mrs.SurfaceModel(beam_divergence=0.01, edge_depth=0.2, mixing_length=0.3),
     mrs.Contact(point=(1.0, -0.0), normal=(0.6, 0.8), fraction=0.25, obstacle=3),
     mrs.Contact(point=(0.0, 1e-300), normal=(0.0, 0.0), fraction=1.0),
     CAR,

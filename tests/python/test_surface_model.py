@@ -453,6 +453,9 @@ def test_threads_and_chunks_do_not_change_the_bytes() -> None:
         ({"correlation": "much"}, TypeError, "correlation"),
         ({"reference_range": -1.0}, ValueError, "reference_range must be at least 0, got -1"),
         ({"reference_range": math.inf}, ValueError, "reference_range must be at least 0, got inf"),
+        ({"beam_divergence": 0.25}, ValueError, "beam_divergence must be in 0..0.2 rad, got 0.25"),
+        ({"edge_depth": -0.1}, ValueError, "edge_depth must be at least 0, got -0.1"),
+        ({"mixing_length": math.nan}, ValueError, "mixing_length must be at least 0, got NaN"),
         ({"sigma": 0.5}, TypeError, "sigma"),
     ],
 )
@@ -477,6 +480,11 @@ def test_invalid_uses_are_rejected() -> None:
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda model: pickle.loads(pickle.dumps(model))])
 def test_copies_equal_the_model(duplicate: Any) -> None:
     model = mrs.SurfaceModel(
-        incidence_sigma=0.5, incidence_limit=1.4, incidence_bias=-0.01, correlation=0.25, reference_range=20.0
+        incidence_sigma=0.5,
+        incidence_limit=1.4,
+        incidence_bias=-0.01,
+        correlation=0.25,
+        reference_range=20.0,
+        beam_divergence=0.01,
     )
     assert repr(duplicate(model)) == repr(model) == repr(eval(repr(model), {"SurfaceModel": mrs.SurfaceModel}))

@@ -113,6 +113,50 @@ def test_scans_and_clearances_are_those_of_the_functions_for_them() -> None:
     assert fleet.scan(mask).tobytes() == fleet_after(3).scan()[mask].tobytes()
 
 
+@pytest.mark.parametrize("is_one", [True, False])
+def test_scans_have_the_noise_of_surfaces(is_one: bool) -> None:
+    models = [
+        mrs.SurfaceModel(incidence_sigma=0.5, incidence_bias=0.3, correlation=0.5, beam_divergence=0.02),
+        mrs.SurfaceModel(),
+        mrs.SurfaceModel(reference_range=6.0),
+    ]
+    surfaces = [models[0] if is_one else models[robot // 5 % 3] for robot in range(COUNT)]
+    fleet = fleet_of(slice(None), surfaces=models[0] if is_one else surfaces)
+    for index in range(2):
+        step = fleet.step(commands_of(index), 0.1)
+        for robot in range(COUNT):
+            scan = options()["scanner"].scan_batch(
+                MAPS[GRID_OF[robot]],
+                step.poses[robot : robot + 1],
+                noise=options()["noise"],
+                surfaces=surfaces[robot],
+                seed=100 + robot,
+                first_index=index,
+                obstacles=[at(obstacle, 0.1 * (index + 1)) for obstacle in options()["obstacles"]],
+            )
+            assert step.ranges is not None and scan.tobytes() == step.ranges[robot].tobytes()
+    threads = [fleet_of(slice(None), surfaces=surfaces).step(commands_of(0), 0.1, threads=count) for count in (1, 3)]
+    assert threads[0].ranges is not None and threads[1].ranges is not None
+    assert threads[0].ranges.tobytes() == threads[1].ranges.tobytes()
+    copy = pickle.loads(pickle.dumps(fleet))
+    assert repr(copy.surfaces) == repr(fleet.surfaces) and copy.scan().tobytes() == fleet.scan().tobytes()
+
+
+def test_surfaces_need_noise_and_a_scanner_that_is_not_tilted() -> None:
+    with pytest.raises(ValueError, match="surfaces need noise, a BeamModel, got None"):
+        fleet_of(slice(None), noise=None, surfaces=mrs.SurfaceModel())
+    with pytest.raises(ValueError, match="surfaces must have 60 elements, got 59"):
+        fleet_of(slice(None), surfaces=[mrs.SurfaceModel()] * 59)
+    with pytest.raises(TypeError, match="surfaces must be one SurfaceModel or a sequence"):
+        fleet_of(slice(None), surfaces=0.5)
+    tilted = mrs.LaserScanner(beam_count=9, mount=(0.0, 0.0, 1.0, 0.0, 0.3, 0.0))
+    fleet = fleet_of(slice(None), scanner=tilted, surfaces=mrs.SurfaceModel(correlation=0.5))
+    poses = fleet.poses.tobytes()
+    with pytest.raises(ValueError, match="tilted"):
+        fleet.step(commands_of(0), 0.1)
+    assert fleet.poses.tobytes() == poses
+
+
 def at(obstacle: tuple[mrs.Shape, Any], time: float) -> tuple[mrs.Shape, tuple[float, ...]]:
     """Returns an obstacle of the options with its pose at a time [s]."""
     shape, trajectory = obstacle

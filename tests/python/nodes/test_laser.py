@@ -72,7 +72,7 @@ def expected_ranges(rig: Rig, grid: mrs.OccupancyGrid, pose: Any, index: int = 0
     if parameters.apply_noise:
         names = ("sigma_hit", "lambda_short", "z_hit", "z_short", "z_max", "z_rand", "range_offset", "range_step")
         noise = mrs.BeamModel(**{name: getattr(parameters, name) for name in names})
-        names = ("incidence_sigma", "incidence_limit", "incidence_bias", "correlation", "reference_range")
+        names = ("incidence_sigma", "incidence_limit", "incidence_bias", "correlation", "reference_range", "beam_divergence")
         options["surfaces"] = mrs.SurfaceModel(**{name: getattr(parameters, name) for name in names})
     scanner = mrs.LaserScanner(
         fov=parameters.laser_fov,
@@ -506,7 +506,13 @@ def test_noise_parameters_apply_from_the_next_scan_on(room: mrs.OccupancyGrid) -
 
 
 def test_the_surfaces_that_beams_meet_change_the_scans(room: mrs.OccupancyGrid) -> None:
-    surfaces = {"incidence_sigma": 1.0, "incidence_bias": 0.1, "correlation": 0.5, "reference_range": 4.0}
+    surfaces = {
+        "incidence_sigma": 1.0,
+        "incidence_bias": 0.1,
+        "correlation": 0.5,
+        "reference_range": 4.0,
+        "beam_divergence": 0.1,
+    }
     rig = Rig(room, apply_noise=True, seed=NOISE_SEED, range_offset=0.05, range_step=0.01, **surfaces)
     rig.link("map", "base_link", (1.0, 2.0, 0.5))
     rig.run_to(0.1)
