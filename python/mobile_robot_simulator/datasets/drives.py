@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, clearance
+from .._core import BeamModel, LaserScanner, OccupancyGrid, Pose, Shape, SurfaceModel, clearance
 from ..benchmarks.control_loop import Controller, ControlLoop, Observation
 from ..drivers.wander import Wander, Wandering
 from ..instant import NANOSECONDS
 from ..quoting import quoted
 from ..simulation import Simulation
-from .plan import Noise, Plan
+from .plan import Noise, Plan, Surfaces
 
 __all__ = ["Drive", "drive", "policy_of"]
 
@@ -76,7 +76,7 @@ def drive(
     plan: Plan,
     grid: OccupancyGrid,
     scanner: LaserScanner,
-    noise: BeamModel | None,
+    noise: tuple[BeamModel | None, SurfaceModel | None],
     obstacles: list[tuple[Shape, Pose]],
     count: int,
     seed: Callable[[str], int],
@@ -91,7 +91,7 @@ def drive(
         plan: The plan.
         grid: The map.
         scanner: The scanner.
-        noise: Noise of the scans that the policy gets.
+        noise: Noise of the scans that the policy gets, and how what a beam meets changes it.
         obstacles: Obstacles that stand in the map.
         count: Number of scans.
         seed: Returns the seed for what has a name.
@@ -141,7 +141,7 @@ def _clear_place(grid: OccupancyGrid, obstacles: list[tuple[Shape, Pose]], radiu
     raise ValueError(f"poses.clearance must leave room between {len(obstacles)} obstacles, got {radius} m")
 
 
-def _parameters(plan: Plan, scanner: LaserScanner, noise: BeamModel | None) -> dict[str, Any]:
+def _parameters(plan: Plan, scanner: LaserScanner, noise: tuple[BeamModel | None, SurfaceModel | None]) -> dict[str, Any]:
     """Returns the parameters of a simulation with a scanner and noise."""
     low, high = sorted((scanner.angle_min, scanner.angle_max))
     values: dict[str, Any] = {
@@ -154,10 +154,11 @@ def _parameters(plan: Plan, scanner: LaserScanner, noise: BeamModel | None) -> d
         "laser_mount": scanner.mount_in_space,
         "laser_frame_id": "laser",
         "laser_frequency": 1.0 / plan.poses.period,
-        "apply_noise": noise is not None,
+        "apply_noise": noise[0] is not None,
     }
-    for name in Noise.model_fields if noise is not None else ():
-        values[name] = getattr(noise, name)
+    for names, model in zip((Noise.model_fields, Surfaces.model_fields), noise, strict=True):
+        for name in names if model is not None else ():
+            values[name] = getattr(model, name)
     if not {"robot_radius", "footprint"} & plan.poses.robot.keys() and plan.poses.clearance:
         values["robot_radius"] = plan.poses.clearance
     return values | plan.poses.robot

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from .._core import BeamModel, LaserScanner
+from .._core import BeamModel, LaserScanner, SurfaceModel
 from ..maps.floor_plans import KINDS
 from ..parameters import Count, LaserParameters, Name, Number, RobotParameters, Seed
 from ..quoting import nearest, quoted
@@ -162,6 +162,29 @@ class Noise(Part):
         return self
 
 
+class Surfaces(Part):
+    """How what a beam meets changes the noise of its range: the parameters of `SurfaceModel`."""
+
+    incidence_sigma: WeightRange = (0.0, 0.0)
+    incidence_limit: WeightRange = (1.5, 1.5)
+    incidence_bias: Range = (0.0, 0.0)
+    correlation: WeightRange = (0.0, 0.0)
+    reference_range: WeightRange = (0.0, 0.0)
+    beam_divergence: WeightRange = (0.0, 0.0)
+    edge_depth: WeightRange = (0.1, 0.1)
+    mixing_length: WeightRange = (0.75, 0.75)
+
+    def drawn(self, dice: random.Random) -> dict[str, float]:
+        """Returns the parameters of a scene, with numbers drawn where the plan has ranges."""
+        return {name: draw(bounds, dice) for name, bounds in self}
+
+    @model_validator(mode="after")
+    def _check(self) -> Surfaces:
+        for bound in (0, 1):
+            SurfaceModel(**{name: bounds[bound] for name, bounds in self})
+        return self
+
+
 class Twist(Part):
     """Velocity of the robot during a scan, in its own frame; drawn for each scan."""
 
@@ -232,6 +255,9 @@ class Plan(BaseModel):
     maps: Annotated[tuple[Maps, ...], Field(min_length=1)] = Field(description="where the maps come from")
     scanner: Scanner = Scanner()
     noise: Noise | None = Field(None, description="noise of the ranges; null for none")
+    surfaces: Surfaces | None = Field(
+        None, description="how what a beam meets changes the noise of its range; it needs noise; null for not at all"
+    )
     obstacles: Obstacles = Obstacles()
     poses: Poses = Poses()
     labels: Labels = Field((), description=f"labels beside poses: {', '.join(LABELS)}")
@@ -267,6 +293,8 @@ class Plan(BaseModel):
         for label in LABELS_OF_DRIVES:
             if label in self.labels and self.poses.kind != "drives":
                 raise ValueError(f"only drives have {label}, got poses of kind {self.poses.kind}")
+        if self.surfaces is not None and self.noise is None:
+            raise ValueError("surfaces need noise, got none")
         if "beam_poses" in self.labels and not self.scanner.scan_duration:
             raise ValueError("beam_poses need a scanner with a scan_duration above 0")
         if self.poses.kind == "file" and len(self.splits) > 1:

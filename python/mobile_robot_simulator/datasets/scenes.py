@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import BeamModel, OccupancyGrid, Pose, Shape, clearance_batch
+from .._core import BeamModel, OccupancyGrid, Pose, Shape, SurfaceModel, clearance_batch
 from .drives import drive
 from .plan import Plan, Poses, Twist, draw
 
@@ -90,7 +90,8 @@ def drawn_names(plan: Plan) -> list[str]:
     if plan.scanner.max_range[0] < plan.scanner.max_range[1]:
         names.append("scanner.max_range")
     names += [f"scanner.mount[{index}]" for index, (low, high) in enumerate(plan.scanner.mount) if low < high]
-    names += [f"noise.{name}" for name, (low, high) in (plan.noise or ()) if low < high]
+    for part, numbers in (("noise", plan.noise), ("surfaces", plan.surfaces)):
+        names += [f"{part}.{name}" for name, (low, high) in (numbers or ()) if low < high]
     return names
 
 
@@ -127,10 +128,13 @@ def fill_scene(
     scanner = plan.scanner.made(dice)
     noise = None if plan.noise is None else plan.noise.drawn(dice)
     model = None if noise is None else BeamModel(**noise)
+    # Drawn from its own dice, so that obstacles and twists do not depend on it.
+    surfaces = None if plan.surfaces is None else plan.surfaces.drawn(random.Random(f"{plan.seed}/{name}/surfaces"))
+    surface_model = None if surfaces is None else SurfaceModel(**surfaces)
     obstacles = _drawn_obstacles(plan, grid, dice, seed("obstacles"))
     twists: NDArray[np.float64] | None = None
     if plan.poses.kind == "drives":
-        driven = drive(plan, grid, scanner, model, obstacles, count, seed, check)
+        driven = drive(plan, grid, scanner, (model, surface_model), obstacles, count, seed, check)
         poses, twists = driven.poses, driven.twists
         known = {"goals": driven.goal, "goal_distances": driven.goal_distances, "commands": driven.commands}
         for label in known.keys() & arrays.keys():
@@ -150,16 +154,18 @@ def fill_scene(
         moving: dict[str, Any] = {} if duration is None else {"twists": twists[piece], "scan_duration": duration}  # type: ignore[index]
         fixed: dict[str, Any] = {**moving, "obstacles": obstacles, "threads": 1}
         ranges = arrays["ranges"][written]
-        stream: dict[str, Any] = {} if model is None else {"noise": model, "seed": seed("noise"), "first_index": start}
+        stream: dict[str, Any] = {}
+        if model is not None:
+            stream = {"noise": model, "surfaces": surface_model, "seed": seed("noise"), "first_index": start}
         scanner.scan_batch(grid, poses[piece], **fixed, **stream, out=ranges)
         if plan.quantization:
             scanner.quantize(ranges, plan.quantization, out=ranges)
         if "surfaces" in arrays or "incidences" in arrays:
             check()
             places = poses[piece] if duration is None else scanner.beam_poses(poses[piece], twists[piece], duration)  # type: ignore[index]
-            surfaces, incidences = scanner.hits(grid, places, obstacles=obstacles, threads=1)
+            met, incidences = scanner.hits(grid, places, obstacles=obstacles, threads=1)
             if "surfaces" in arrays:
-                arrays["surfaces"][written] = surfaces
+                arrays["surfaces"][written] = met
             if "incidences" in arrays:
                 arrays["incidences"][written] = incidences
         if "true_ranges" in arrays:
@@ -175,7 +181,8 @@ def fill_scene(
         values = {"scanner.max_range": scanner.max_range}
         mount = scanner.mount_in_space if len(plan.scanner.mount) == 6 else tuple(scanner.mount)
         values |= {f"scanner.mount[{index}]": value for index, value in enumerate(mount)}
-        values |= {f"noise.{key}": value for key, value in (noise or {}).items()}
+        for part, numbers in (("noise", noise), ("surfaces", surfaces)):
+            values |= {f"{part}.{key}": value for key, value in (numbers or {}).items()}
         arrays["drawn"][rows] = [values[key] for key in drawn_names(plan)]
 
 

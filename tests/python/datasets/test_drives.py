@@ -37,6 +37,17 @@ def test_a_drive_follows_the_policy_to_its_goal() -> None:
     assert (mrs.clearance_batch(GRID, mrs.Shape.disc(0.19), found["poses"], limit=1.0) > 0.0).all()
 
 
+def test_a_policy_sees_the_noise_of_surfaces() -> None:
+    plan = small(poses={"kind": "drives", "clearance": 0.2}, labels=["commands"], noise={"sigma_hit": 0.01})
+    seeing = small(
+        poses={"kind": "drives", "clearance": 0.2},
+        labels=["commands"],
+        noise={"sigma_hit": 0.01},
+        surfaces={"incidence_bias": 0.5, "beam_divergence": 0.05},
+    )
+    assert not np.array_equal(scene(plan, 60)["commands"], scene(seeing, 60)["commands"])
+
+
 def test_without_a_policy_the_robot_roams() -> None:
     plan = small(poses={"kind": "drives", "clearance": 0.2}, labels=["twists"])
     found, again, other = scene(plan, 100), scene(plan, 100), scene(plan, 100, "train/1")

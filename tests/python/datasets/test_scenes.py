@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,21 @@ def test_true_ranges_are_those_of_the_scanner_and_readings_have_its_noise() -> N
     assert 0.01 <= sigma <= 0.05
     errors = (arrays["ranges"].astype(float) - arrays["true_ranges"])[hit] / sigma
     assert abs(errors.mean()) < 4 / np.sqrt(len(errors)) and abs(errors.std() - 1.0) < 4 / np.sqrt(2 * len(errors))
+
+
+def test_readings_have_the_noise_of_surfaces() -> None:
+    numbers = {"incidence_bias": [0.1, 0.2], "correlation": 0.4, "beam_divergence": 0.02, "reference_range": [4.0, 5.0]}
+    plan = small(noise={"sigma_hit": 0.02}, surfaces=numbers)
+    arrays, plain = scene(plan, 50), scene(small(noise={"sigma_hit": 0.02}), 50)
+    assert columns_of(plan)["drawn"].attributes["columns"] == ["surfaces.incidence_bias", "surfaces.reference_range"]
+    assert np.array_equal(arrays["poses"], plain["poses"]) and not np.array_equal(arrays["ranges"], plain["ranges"])
+    bias, reference_range = arrays["drawn"][0]
+    assert 0.1 <= bias <= 0.2 and 4.0 <= reference_range <= 5.0
+    surfaces = mrs.SurfaceModel(incidence_bias=bias, correlation=0.4, beam_divergence=0.02, reference_range=reference_range)
+    seed = random.Random("5/train/0/noise").getrandbits(63)
+    laser = mrs.LaserScanner(beam_count=31, max_range=6.0)
+    expected = laser.scan_batch(GRID, arrays["poses"], noise=mrs.BeamModel(sigma_hit=0.02), surfaces=surfaces, seed=seed)
+    assert np.array_equal(arrays["ranges"], expected)
 
 
 def test_long_scenes_are_cast_in_pieces_with_noise_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
