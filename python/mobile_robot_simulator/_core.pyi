@@ -319,15 +319,13 @@ class Obstacles:
 
     Examples:
         >>> import mobile_robot_simulator as mrs
-        >>> from mobile_robot_simulator._core import Obstacles
         >>> disc = mrs.Shape.disc(1.0)
-        >>> obstacles = Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
+        >>> obstacles = mrs.Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
         >>> len(obstacles)
         2
     """
 
     def __new__(cls, placed: Iterable[tuple[Shape, _PoseLike]] = ()) -> Self: ...
-    def __len__(self) -> int: ...
     def place(self, index: int, shape: Shape, pose: _PoseLike) -> None:
         """Places a shape at a pose, as the obstacle with this index: in place of the one that has it, or as the next one.
 
@@ -338,6 +336,13 @@ class Obstacles:
 
         Raises:
             ValueError: The index is larger than the number of obstacles, or the pose is not finite. Nothing changes.
+
+        Examples:
+            >>> import mobile_robot_simulator as mrs
+            >>> obstacles = mrs.Obstacles([(mrs.Shape.disc(1.0), (3.0, 0.0, 0.0))])
+            >>> obstacles.place(0, mrs.Shape.disc(0.5), (4.0, 0.0, 0.0))
+            >>> obstacles.placed
+            [(Shape.disc(0.5), Pose(4.0, 0.0, 0.0))]
         """
 
     def without(self, index: int | None) -> Obstacles:
@@ -350,7 +355,24 @@ class Obstacles:
 
         Raises:
             ValueError: The index is negative.
+
+        Examples:
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> disc = mrs.Shape.disc(1.0)
+            >>> robots = mrs.Obstacles([(disc, (0.0, 0.0, 0.0)), (disc, (4.0, 0.0, 0.0))])
+            >>> grid = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+            >>> mrs.clearance(grid, disc, (0.0, 0.0, 0.0), limit=9.0, obstacles=robots.without(0))
+            2.0
         """
+
+    @property
+    def placed(self) -> list[tuple[Shape, Pose]]:
+        """All obstacles: a list of pairs (Shape, Pose), with the one that is left out."""
+    @property
+    def left_out(self) -> int | None:
+        """Index of the obstacle that is left out; None for none."""
+    def __len__(self) -> int: ...
 
 @final
 class OccupancyGrid:

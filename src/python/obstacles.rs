@@ -4,13 +4,17 @@ use std::sync::Arc;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
 use super::arrays::{Rows, rows, short_repr, type_name};
 use super::pose::{PoseArgument, refused};
 use super::shape::Shape;
 use super::whole_number;
 use crate::fork::Lock;
-use crate::{Course, MovingObstacle, OccupancyGrid, Pose, Twist, World, memory};
+use crate::{Course, Error, MovingObstacle, OccupancyGrid, Pose, Twist, World, memory};
+
+/// What the memory is for, in errors.
+const NAME: &str = "the obstacles";
 
 /// Obstacles that are converted once, for many calls: shapes at poses in the map frame.
 ///
@@ -26,16 +30,23 @@ use crate::{Course, MovingObstacle, OccupancyGrid, Pose, Twist, World, memory};
 ///
 /// Examples:
 ///     >>> import mobile_robot_simulator as mrs
-///     >>> from mobile_robot_simulator._core import Obstacles
 ///     >>> disc = mrs.Shape.disc(1.0)
-///     >>> obstacles = Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
+///     >>> obstacles = mrs.Obstacles([(disc, (3.0, 0.0, 0.0)), (disc, (7.0, 0.0, 0.0))])
 ///     >>> len(obstacles)
 ///     2
-#[pyclass(frozen, module = "mobile_robot_simulator._core")]
+#[pyclass(frozen, module = "mobile_robot_simulator")]
 pub struct Obstacles {
-    /// The set, shared with those that leave out an obstacle. A call keeps the set that it started with.
-    core: Arc<Lock<Arc<crate::Obstacles>>>,
-    except: Option<usize>,
+    /// Shared with those that leave out an obstacle.
+    all: Arc<Lock<All>>,
+    left_out: Option<usize>,
+}
+
+/// All obstacles of a set.
+struct All {
+    /// A call keeps the set that it started with.
+    core: Arc<crate::Obstacles>,
+    /// What Python gets back.
+    placed: Vec<(Py<Shape>, Pose)>,
 }
 
 #[pymethods]
@@ -43,8 +54,10 @@ impl Obstacles {
     #[new]
     #[pyo3(text_signature = "(placed=())", signature = (placed = None))]
     fn new(placed: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let obstacles = placed.map_or_else(|| Ok(crate::Obstacles::default()), obstacles_of)?;
-        Ok(Self { core: Arc::new(Lock::new(Arc::new(obstacles))), except: None })
+        let placed = placed.map_or_else(|| Ok(Vec::new()), |placed| pairs(placed, "placed"))?;
+        let core = Arc::new(set_of(&placed)?);
+        let placed = memory::collected(NAME, placed.into_iter().map(|(shape, pose)| (shape.unbind(), pose)))?;
+        Ok(Self { all: Arc::new(Lock::new(All { core, placed })), left_out: None })
     }
 
     /// Places a shape at a pose, as the obstacle with this index: in place of the one that has it, or as the next one.
@@ -56,13 +69,29 @@ impl Obstacles {
     ///
     /// Raises:
     ///     ValueError: The index is larger than the number of obstacles, or the pose is not finite. Nothing changes.
-    fn place(&self, index: &Bound<'_, PyAny>, shape: &Shape, pose: PoseArgument) -> PyResult<()> {
-        let index = whole_number("index", index, "at least 0")?;
-        let mut core = self.core.lock();
-        if Arc::get_mut(&mut core).is_none() {
-            *core = Arc::new(core.try_clone()?);
+    ///
+    /// Examples:
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> obstacles = mrs.Obstacles([(mrs.Shape.disc(1.0), (3.0, 0.0, 0.0))])
+    ///     >>> obstacles.place(0, mrs.Shape.disc(0.5), (4.0, 0.0, 0.0))
+    ///     >>> obstacles.placed
+    ///     [(Shape.disc(0.5), Pose(4.0, 0.0, 0.0))]
+    fn place(&self, index: &Bound<'_, PyAny>, shape: &Bound<'_, Shape>, pose: PoseArgument) -> PyResult<()> {
+        let index: usize = whole_number("index", index, "at least 0")?;
+        let mut all = self.all.lock();
+        if Arc::get_mut(&mut all.core).is_none() {
+            all.core = Arc::new(all.core.try_clone()?);
         }
-        Ok(Arc::get_mut(&mut core).expect("the only reference").place(index, &shape.0, pose.0)?)
+        if index == all.placed.len() {
+            all.placed.try_reserve(1).map_err(|_| memory::missing::<(Py<Shape>, Pose)>(NAME, index + 1))?;
+        }
+        Arc::get_mut(&mut all.core).expect("the only reference").place(index, &shape.get().0, pose.0)?;
+        let placed = (shape.clone().unbind(), pose.0);
+        match all.placed.get_mut(index) {
+            Some(old) => *old = placed,
+            None => all.placed.push(placed),
+        }
+        Ok(())
     }
 
     /// Returns the same obstacles as if the one with this index were not there.
@@ -74,13 +103,50 @@ impl Obstacles {
     ///
     /// Raises:
     ///     ValueError: The index is negative.
+    ///
+    /// Examples:
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> disc = mrs.Shape.disc(1.0)
+    ///     >>> robots = mrs.Obstacles([(disc, (0.0, 0.0, 0.0)), (disc, (4.0, 0.0, 0.0))])
+    ///     >>> grid = mrs.OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+    ///     >>> mrs.clearance(grid, disc, (0.0, 0.0, 0.0), limit=9.0, obstacles=robots.without(0))
+    ///     2.0
+    #[pyo3(signature = (index))]
     fn without(&self, index: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let except = index.map(|index| whole_number("index", index, "at least 0")).transpose()?;
-        Ok(Self { core: Arc::clone(&self.core), except })
+        let left_out = index.map(|index| whole_number("index", index, "at least 0")).transpose()?;
+        Ok(Self { all: Arc::clone(&self.all), left_out })
+    }
+
+    /// All obstacles: a list of pairs (Shape, Pose), with the one that is left out.
+    #[getter]
+    fn placed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let copy = |(shape, pose): &(Py<Shape>, Pose)| (shape.clone_ref(py), super::pose::Pose(*pose));
+        let placed = memory::collected(NAME, self.all.lock().placed.iter().map(copy))?;
+        PyList::new(py, placed)
+    }
+
+    /// Index of the obstacle that is left out; None for none.
+    #[getter]
+    fn left_out(&self) -> Option<usize> {
+        self.left_out
     }
 
     fn __len__(&self) -> usize {
-        self.core.lock().len()
+        self.all.lock().placed.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let left_out = self.left_out.map(|index| format!(", without number {index}")).unwrap_or_default();
+        format!("Obstacles({} placed{left_out})", self.__len__())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (class, placed) = (py.get_type::<Self>(), PyTuple::new(py, [self.placed(py)?])?);
+        match self.left_out {
+            None => Ok((class.into_any(), placed)),
+            Some(index) => Ok((class.call1(placed)?.getattr("without")?, PyTuple::new(py, [index])?)),
+        }
     }
 }
 
@@ -105,32 +171,36 @@ impl ObstaclesArgument {
     /// Returns the obstacles of an argument that is a set of them, `None` if it is something else.
     fn of_set(value: &Bound<'_, PyAny>) -> Option<Self> {
         let set = value.cast::<Obstacles>().ok()?.get();
-        Some(Self { obstacles: Some(Arc::clone(&set.core.lock())), except: set.except })
+        Some(Self { obstacles: Some(Arc::clone(&set.all.lock().core)), except: set.left_out })
     }
 }
 
-/// Returns the obstacles of an iterable of `(Shape, pose)` pairs.
-fn obstacles_of(value: &Bound<'_, PyAny>) -> PyResult<crate::Obstacles> {
-    let placed = items(value, "(Shape, pose)", |item, refuse| {
+/// Returns the pairs of an iterable of `(Shape, pose)`; `name` is that of the argument.
+fn pairs<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Vec<(Bound<'py, Shape>, Pose)>> {
+    items(value, name, "(Shape, pose)", |item, refuse| {
         let (shape, pose) = parts(item, refuse)?;
         Ok((shape, pose.extract::<PoseArgument>()?.0))
-    })?;
-    Ok(crate::Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))?)
+    })
+}
+
+fn set_of(placed: &[(Bound<'_, Shape>, Pose)]) -> Result<crate::Obstacles, Error> {
+    crate::Obstacles::new(placed.iter().map(|(shape, pose)| (&shape.get().0, *pose)))
 }
 
 /// Returns what `read` makes of each item of an iterable; `needed` describes the items in an error.
 fn items<'py, T>(
     value: &Bound<'py, PyAny>,
+    name: &str,
     needed: &str,
     read: impl Fn(&Bound<'py, PyAny>, &dyn Fn(&Bound<'py, PyAny>) -> PyErr) -> PyResult<T>,
 ) -> PyResult<Vec<T>> {
     let refuse = |got: &Bound<'py, PyAny>| {
         let got = type_name(got);
-        PyTypeError::new_err(format!("obstacles must be a sequence of {needed}, got {got}"))
+        PyTypeError::new_err(format!("{name} must be a sequence of {needed}, got {got}"))
     };
     let mut items = Vec::new();
     for item in value.try_iter().map_err(|_| refuse(value))? {
-        memory::push("the obstacles", &mut items, read(&item?, &refuse)?)?;
+        memory::push(NAME, &mut items, read(&item?, &refuse)?)?;
     }
     Ok(items)
 }
@@ -150,7 +220,7 @@ impl<'py> FromPyObject<'_, 'py> for ObstaclesArgument {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         match Self::of_set(&value) {
             Some(argument) => Ok(argument),
-            None => Ok(Self { obstacles: Some(Arc::new(obstacles_of(&value)?)), except: None }),
+            None => Ok(Self { obstacles: Some(Arc::new(set_of(&pairs(&value, "obstacles")?)?)), except: None }),
         }
     }
 }
@@ -224,7 +294,7 @@ impl MovingObstaclesArgument<'_> {
             };
             MovingObstacle { shape: &shape.get().0, course }
         });
-        Ok(memory::collected("the obstacles", obstacles)?)
+        Ok(memory::collected(NAME, obstacles)?)
     }
 }
 
@@ -262,6 +332,6 @@ impl<'py> FromPyObject<'_, 'py> for MovingObstaclesArgument<'py> {
             };
             Ok((shape, motion))
         };
-        Ok(Self::Items(items(&value, needed, read)?))
+        Ok(Self::Items(items(&value, "obstacles", needed, read)?))
     }
 }

@@ -200,6 +200,7 @@ def good() -> dict[str, Any]:
         **dict.fromkeys(("material", "kind"), "glass"),
         **dict.fromkeys(("reflectivity", "return_chance", "return_angle"), 0.5),
         "obstacles": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
+        "placed": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
         "obstacle": None,
         "noise": mrs.BeamModel(),
         "model": mrs.BeamModel(),

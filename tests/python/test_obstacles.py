@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
-from mobile_robot_simulator._core import Obstacles, stays_clear
+from mobile_robot_simulator import Obstacles
+from mobile_robot_simulator._core import stays_clear
 
 DISC = mrs.Shape.disc(0.5)
 
@@ -115,9 +116,9 @@ def test_invalid_places_change_nothing(room: mrs.OccupancyGrid) -> None:
             obstacles.place(index, DISC, pose)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="index must be at least 0, got -2"):
         obstacles.without(-2)
-    with pytest.raises(TypeError, match=r"obstacles must be a sequence of \(Shape, pose\), got int"):
+    with pytest.raises(TypeError, match=r"placed must be a sequence of \(Shape, pose\), got int"):
         Obstacles(3)  # type: ignore[arg-type]
-    assert len(obstacles) == 1
+    assert obstacles.placed == [(DISC, mrs.Pose(2.0, 0.0, 0.0))] and obstacles.left_out is None
     assert mrs.clearance(room, DISC, (0.0, 0.0, 0.0), limit=5.0, obstacles=obstacles) == pytest.approx(1.0)
 
 

@@ -43,6 +43,7 @@ BUILT_WITH = [
     "Limits",
     "Material",
     "MotionNoise",
+    "Obstacles",
     "OccupancyGrid",
     "Pose",
     "RandomStream",

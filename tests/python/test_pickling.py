@@ -63,6 +63,7 @@ OBJECTS = [
         occupied_threshold=50,
         unknown="occupied",
     ),
+    mrs.Obstacles([(mrs.Shape.disc(0.3), (0.1, 2.0, 0.5)), (mrs.Shape.rectangle(0.6, 0.4), (1.0, 0.0, 0.0))]).without(1),
     mrs.Pose(0.1, -0.0, math.pi),
     mrs.RandomStream(2**64 - 1, next_index=12),
     mrs.Shape.disc(0.3),

@@ -330,8 +330,8 @@ class World(Handle):
         for body in self._stepped:
             motion = body.motion
             motion.step(time_ns)
-            if len(self._bodies) > 1 and (index := self._frozen.index_of(body)) is not None:
-                self._frozen.move(index, motion.pose_for_others(time_ns))
+            if len(self._bodies) > 1 and (own := self._frozen.index_of(body)) is not None:
+                self._frozen.move(own, motion.pose_for_others(time_ns))
 
     def _freeze(self) -> None:
         self._stepped = [body for body in self._bodies if body.motion.is_stepped]
