@@ -45,7 +45,7 @@ def ros1_types() -> Typestore:
     return _register_ackermann(types)
 
 
-def to_ros2_bytes(message: Message) -> memoryview:
+def to_ros2_bytes(message: Message) -> bytes:
     """Returns a message in the encoding of ROS 2, little-endian CDR.
 
     Raises:
@@ -53,9 +53,9 @@ def to_ros2_bytes(message: Message) -> memoryview:
         ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
     """
     try:
-        packer = _packer(type(message))  # type: ignore[arg-type]
-        if packer is not None:
-            return memoryview(packer.pack(message))
+        pack = _pack(type(message))  # type: ignore[arg-type]
+        if pack is not None:
+            return pack(message)
     except Exception:  # rosbags says what is wrong
         pass
     try:
@@ -63,7 +63,7 @@ def to_ros2_bytes(message: Message) -> memoryview:
         for name, array_of, dtype in _array_fields(type(message)):  # type: ignore[arg-type]
             if array_of(message).dtype != dtype:
                 raise TypeError(f"{name} must have dtype {dtype}, got {array_of(message).dtype}")
-        return ros2_types().serialize_cdr(message, message.ros_type, little_endian=True)
+        return bytes(ros2_types().serialize_cdr(message, message.ros_type, little_endian=True))
     except KeyError as error:
         raise ValueError(f"{message.ros_type} is not a known ROS type") from error
     except (AttributeError, OverflowError, SerdeError, ValueError, struct.error) as error:
@@ -76,10 +76,10 @@ def to_ros1_bytes(message: Message) -> memoryview:
 
 
 @cache
-def _packer(kind: type[Message]) -> Packer | None:
-    """Returns what packs messages of a class quickly, or None if there is nothing for it."""
+def _pack(kind: type[Message]) -> Callable[[Any], bytes] | None:
+    """Returns a function that packs messages of a class quickly, or None if there is none."""
     try:
-        return Packer(ros2_types(), kind.ros_type)
+        return Packer(ros2_types(), kind.ros_type).pack
     except (KeyError, NotImplementedError):
         return None
 
