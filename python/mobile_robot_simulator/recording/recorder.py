@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from collections import deque
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from operator import index
 from pathlib import Path
 from types import TracebackType
-from typing import NoReturn, get_args
+from typing import Any, NoReturn, get_args
 
 from ..messages import Message
 from ..quoting import quoted
@@ -24,6 +23,7 @@ try:
     from rosbags.interfaces import Connection
 
     from .folder import RECOVER, RecordingFolder
+    from .mcap_storage import Written
     from .recovery import recover
     from .ros1_bag import Ros1Bag
     from .ros2_bag import Ros2Bag
@@ -77,7 +77,8 @@ class Recorder:
             raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {quoted(format)}")
         self._types: dict[str, str] = {}
         self._connections: dict[str, Connection] = {}
-        self._pending: deque[tuple[str, int, memoryview]] = deque()
+        self._pending: list[Any] = []
+        """Topic, time [ns] and bytes of each pending message, one after another. Tuples would cost garbage collections."""
         self._companions = tuple(companions)
         self._complete = self._closed = False
         self._thread = WriterThread()
@@ -117,14 +118,14 @@ class Recorder:
         """
         if self._closed or self._complete:
             raise ValueError(f"the recording {self.path} is closed")
-        time_ns = index(time_ns)
+        time_ns = time_ns if type(time_ns) is int else index(time_ns)
         if not 0 <= time_ns < self._bag.end_of_time:
             raise ValueError(f"time_ns must be at least 0 and below {self._bag.end_of_time}, got {quoted(time_ns)}")
         ros_type = self._types.setdefault(topic, message.ros_type)
         if ros_type != message.ros_type:
             raise ValueError(f"topic {topic} carries {ros_type}, got {message.ros_type}")
-        self._pending.append((topic, time_ns, self._bag.encode(message)))
-        if len(self._pending) >= _BATCH:
+        self._pending += (topic, time_ns, self._bag.encode(message))
+        if len(self._pending) >= 3 * _BATCH:
             self._thread.run(self._write_batch)
 
     def companion(self, name: str) -> Path:
@@ -194,11 +195,16 @@ class Recorder:
             self._break_off(error)
 
     def _write_pending(self) -> None:
-        while self._pending:
-            topic, time_ns, data = self._pending.popleft()
-            if topic not in self._connections:
-                self._connections[topic] = self._bag.connect(topic, self._types[topic])
-            self._bag.write(self._connections[topic], time_ns, data)
+        self._bag.write_all(self._taken())
+
+    def _taken(self) -> Iterator[Written]:
+        """Takes the messages that are pending. Each topic gets a connection before its first message."""
+        pending, connections = iter(self._pending), self._connections
+        self._pending = []
+        for topic, time_ns, data in zip(pending, pending, pending, strict=True):
+            if topic not in connections:
+                connections[topic] = self._bag.connect(topic, self._types[topic])
+            yield connections[topic], time_ns, data
 
     def _end(self) -> None:
         """Completes the recording where it is."""

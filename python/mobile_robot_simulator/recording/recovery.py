@@ -13,6 +13,7 @@ from rosbags.interfaces import Connection
 
 from .complete_messages import Stored, mcap_messages, ros1_messages
 from .folder import NAME, REBUILT, RecordingFolder
+from .mcap_storage import Written
 from .ros1_bag import Ros1Bag
 from .ros2_bag import Ros2Bag
 
@@ -63,12 +64,17 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
 def _copy(messages: Iterator[Stored], bag: Ros1Bag | Ros2Bag) -> int:
     count = 0
     connections: dict[str, Connection] = {}
-    try:
+
+    def connected() -> Iterator[Written]:
+        nonlocal count
         for topic, ros_type, time_ns, data in messages:
             if topic not in connections:
                 connections[topic] = bag.connect(topic, ros_type)
-            bag.write(connections[topic], time_ns, memoryview(data))
+            yield connections[topic], time_ns, data
             count += 1
+
+    try:
+        bag.write_all(connected())
         bag.close()
     except BaseException:
         bag.abort()

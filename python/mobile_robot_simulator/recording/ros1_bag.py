@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from rosbags.rosbag1 import Writer
 from ..messages import Message
 from .folder import NAME
 from .latching import is_latched
+from .mcap_storage import Written
 from .serialization import ros1_types, to_ros1_bytes
 
 
@@ -43,7 +45,7 @@ class Ros1Bag:
         if self._writer.bio is not None:
             self._writer.bio.flush()
 
-    def encode(self, message: Message) -> memoryview:
+    def encode(self, message: Message) -> bytes | memoryview:
         """Returns the bytes of a message."""
         return to_ros1_bytes(message)
 
@@ -52,6 +54,7 @@ class Ros1Bag:
         latching = 1 if is_latched(topic) else None
         return self._writer.add_connection(topic, ros_type, typestore=ros1_types(), latching=latching)
 
-    def write(self, connection: Connection, time_ns: int, data: memoryview) -> None:
-        """Writes a message. ROS 1 has no time 0, so time 0 becomes 1 ns."""
-        self._writer.write(connection, max(time_ns, 1), data)
+    def write_all(self, messages: Iterable[Written]) -> None:
+        """Writes messages, each with its connection and its time [ns]. ROS 1 has no time 0, so time 0 becomes 1 ns."""
+        for connection, time_ns, data in messages:
+            self._writer.write(connection, max(time_ns, 1), data)

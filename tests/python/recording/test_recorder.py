@@ -141,7 +141,7 @@ def test_a_full_disk_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("rosbags.rosbag2.Writer.write", full)
+    monkeypatch.setattr("mobile_robot_simulator.recording.mcap_storage.McapStorage.write_all", full)
     recorder = Recorder(tmp_path)
     recorder.write("/clock", ros.Clock(), 5)
     with pytest.raises(OSError, match="No space left"):
