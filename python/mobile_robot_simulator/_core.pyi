@@ -1329,16 +1329,19 @@ class Fleet:
                    [1.5, 1.8]]), array([[False, False],
                    [False,  True]]))
         """
-    def relative(self, goals: ArrayLike, *, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
-        """Returns the goal of each robot as seen from it.
+    def relative(
+        self, goals: ArrayLike, mask: ArrayLike | None = None, *, out: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Returns the goals of robots as seen from them.
 
         Args:
             goals: (N, 2), the goal (x, y) of each robot in the map frame [m].
-            out: (N, 2) float64, an array for the result. None means a new array.
+            mask: (N,) bool, which robots to look at. None means all. Goals of the other robots are ignored.
+            out: (M, 2) float64, an array for the result. None means a new array.
 
         Returns:
-            (N, 2) float64, which is `out` if it was given: the distance [m], and the bearing in (-π, π] [rad], 0 straight ahead
-            and positive to the left.
+            (M, 2) float64, which is `out` if it was given: for each of the M chosen robots the distance [m], and the bearing in
+            (-π, π] [rad], 0 straight ahead and positive to the left.
 
         Raises:
             ValueError: A shape is wrong, a goal is not finite, or `out` cannot be used.

@@ -32,8 +32,9 @@ impl Fleet {
             return Ok(());
         }
         let rows = positions.chunks_exact_mut(count).zip(rates.chunks_exact_mut(count));
-        for (member, (positions, rates)) in self.in_order().zip(rows) {
-            if let (Some(drive), Some(joints)) = (member.robot.drive(), member.robot.joints()?) {
+        for ((robot, member), (positions, rates)) in self.in_order().enumerate().zip(rows) {
+            let body = self.options.body(robot);
+            if let (Some(drive), Some(joints)) = (body.drive, member.robot.joints(body)?) {
                 let (wheels, Joints { rolled, wheel_rates, angle, rate }) = (drive.wheel_count(), joints);
                 positions[..wheels].copy_from_slice(&rolled[..wheels]);
                 rates[..wheels].copy_from_slice(&wheel_rates[..wheels]);
@@ -53,8 +54,8 @@ impl Fleet {
         if angles.len() != self.len() {
             return Err(Error::Length { name: "angles", value: angles.len(), needed: self.len() });
         }
-        for (angle, member) in angles.iter_mut().zip(self.in_order()) {
-            *angle = member.robot.joints()?.map_or(0.0, |joints| joints.angle);
+        for ((robot, member), angle) in self.in_order().enumerate().zip(angles) {
+            *angle = member.robot.joints(self.options.body(robot))?.map_or(0.0, |joints| joints.angle);
         }
         Ok(())
     }

@@ -1,15 +1,19 @@
 //! A robot of a fleet with its random streams, and what the caller of a step is told about it.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use super::odometer::Odometer;
 use super::robot::{Body, Robot};
 use super::words::{Reader, Writer};
+use super::{FleetOptions, Reset};
 use crate::contact::Contact;
 use crate::error::Error;
 use crate::grid::OccupancyGrid;
 use crate::motion::{MotionNoise, Twist, seconds};
 use crate::pose::Pose;
+use crate::shape::Shape;
 
 /// What a robot touched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,7 +133,7 @@ impl Member {
     }
 
     /// Begins the random streams of another seed.
-    pub fn use_seed(&mut self, seed: u64) {
+    fn use_seed(&mut self, seed: u64) {
         (self.seed, self.scans, self.draws) = (seed, 0, 0);
         self.odometer = Odometer::new(0, 0);
     }
@@ -138,7 +142,7 @@ impl Member {
     ///
     /// # Errors
     /// Those of [`OccupancyGrid::draw_free_poses`].
-    pub fn draw_pose(&mut self, grid: &OccupancyGrid, radius: f64) -> Result<Pose, Error> {
+    fn draw_pose(&mut self, grid: &OccupancyGrid, radius: f64) -> Result<Pose, Error> {
         let mut pose = [[0.0; 3]];
         grid.draw_free_poses(radius, self.seed, self.draws, Some(1), &mut pose)?;
         self.draws = self.draws.wrapping_add(1);
@@ -149,13 +153,51 @@ impl Member {
     ///
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
-    pub fn put(&mut self, pose: Pose, time_ns: i64, body: Body<'_>) -> Result<(), Error> {
+    fn put(&mut self, pose: Pose, time_ns: i64, body: Body<'_>) -> Result<(), Error> {
         self.robot = Robot::new(pose, time_ns, body)?;
         self.odometer = Odometer::new(time_ns, self.odometer.index());
         (self.touch, self.clearance) = (None, f64::NAN);
         self.pose = self.robot.map_pose(body)?.wrapped();
         self.velocity = self.robot.velocity(body)?;
         Ok(())
+    }
+
+    /// Begins an episode: another grid, seed or pose, as a reset says.
+    ///
+    /// # Errors
+    /// - [`Error::Index`]: the grid does not exist.
+    /// - [`Error::Row`]: the pose is not finite.
+    /// - Those of [`OccupancyGrid::draw_free_poses`].
+    pub fn begin(
+        &mut self,
+        robot: usize,
+        time_ns: i64,
+        Reset { poses, seeds, grids }: Reset<'_>,
+        all_grids: &[Arc<OccupancyGrid>],
+        options: &FleetOptions,
+    ) -> Result<(), Error> {
+        if let Some(grids) = grids {
+            self.grid = grids[robot];
+        }
+        let Some(grid) = all_grids.get(self.grid) else {
+            return Err(Error::Index { name: "grid", robot, value: self.grid, count: all_grids.len() });
+        };
+        if let Some(seeds) = seeds {
+            self.use_seed(seeds[robot]);
+        }
+        let pose = match poses.map(|poses| poses[robot]) {
+            Some(value) if !value.iter().all(|number| number.is_finite()) => {
+                return Err(Error::Row { name: "poses", row: robot, value });
+            }
+            Some(pose) => Pose::from(pose),
+            None => self.draw_pose(grid, options.footprint.as_ref().map_or(0.0, Shape::reach) + options.clearance)?,
+        };
+        self.put(pose, time_ns, options.body(robot))
+    }
+
+    /// Notes that a scan was taken, so that the next one has other noise.
+    pub fn end_scan(&mut self) {
+        self.scans = self.scans.wrapping_add(1);
     }
 
     /// Notes a contact, if it is the first one of the step.

@@ -6,23 +6,26 @@ mod member;
 mod odometer;
 mod robot;
 mod rollout;
+mod scan;
 mod step;
 mod words;
 mod worlds;
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::batch::for_each_heavy_chunk_watched;
 use crate::beam_model::BeamModel;
 use crate::contact::ContactMode;
-use crate::error::{Error, check_all_finite, check_number};
+use crate::error::{Error, check_number};
 use crate::free_area::Distances;
 use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
 use crate::memory;
 use crate::motion::{Drive, DriveCommands, Limits, MotionNoise, Twist, nanoseconds};
-use crate::pose::Pose;
-use crate::scanner::{LaserScanner, Shot, ShotNoise};
+use crate::pose::{Pose, rotate};
+use crate::scanner::LaserScanner;
 use crate::shape::Shape;
 use crate::surface::SurfaceModel;
 use command::Command;
@@ -131,6 +134,8 @@ pub struct FleetState {
     /// Indices of the robots in their fleet.
     robots: Vec<usize>,
     members: Vec<Member>,
+    /// The wheels of each robot.
+    drives: Vec<Option<Drive>>,
 }
 
 impl FleetState {
@@ -145,9 +150,10 @@ impl FleetState {
     #[must_use]
     pub fn to_words(&self) -> Vec<u64> {
         let mut words = Writer::default();
-        for (&robot, member) in self.robots.iter().zip(&self.members) {
+        for ((&robot, member), drive) in self.robots.iter().zip(&self.members).zip(&self.drives) {
             words.word(robot as u64);
             member.write(&mut words);
+            words.drive(drive.as_ref());
         }
         words.0
     }
@@ -158,13 +164,17 @@ impl FleetState {
     /// - [`Error::State`]: they are not those of a state.
     /// - [`Error::Number`]: a limit is negative.
     pub fn from_words(words: &[u64]) -> Result<Self, Error> {
-        let (mut robots, mut members) = (Vec::new(), Vec::new());
+        let (mut robots, mut members, mut drives) = (Vec::new(), Vec::new(), Vec::new());
         let mut words = Reader(words.iter());
         while !words.0.as_slice().is_empty() {
             memory::push(ROBOTS, &mut robots, words.at_most(u64::from(u32::MAX))? as usize)?;
-            memory::push(ROBOTS, &mut members, Member::read(&mut words)?)?;
+            let member = Member::read(&mut words)?;
+            let drive = words.drive()?;
+            member.robot.check_drive(drive.as_ref())?;
+            memory::push(ROBOTS, &mut members, member)?;
+            memory::push(ROBOTS, &mut drives, drive)?;
         }
-        Ok(Self { robots, members })
+        Ok(Self { robots, members, drives })
     }
 }
 
@@ -185,9 +195,9 @@ impl FleetOptions {
         Body {
             footprint: self.footprint.as_ref(),
             mode: self.contact,
-            limits: of_robot(&self.limits, robot).copied(),
+            limits: of_robot(&self.limits, robot),
             grip: 1.0 - of_robot(&self.slip, robot).copied().unwrap_or(0.0),
-            drive: of_robot(&self.drives, robot).copied(),
+            drive: of_robot(&self.drives, robot),
         }
     }
 
@@ -397,21 +407,22 @@ impl Fleet {
         self.check_commands(commands, None)?;
         let duration_ns = check_duration(duration)?;
         let distances = self.distances()?;
-        self.prepare_next()?;
+        self.make_next()?;
         let watch = Watch::new();
-        let Self { grids, options, worlds, next, .. } = self;
+        let Self { grids, options, worlds, members, next } = self;
         let scene_of = |world, members: &[Member]| scene(grids, &distances, options, worlds, world, members[0].grid, &watch);
         let mut rest = &mut next[..];
         let mut crowds = memory::with_room(ROBOTS, worlds.all.len())?;
         for world in &worlds.all {
-            let (members, others) = rest.split_at_mut(world.robots.len());
+            let (own, others) = rest.split_at_mut(world.robots.len());
             rest = others;
-            crowds.push((world, members));
+            crowds.push((world, own));
         }
         let weight = WEIGHT * options.effort() * commands.len().div_ceil(crowds.len());
         for_each_heavy_chunk_watched(&watch, threads, &mut crowds, weight, CHUNK, |_, crowds| {
-            for (world, members) in crowds {
-                let scene = scene_of(world, members);
+            for (world, next) in crowds {
+                next.copy_from_slice(&members[world.robots.clone()]);
+                let (scene, members) = (scene_of(world, next), &mut **next);
                 scene.step(members, |robot| Some(Command::of(commands, robot)), duration_ns, &mut None)?;
                 scene.look(members)?;
                 scene.measure_clearance(members)?;
@@ -419,7 +430,8 @@ impl Fleet {
             Ok(())
         })?;
         if let Some(readings) = readings {
-            self.scan_next(|_| true, threads, readings)?;
+            self.scan_members(&self.next, |_| true, threads, readings)?;
+            self.next.iter_mut().for_each(Member::end_scan);
         }
         std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
@@ -435,9 +447,12 @@ impl Fleet {
     /// If the fleet has no scanner.
     pub fn scan(&mut self, mask: &[bool], threads: Option<usize>, readings: &mut [f32]) -> Result<(), Error> {
         self.check_mask(mask)?;
-        self.prepare_next()?;
-        self.scan_next(|robot| mask[robot], threads, readings)?;
-        std::mem::swap(&mut self.members, &mut self.next);
+        self.scan_members(&self.members, |robot| mask[robot], threads, readings)?;
+        for (place, member) in self.members.iter_mut().enumerate() {
+            if mask[self.worlds.order[place]] {
+                member.end_scan();
+            }
+        }
         Ok(())
     }
 
@@ -464,46 +479,31 @@ impl Fleet {
                 return Err(Error::Length { name, value, needed: self.len() });
             }
         }
-        self.prepare_next()?;
-        let Self { grids, options, worlds, next, .. } = self;
-        let radius = options.footprint.as_ref().map_or(0.0, Shape::reach) + options.clearance;
+        let Self { grids, options, worlds, members, .. } = self;
         let watch = Watch::new();
-        let mut times = memory::filled(ROBOTS, 0, next.len())?;
+        let mut changed: Vec<(usize, Member)> = Vec::new();
         for world in &worlds.all {
-            let is_new = worlds.order[world.robots.clone()].iter().all(|&robot| mask[robot]);
-            times[world.robots.clone()].fill(if is_new { 0 } else { next[world.robots.start].robot.time_ns() });
-        }
-        for (place, member) in next.iter_mut().enumerate().filter(|(place, _)| mask[worlds.order[*place]]) {
+            let robots = &worlds.order[world.robots.clone()];
+            if !robots.iter().any(|&robot| mask[robot]) {
+                continue;
+            }
             watch.check()?;
-            let robot = worlds.order[place];
-            if let Some(grid) = reset.grids.map(|grids| grids[robot]) {
-                if grid >= grids.len() {
-                    return Err(Error::Index { name: "grid", robot, value: grid, count: grids.len() });
+            let is_new = robots.iter().all(|&robot| mask[robot]);
+            let time_ns = if is_new { 0 } else { members[world.robots.start].robot.time_ns() };
+            let first = changed.len();
+            for (place, &robot) in world.robots.clone().zip(robots) {
+                let mut member = members[place];
+                if mask[robot] {
+                    member.begin(robot, time_ns, reset, grids, options)?;
                 }
-                member.grid = grid;
+                member.frozen = member.robot.pose_for_others(options.body(robot))?;
+                memory::push(ROBOTS, &mut changed, (place, member))?;
             }
-            if let Some(seeds) = reset.seeds {
-                member.use_seed(seeds[robot]);
-            }
-            let pose = match reset.poses {
-                Some(poses) if !poses[robot].iter().all(|number| number.is_finite()) => {
-                    return Err(Error::Row { name: "poses", row: robot, value: poses[robot] });
-                }
-                Some(poses) => Pose::from(poses[robot]),
-                None => member.draw_pose(&grids[member.grid], radius)?,
-            };
-            member.put(pose, times[place], options.body(robot))?;
+            check_crowd(robots, changed[first..].iter().map(|(_, member)| member))?;
         }
-        for world in &worlds.all {
-            let members = &mut next[world.robots.clone()];
-            if worlds.order[world.robots.clone()].iter().any(|&robot| mask[robot]) {
-                for (member, &robot) in members.iter_mut().zip(&worlds.order[world.robots.clone()]) {
-                    member.frozen = member.robot.pose_for_others(options.body(robot))?;
-                }
-            }
+        for (place, member) in changed {
+            members[place] = member;
         }
-        check_crowds(worlds, next)?;
-        std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
 
@@ -513,15 +513,16 @@ impl Fleet {
     /// [`Error::Length`], [`Error::Memory`].
     pub fn save(&self, mask: &[bool]) -> Result<FleetState, Error> {
         self.check_mask(mask)?;
-        let (mut robots, mut members) = (Vec::new(), Vec::new());
+        let (mut robots, mut members, mut drives) = (Vec::new(), Vec::new(), Vec::new());
         for (robot, member) in self.in_order().enumerate().filter(|(robot, _)| mask[*robot]) {
             memory::push(ROBOTS, &mut robots, robot)?;
             memory::push(ROBOTS, &mut members, *member)?;
+            memory::push(ROBOTS, &mut drives, self.options.body(robot).drive.copied())?;
         }
         for member in &mut members {
             member.robot.look_again();
         }
-        Ok(FleetState { robots, members })
+        Ok(FleetState { robots, members, drives })
     }
 
     /// Puts robots into saved states: those that were saved, or those chosen by `mask`, in their order. One saved state can
@@ -544,79 +545,57 @@ impl Fleet {
             return Err(Error::Length { name: "the state", value: state.members.len(), needed: chosen.len() });
         }
         let members = || (0..chosen.len()).filter_map(|nth| of_robot(&state.members, nth));
-        for (&robot, member) in chosen.iter().zip(members()) {
+        let drives = (0..chosen.len()).filter_map(|nth| of_robot(&state.drives, nth));
+        for ((&robot, member), drive) in chosen.iter().zip(members()).zip(drives) {
             if robot >= self.len() {
                 return Err(Error::NoRobot { robot, count: self.len() });
             }
             if member.grid >= self.grids.len() {
                 return Err(Error::Index { name: "grid", robot, value: member.grid, count: self.grids.len() });
             }
-            if member.robot.drive() != self.options.body(robot).drive {
+            if drive.as_ref() != self.options.body(robot).drive {
                 return Err(Error::OtherDrive { robot });
             }
         }
-        let at = |robot: usize| self.worlds.place_of[robot];
-        self.next.clone_from(&self.members);
+        self.make_next()?;
+        self.next.copy_from_slice(&self.members);
         for (&robot, member) in chosen.iter().zip(members()) {
-            self.next[at(robot)] = *member;
+            self.next[self.worlds.place_of[robot]] = *member;
         }
-        check_crowds(&self.worlds, &self.next)?;
+        for world in &self.worlds.all {
+            check_crowd(&self.worlds.order[world.robots.clone()], self.next[world.robots.clone()].iter())?;
+        }
         std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
 
-    /// Writes the distance \[m\] and the bearing \[rad\] in (-π, π] of a goal `[x, y]` \[m\] for each robot, seen from it: 0 is
-    /// straight ahead, positive is to the left.
+    /// Writes the distance \[m\] and the bearing \[rad\] in (-π, π] of a goal `[x, y]` \[m\] for each chosen robot, seen from it: 0
+    /// is straight ahead, positive is to the left. `goals` has a goal for each robot, `seen` a row for each chosen one.
     ///
     /// # Errors
-    /// - [`Error::Length`]: a list does not have one element for each robot.
-    /// - [`Error::Element`]: a goal is not finite. Nothing is written.
-    pub fn relative(&self, goals: &[[f64; 2]], seen: &mut [[f64; 2]]) -> Result<(), Error> {
-        for (name, value) in [("goals", goals.len()), ("out", seen.len())] {
-            if value != self.len() {
-                return Err(Error::Length { name, value, needed: self.len() });
+    /// - [`Error::Length`]: a list has another length.
+    /// - [`Error::Element`]: the goal of a chosen robot is not finite. Nothing is written.
+    pub fn relative(&self, mask: Option<&[bool]>, goals: &[[f64; 2]], seen: &mut [[f64; 2]]) -> Result<(), Error> {
+        mask.map_or(Ok(()), |mask| self.check_mask(mask))?;
+        let is_chosen = |robot: usize| mask.is_none_or(|mask| mask[robot]);
+        let count = mask.map_or(self.len(), |mask| mask.iter().filter(|&&is_chosen| is_chosen).count());
+        for (name, value, needed) in [("goals", goals.len(), self.len()), ("out", seen.len(), count)] {
+            if value != needed {
+                return Err(Error::Length { name, value, needed });
             }
         }
-        check_all_finite("goals", goals.as_flattened(), 2)?;
-        for ((member, &goal), seen) in self.in_order().zip(goals).zip(seen) {
-            let offset = member.pose.inverse().transform_point(goal.into());
+        let chosen = || goals.iter().enumerate().filter(|(robot, _)| is_chosen(*robot));
+        for (row, goal) in chosen() {
+            if let Some(&value) = goal.iter().find(|number| !number.is_finite()) {
+                return Err(Error::Element { name: "goals", row, value, needed: "finite" });
+            }
+        }
+        for ((robot, &goal), seen) in chosen().zip(seen) {
+            let pose = self.members[self.worlds.place_of[robot]].pose;
+            // The inverse of the pose, applied to the goal, with one rotation for both.
+            let turn = rotate(DVec2::X, -pose.yaw);
+            let offset = turn.rotate(-pose.position) + turn.rotate(goal.into());
             *seen = [offset.length(), libm::atan2(offset.y, offset.x)];
-        }
-        Ok(())
-    }
-
-    /// Writes the next scan of each chosen robot of `next`.
-    fn scan_next(
-        &mut self,
-        is_chosen: impl Fn(usize) -> bool,
-        threads: Option<usize>,
-        readings: &mut [f32],
-    ) -> Result<(), Error> {
-        let Self { grids, options, worlds, next, .. } = self;
-        let scanner = options.scanner.as_ref().expect("a scanner");
-        let watch = Watch::new();
-        let mut scenes = memory::with_room(ROBOTS, worlds.all.len())?;
-        let mut world_of = memory::filled(ROBOTS, 0, next.len())?;
-        for world in &worlds.all {
-            world_of[world.robots.clone()].fill(scenes.len());
-            let members = &next[world.robots.clone()];
-            scenes.push(scene(grids, &[], options, worlds, world, members[0].grid, &watch));
-        }
-        let arounds = scenes.iter().map(|scene| scene.around(&next[scene.world.robots.clone()]));
-        let arounds: Vec<_> = arounds.collect::<Result<_, _>>()?;
-        let chosen = || worlds.place_of.iter().enumerate().filter(|(robot, _)| is_chosen(*robot));
-        let mut shots = Vec::new();
-        for (robot, &place) in chosen() {
-            let (member, number) = (&next[place], world_of[place]);
-            let surface = of_robot(&options.surfaces, robot);
-            let noise = of_robot(&options.noise, robot);
-            let noise = noise.map(|model| ShotNoise { model, surface, seed: member.seed, index: member.scans });
-            let world = scenes[number].world_of(robot, &arounds[number]);
-            memory::push(ROBOTS, &mut shots, Shot { world, map_from_base: member.pose, noise })?;
-        }
-        scanner.scan_each(&shots, threads, readings)?;
-        for (_, &place) in chosen() {
-            next[place].scans = next[place].scans.wrapping_add(1);
         }
         Ok(())
     }
@@ -635,11 +614,11 @@ impl Fleet {
         }
     }
 
-    fn prepare_next(&mut self) -> Result<(), Error> {
+    /// Makes room for the robots after a step.
+    fn make_next(&mut self) -> Result<(), Error> {
         if self.next.is_empty() {
-            self.next = memory::with_room(ROBOTS, self.len())?;
+            self.next = memory::collected(ROBOTS, self.members.iter().copied())?;
         }
-        self.next.clone_from(&self.members);
         Ok(())
     }
 }
@@ -650,17 +629,16 @@ fn check_duration(duration: f64) -> Result<i64, Error> {
     Ok(nanoseconds(check_number("duration", duration, "at least 1e-9 and at most 1e6", is_good)?))
 }
 
-/// Checks that the robots of each world are at the same time and on the same grid.
-fn check_crowds(worlds: &Worlds, members: &[Member]) -> Result<(), Error> {
-    for world in worlds.all.iter().filter(|world| world.robots.len() > 1) {
-        let (robots, members) = (&worlds.order[world.robots.clone()], &members[world.robots.clone()]);
-        for (&robot, member) in robots.iter().zip(members) {
-            if member.robot.time_ns() != members[0].robot.time_ns() {
-                return Err(Error::Clocks { robot, times: [member.time(), members[0].time()] });
-            }
-            if member.grid != members[0].grid {
-                return Err(Error::Worlds { robot: robots[0], other: robot });
-            }
+/// Checks that the robots of a world, with these indices, are at the same time and on the same grid.
+fn check_crowd<'a>(robots: &[usize], members: impl Iterator<Item = &'a Member>) -> Result<(), Error> {
+    let mut first: Option<&Member> = None;
+    for (&robot, member) in robots.iter().zip(members) {
+        let first = *first.get_or_insert(member);
+        if member.robot.time_ns() != first.robot.time_ns() {
+            return Err(Error::Clocks { robot, times: [member.time(), first.time()] });
+        }
+        if member.grid != first.grid {
+            return Err(Error::Worlds { robot: robots[0], other: robot });
         }
     }
     Ok(())

@@ -3,6 +3,8 @@
 //! The trajectory is that of a robot of the Python class `Simulation`, to the last bit: exact under a constant command, and
 //! with contact looked for in time steps of [`STEP_NS`], which end at multiples of it and at each command.
 
+use glam::DVec2;
+
 use super::command::Command;
 use super::words::{Reader, Writer};
 use crate::contact::{Contact, ContactMode, MARGIN, Search, top_speed};
@@ -10,7 +12,7 @@ use crate::error::Error;
 use crate::free_area::Distances;
 use crate::grid::Cell;
 use crate::motion::{Drive, FOREVER, Limits, MAX_WHEELS, Profile, SteeringProfile, Twist, nanoseconds, seconds};
-use crate::pose::Pose;
+use crate::pose::{Pose, rotate};
 use crate::shape::Shape;
 use crate::world::World;
 
@@ -28,11 +30,11 @@ pub struct Body<'a> {
     /// What a contact does to the motion.
     pub mode: ContactMode,
     /// Limits on the velocity of the wheels and its change; `None` for no limits.
-    pub limits: Option<Limits>,
+    pub limits: Option<&'a Limits>,
     /// Share of the motion of the wheels that the robot makes: 1 without slip.
     pub grip: f64,
     /// The wheels of the robot; `None` if it moves in any direction.
-    pub drive: Option<Drive>,
+    pub drive: Option<&'a Drive>,
 }
 
 /// The motion of a robot up to the present.
@@ -42,11 +44,13 @@ pub struct Robot {
     time_ns: i64,
     /// Pose of the odometry frame in the map: the first pose of the robot.
     map_from_odom: Pose,
+    /// Cosine and sine of the yaw of that pose, which are needed in each step.
+    heading: DVec2,
     /// Pose in the odometry frame at the start of the profile.
     start: Pose,
     /// Velocity of the wheels from the last change of velocity on.
     profile: Profile,
-    /// The wheels and how they steer since the last command; `None` without a drive.
+    /// How the wheels steer since the last command; `None` without a drive.
     steering: Option<SteeringProfile>,
     /// Angle by which each wheel had turned at the start of the profile \[rad\]; 0 without a drive.
     rolled: [f64; MAX_WHEELS],
@@ -95,11 +99,14 @@ impl Robot {
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
     pub fn new(map_from_base: Pose, time_ns: i64, body: Body<'_>) -> Result<Self, Error> {
-        let steering = body.drive.map(|drive| SteeringProfile::straight(drive, time_ns));
-        let profile = Profile { limits: body.limits, steering, ..Profile::constant(Twist::default(), time_ns, time_ns) };
+        let steering = body.drive.map(|_| SteeringProfile::straight(time_ns));
+        let profile =
+            Profile { limits: body.limits.copied(), steering, ..Profile::constant(Twist::default(), time_ns, time_ns) };
+        let map_from_odom = map_from_base.checked()?;
         Ok(Self {
             time_ns,
-            map_from_odom: map_from_base.checked()?,
+            map_from_odom,
+            heading: rotate(DVec2::X, map_from_odom.yaw),
             start: Pose::default(),
             profile,
             steering,
@@ -133,9 +140,11 @@ impl Robot {
     /// # Errors
     /// [`Error::State`]: the words are not those of a robot.
     pub fn read(words: &mut Reader<'_>) -> Result<Self, Error> {
+        let (time_ns, map_from_odom) = (words.time_ns()?, words.pose()?);
         Ok(Self {
-            time_ns: words.time_ns()?,
-            map_from_odom: words.pose()?,
+            time_ns,
+            map_from_odom,
+            heading: rotate(DVec2::X, map_from_odom.yaw),
             start: words.pose()?,
             profile: words.profile()?,
             steering: words.steering()?,
@@ -154,20 +163,29 @@ impl Robot {
         self.time_ns
     }
 
-    /// Returns the wheels of the robot; `None` if it moves in any direction.
-    pub fn drive(&self) -> Option<Drive> {
-        self.steering.map(|steering| steering.drive)
+    /// Checks that the robot, as it was read, can be one with this drive.
+    ///
+    /// # Errors
+    /// [`Error::State`]: it steers as no robot with this drive does.
+    pub fn check_drive(&self, drive: Option<&Drive>) -> Result<(), Error> {
+        let can_steer = |profile: &SteeringProfile| drive.is_some_and(|drive| profile.steering.of(drive).is_ok());
+        let steers = [&self.profile.steering, &self.steering].into_iter().flatten().all(can_steer);
+        if steers && self.steering.is_some() == drive.is_some() {
+            Ok(())
+        } else {
+            Err(Error::State { problem: "a steering angle that the drive cannot have" })
+        }
     }
 
     /// Returns the wheels now; `None` without a drive.
     ///
     /// # Errors
     /// [`Error::Number`]: a number is not finite.
-    pub fn joints(&self) -> Result<Option<Joints>, Error> {
-        let Some(steering) = &self.steering else { return Ok(None) };
-        let (angle, rate) = (steering.angle_at(self.time_ns)?, steering.rate_at(self.time_ns)?);
-        let wheel_rates = steering.drive.wheels(self.profile.velocity_at(self.time_ns)?, angle);
-        let rolled = self.rolled_at(self.time_ns, steering)?;
+    pub fn joints(&self, body: Body<'_>) -> Result<Option<Joints>, Error> {
+        let (Some(steering), Some(drive)) = (&self.steering, body.drive) else { return Ok(None) };
+        let (angle, rate) = (steering.angle_at(self.time_ns, drive)?, steering.rate_at(self.time_ns, drive)?);
+        let wheel_rates = drive.wheels(self.profile.velocity_at(self.time_ns, body.drive)?, angle);
+        let rolled = self.rolled_at(self.time_ns, steering, drive)?;
         Ok(Some(Joints { rolled, wheel_rates, angle, rate }))
     }
 
@@ -178,7 +196,7 @@ impl Robot {
     pub fn map_pose(&mut self, body: Body<'_>) -> Result<Pose, Error> {
         let here = self.pose(self.time_ns, body)?;
         self.here = Some(here);
-        Ok(self.map_from_odom * here)
+        Ok(self.in_map(here))
     }
 
     /// Returns the pose in the map frame that others can collide with.
@@ -188,7 +206,7 @@ impl Robot {
     pub fn pose_for_others(&self, body: Body<'_>) -> Result<Pose, Error> {
         match self.reached {
             Some(reached) => Ok(reached),
-            None => Ok(self.map_from_odom * self.pose(self.time_ns, body)?),
+            None => Ok(self.in_map(self.pose(self.time_ns, body)?)),
         }
     }
 
@@ -247,7 +265,7 @@ impl Robot {
     /// # Errors
     /// [`Error::Number`]: the velocity is not finite.
     pub fn velocity(&self, body: Body<'_>) -> Result<Twist, Error> {
-        Ok(self.profile.velocity_at(self.time_ns)?.scaled(body.grip))
+        Ok(self.profile.velocity_at(self.time_ns, body.drive)?.scaled(body.grip))
     }
 
     /// Commands the robot from now on; its wheels, limits and contact decide what it does.
@@ -255,7 +273,7 @@ impl Robot {
     /// # Errors
     /// [`Error::Number`]: a number is not finite.
     pub fn command(&mut self, command: Command, body: Body<'_>) -> Result<(), Error> {
-        let Some(before) = self.steering else {
+        let (Some(before), Some(drive)) = (self.steering, body.drive) else {
             return match command {
                 Command::Move(velocity) => self.follow(velocity, body),
                 Command::Steer { speed, .. } => self.follow(Twist::from([speed, 0.0, 0.0]), body),
@@ -263,12 +281,12 @@ impl Robot {
         };
         let (velocity, goal, rate) = match command {
             Command::Move(wanted) => {
-                let (velocity, goal) = before.drive.command(wanted, before.steering.goal);
+                let (velocity, goal) = drive.command(wanted, before.steering.goal);
                 (velocity, goal, f64::INFINITY)
             }
             Command::Steer { speed, angle, rate } => (Twist::from([speed, 0.0, 0.0]), angle, rate),
         };
-        let steering = before.towards(goal, rate, self.time_ns)?;
+        let steering = before.towards(goal, rate, self.time_ns, drive)?;
         if steering != before {
             (self.steering, self.stuck) = (Some(steering), None);
         }
@@ -355,61 +373,70 @@ impl Robot {
         Ok(contact)
     }
 
+    /// Returns a pose of the odometry frame in the map frame: the product of both poses.
+    fn in_map(&self, pose: Pose) -> Pose {
+        let Self { map_from_odom: Pose { position, yaw }, heading, .. } = self;
+        Pose { position: position + heading.rotate(pose.position), yaw: yaw + pose.yaw }
+    }
+
     /// Returns the pose in the odometry frame at a time \[ns\] from the start of the profile on.
     fn pose(&self, time_ns: i64, body: Body<'_>) -> Result<Pose, Error> {
         if let Some(here) = self.here.filter(|_| time_ns == self.time_ns) {
             return Ok(here);
         }
-        self.profile.move_from(self.start, time_ns, body.grip)
+        self.profile.move_from(self.start, time_ns, body.grip, body.drive)
     }
 
     /// Returns the pose in the odometry frame of wheels that never slipped, at a time \[ns\].
     fn wheel_pose(&self, time_ns: i64, body: Body<'_>) -> Result<Pose, Error> {
-        self.wheels.map_or_else(|| self.pose(time_ns, body), |wheels| self.profile.move_from(wheels, time_ns, 1.0))
+        self.wheels
+            .map_or_else(|| self.pose(time_ns, body), |wheels| self.profile.move_from(wheels, time_ns, 1.0, body.drive))
     }
 
     /// Returns the profile of a robot that follows its command from a time \[ns\] on.
     fn following(&self, time_ns: i64, body: Body<'_>) -> Result<Profile, Error> {
         Ok(Profile {
             start_ns: time_ns,
-            velocity: self.profile.ramp_velocity_at(time_ns)?,
+            velocity: self.profile.ramp_velocity_at(time_ns, body.drive)?,
             command: self.requested,
             until_ns: FOREVER,
-            limits: body.limits,
+            limits: body.limits.copied(),
             steering: self.steering,
         })
     }
 
     /// Returns the angle by which each wheel has turned at a time \[ns\], in radians.
-    fn rolled_at(&self, time_ns: i64, steering: &SteeringProfile) -> Result<[f64; MAX_WHEELS], Error> {
-        let angle = steering.angle_at(self.profile.start_ns)?;
-        let since = self.profile.rolled(time_ns, &steering.drive, angle)?;
+    fn rolled_at(&self, time_ns: i64, steering: &SteeringProfile, drive: &Drive) -> Result<[f64; MAX_WHEELS], Error> {
+        let angle = steering.angle_at(self.profile.start_ns, drive)?;
+        let since = self.profile.rolled(time_ns, drive, angle)?;
         Ok(std::array::from_fn(|wheel| self.rolled[wheel] + since[wheel]))
     }
 
     /// Begins a profile at `pose` in the odometry frame. Default: the pose of the robot.
     fn begin(&mut self, profile: Profile, pose: Option<Pose>, body: Body<'_>) -> Result<(), Error> {
         let time_ns = profile.start_ns;
-        if let Some(steering) = &self.steering {
-            self.rolled = self.rolled_at(time_ns, steering)?;
+        if let (Some(steering), Some(drive)) = (&self.steering, body.drive) {
+            self.rolled = self.rolled_at(time_ns, steering, drive)?;
         }
         let wheels = if self.wheels.is_some() { Some(self.wheel_pose(time_ns, body)?) } else { None };
         let start = match pose {
             Some(pose) => pose,
             None => self.pose(time_ns, body)?,
         };
-        (self.profile, self.wheels, self.start, self.here) = (profile, wheels, start.wrapped(), None);
+        let start = start.wrapped();
+        let here = (time_ns == self.time_ns).then_some(start);
+        (self.profile, self.wheels, self.start, self.here) = (profile, wheels, start, here);
         Ok(())
     }
 
     /// Returns the constant velocity of the robot that moves it in a time step, from a pose in the map frame, as the profile
     /// does.
     fn twist(&self, profile: &Profile, start: Pose, (from, to): (i64, i64), body: Body<'_>) -> Result<Twist, Error> {
-        let first = profile.velocity_at(from)?;
-        if profile.is_constant() {
+        let first = profile.velocity_at(from, body.drive)?;
+        if profile.is_constant(body.drive) {
             return Ok(first.scaled(body.grip));
         }
-        let last = profile.velocity_at(to)?;
+        let last = profile.velocity_at(to, body.drive)?;
         if first == last {
             return Ok(first.scaled(body.grip));
         }
@@ -419,7 +446,7 @@ impl Robot {
             return Ok(mean.scaled(body.grip));
         }
         let begun = if self.is_blocked { self.pose(from, body)? } else { self.start };
-        Ok(Twist::between(start, self.map_from_odom * profile.move_from(begun, to, body.grip)?, duration))
+        Ok(Twist::between(start, self.in_map(profile.move_from(begun, to, body.grip, body.drive)?), duration))
     }
 
     /// Begins the profiles of a step in which contact stopped or deflected the robot.
@@ -431,12 +458,13 @@ impl Robot {
             self.begin(Profile::constant(of_wheels(step.twist, body), step.start_ns, stopped_ns), None, body)?;
             self.begin(standing(step.end_ns), Some(end), body)
         } else if step.reached == step.start {
-            let is_moving = self.profile.velocity_at(step.start_ns)? != Twist::default();
+            let is_moving = self.profile.velocity_at(step.start_ns, body.drive)? != Twist::default();
             if is_moving || self.profile.limits.is_some() {
                 return self.begin(standing(step.start_ns), None, body);
             }
             // Wheels that still steer may lead the robot away.
-            let steers = self.steering.map_or(Ok(0.0), |steering| steering.rate_at(step.start_ns))? != 0.0;
+            let steering = self.steering.as_ref().zip(body.drive);
+            let steers = steering.map_or(Ok(0.0), |(steering, drive)| steering.rate_at(step.start_ns, drive))? != 0.0;
             self.stuck = (!steers).then_some((contact, step.end_ns - step.start_ns));
             Ok(())
         } else {

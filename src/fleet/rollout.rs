@@ -59,8 +59,7 @@ impl Fleet {
         }
         let distances = self.distances()?;
         let (watch, place) = (Watch::new(), self.worlds.place_of[robot]);
-        let number = self.worlds.all.partition_point(|world| world.robots.end <= place);
-        let world = &self.worlds.all[number];
+        let world = &self.worlds.all[self.worlds.world_at[place]];
         let (present, own) = (&self.members[world.robots.clone()], place - world.robots.start);
         let scene = scene(&self.grids, &distances, &self.options, &self.worlds, world, present[own].grid, &watch);
         let (body, weight) = (self.options.body(robot), WEIGHT * steps * present.len());

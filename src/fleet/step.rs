@@ -183,11 +183,16 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// Returns true if nothing ever moves around the only robot of the world.
+    pub fn stands(&self) -> bool {
+        self.world.standing.is_some() && self.world.robots.len() == 1
+    }
+
     /// Returns what is around the robots of the world now.
     ///
     /// # Errors
     /// [`Error::Memory`].
-    pub fn around(&self, members: &[Member]) -> Result<Around<'_>, Error> {
+    pub fn around(&self, members: &[Member]) -> Result<Around<'a>, Error> {
         if let (1, Some(standing)) = (members.len(), &self.world.standing) {
             return Ok(Around::Standing(standing));
         }

@@ -5,7 +5,10 @@ use crate::motion::{Drive, DriveKind, FOREVER, Limits, Profile, Steering, Steeri
 use crate::pose::Pose;
 
 /// Number of words of how a robot on wheels steers.
-const STEERING_WORDS: usize = 12;
+const STEERING_WORDS: usize = 5;
+
+/// Number of words of a drive.
+const DRIVE_WORDS: usize = 8;
 
 /// Writes parts of a state as words.
 #[derive(Debug, Default)]
@@ -42,10 +45,21 @@ impl Writer {
         self.steering(steering.as_ref());
     }
 
-    /// Writes how a robot on wheels steers, and its wheels.
+    /// Writes how a robot on wheels steers.
     pub fn steering(&mut self, steering: Option<&SteeringProfile>) {
-        let Some(SteeringProfile { drive, start_ns, steering }) = steering else {
+        let Some(SteeringProfile { start_ns, steering }) = steering else {
             self.0.extend([0; STEERING_WORDS]);
+            return;
+        };
+        self.word(1);
+        self.word(start_ns.unsigned_abs());
+        self.numbers([steering.angle, steering.goal, steering.rate]);
+    }
+
+    /// Writes the wheels of a robot.
+    pub fn drive(&mut self, drive: Option<&Drive>) {
+        let Some(drive) = drive else {
+            self.0.extend([0; DRIVE_WORDS]);
             return;
         };
         self.word(match drive.kind() {
@@ -56,8 +70,6 @@ impl Writer {
         self.numbers([drive.wheelbase(), drive.track(), drive.wheel_speed_limit()]);
         self.numbers(drive.wheel_radius());
         self.numbers([drive.steering_limit(), drive.steering_rate()]);
-        self.word(start_ns.unsigned_abs());
-        self.numbers([steering.angle, steering.goal, steering.rate]);
     }
 }
 
@@ -119,20 +131,21 @@ impl Reader<'_> {
     }
 
     pub fn steering(&mut self) -> Result<Option<SteeringProfile>, Error> {
+        let (steers, start_ns, [angle, goal, rate]) = (self.flag()?, self.time_ns()?, self.any_numbers()?);
+        Ok(steers.then_some(SteeringProfile { start_ns, steering: Steering { angle, goal, rate } }))
+    }
+
+    pub fn drive(&mut self) -> Result<Option<Drive>, Error> {
         let kind = self.at_most(3)?;
         let [wheelbase, track, speed_limit] = self.any_numbers()?;
         let radius: [f64; 2] = self.any_numbers()?;
         let [limit, turn_rate] = self.any_numbers()?;
-        let (start_ns, [angle, goal, rate]) = (self.time_ns()?, self.any_numbers()?);
         let drive = match kind {
             0 => return Ok(None),
             1 => Drive::differential(track, 1.0),
             2 => Drive::omni(wheelbase, track, 1.0),
             _ => Drive::ackermann(wheelbase, track, 1.0, limit, turn_rate),
         };
-        let drive = drive?.with_radii(radius)?.with_wheel_speed_limit(speed_limit)?;
-        let steering = Steering { angle, goal, rate };
-        steering.of(&drive).map_err(|_| Error::State { problem: "a steering angle that the drive cannot have" })?;
-        Ok(Some(SteeringProfile { drive, start_ns, steering }))
+        Ok(Some(drive?.with_radii(radius)?.with_wheel_speed_limit(speed_limit)?))
     }
 }

@@ -40,6 +40,8 @@ pub struct Worlds {
     pub place_of: Vec<usize>,
     /// The worlds, by their numbers.
     pub all: Vec<FleetWorld>,
+    /// Index in `all` of the world of the robot at each place.
+    pub world_at: Vec<usize>,
     pub obstacles: Vec<FleetObstacle>,
 }
 
@@ -62,12 +64,14 @@ impl Worlds {
         }
         let mut place_of = memory::filled(ROBOTS, 0, count)?;
         order.iter().enumerate().for_each(|(place, &robot)| place_of[robot] = place);
-        let mut found = Self { order, place_of, all: Vec::new(), obstacles };
+        let world_at = memory::with_room(ROBOTS, count)?;
+        let mut found = Self { order, place_of, all: Vec::new(), world_at, obstacles };
         let is_in_each = found.obstacles.iter().all(|obstacle| obstacle.world.is_none());
         let mut first = 0;
         while first < count {
             let number = world_of[found.order[first]];
             let robots = found.order[first..].iter().take_while(|&&robot| world_of[robot] == number).count();
+            found.world_at.resize(first + robots, found.all.len());
             let robots = first..first + robots;
             first = robots.end;
             let world = match found.all.last() {

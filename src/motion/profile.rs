@@ -15,7 +15,7 @@ const NANOSECONDS: f64 = 1e9;
 /// Without limits, the velocity is that of the command from the start until `until_ns`, then zero. With limits, it approaches
 /// the command, and after `until_ns` zero, as fast as they allow.
 ///
-/// With a drive, the wheels do what [`WheelMotion`] says. The velocities are then those that [`Drive::command`] returns.
+/// The drive of the robot is an argument, so that a profile is small. With one, the wheels do what [`WheelMotion`] says. The velocities are then those that [`Drive::command`] returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Profile {
     /// Start time \[ns\].
@@ -28,9 +28,12 @@ pub(crate) struct Profile {
     pub until_ns: i64,
     /// Limits on the velocity and its change; `None` for no limits.
     pub limits: Option<Limits>,
-    /// The drive and how it steers; `None` for a robot that moves in any direction, as its velocity says.
+    /// How the drive steers; `None` for a robot that moves in any direction, as its velocity says.
     pub steering: Option<SteeringProfile>,
 }
+
+/// How wheels steer, and what they are.
+type Wheels<'a> = (&'a SteeringProfile, &'a Drive);
 
 impl Profile {
     /// Returns the profile of a constant velocity from a time \[ns\] until another one, whatever the wheels can do.
@@ -39,18 +42,19 @@ impl Profile {
     }
 
     /// Returns true if the velocity does not change until the command ends.
-    pub fn is_constant(&self) -> bool {
-        self.limits.is_none() && !self.steering.is_some_and(|steering| steering.drive.kind() == DriveKind::Ackermann)
+    pub fn is_constant(&self, drive: Option<&Drive>) -> bool {
+        let steers = self.steering.is_some() && drive.is_some_and(|drive| drive.kind() == DriveKind::Ackermann);
+        self.limits.is_none() && !steers
     }
 
     /// Returns the velocity at a time \[ns\] of a robot whose wheels do not slip.
     ///
     /// # Errors
     /// [`Error::Number`]: a velocity is not finite.
-    pub fn velocity_at(&self, time_ns: i64) -> Result<Twist, Error> {
-        match self.motion_at(time_ns)? {
+    pub fn velocity_at(&self, time_ns: i64, drive: Option<&Drive>) -> Result<Twist, Error> {
+        match self.motion_at(time_ns, drive)? {
             Some((motion, elapsed)) => Ok(motion.velocity(elapsed)),
-            None => self.ramp_velocity_at(time_ns),
+            None => self.ramp_velocity_at(time_ns, drive),
         }
     }
 
@@ -58,8 +62,8 @@ impl Profile {
     ///
     /// # Errors
     /// [`Error::Number`]: a velocity is not finite.
-    pub fn ramp_velocity_at(&self, time_ns: i64) -> Result<Twist, Error> {
-        if let Some((motion, elapsed)) = self.motion_at(time_ns)? {
+    pub fn ramp_velocity_at(&self, time_ns: i64, drive: Option<&Drive>) -> Result<Twist, Error> {
+        if let Some((motion, elapsed)) = self.motion_at(time_ns, drive)? {
             return Ok(motion.ramp_velocity(elapsed));
         }
         let Some(limits) = &self.limits else {
@@ -77,11 +81,11 @@ impl Profile {
     ///
     /// # Errors
     /// [`Error::Number`]: a number or the resulting pose is not finite.
-    pub fn move_from(&self, pose: Pose, time_ns: i64, grip: f64) -> Result<Pose, Error> {
+    pub fn move_from(&self, pose: Pose, time_ns: i64, grip: f64, drive: Option<&Drive>) -> Result<Pose, Error> {
         let (held, after) = (self.held(time_ns), self.seconds_after_end(time_ns));
-        if let Some(steering) = &self.steering {
-            let pose = self.driving(steering)?.integrate(pose, held, grip)?;
-            return if after == 0.0 { Ok(pose) } else { self.released(steering)?.integrate(pose, after, grip) };
+        if let Some(wheels) = self.wheels(drive) {
+            let pose = self.driving(wheels)?.integrate(pose, held, grip)?;
+            return if after == 0.0 { Ok(pose) } else { self.released(wheels)?.integrate(pose, after, grip) };
         }
         let Some(limits) = &self.limits else {
             return integrate(pose, self.command.scaled(grip), held).checked();
@@ -102,36 +106,41 @@ impl Profile {
     /// [`Error::Number`]: a number is not finite.
     pub fn rolled(&self, time_ns: i64, drive: &Drive, angle: f64) -> Result<[f64; MAX_WHEELS], Error> {
         let (held, after) = (self.held(time_ns), self.seconds_after_end(time_ns));
-        let Some(steering) = &self.steering else {
+        let Some(wheels) = self.wheels(Some(drive)) else {
             return Ok(drive.wheels(self.command, angle).map(|rate| rate * held));
         };
-        let mut rolled = self.driving(steering)?.rolled(held)?;
+        let mut rolled = self.driving(wheels)?.rolled(held)?;
         if after != 0.0 {
-            let released = self.released(steering)?.rolled(after)?;
+            let released = self.released(wheels)?.rolled(after)?;
             rolled.iter_mut().zip(released).for_each(|(sum, part)| *sum += part);
         }
         Ok(rolled)
     }
 
     /// Returns the motion of the wheels at a time \[ns\] and the time since it began \[s\]; `None` without a drive.
-    fn motion_at(&self, time_ns: i64) -> Result<Option<(WheelMotion, f64)>, Error> {
-        let Some(steering) = &self.steering else { return Ok(None) };
+    fn motion_at(&self, time_ns: i64, drive: Option<&Drive>) -> Result<Option<(WheelMotion, f64)>, Error> {
+        let Some(wheels) = self.wheels(drive) else { return Ok(None) };
         Ok(Some(if time_ns < self.until_ns {
-            (self.driving(steering)?, self.held(time_ns))
+            (self.driving(wheels)?, self.held(time_ns))
         } else {
-            (self.released(steering)?, self.seconds_after_end(time_ns))
+            (self.released(wheels)?, self.seconds_after_end(time_ns))
         }))
     }
 
+    /// Returns how the wheels steer, and the drive; `None` if the robot moves as its velocity says.
+    fn wheels<'a>(&'a self, drive: Option<&'a Drive>) -> Option<Wheels<'a>> {
+        self.steering.as_ref().zip(drive)
+    }
+
     /// Returns the motion of the wheels while the command is held.
-    fn driving(&self, steering: &SteeringProfile) -> Result<WheelMotion, Error> {
-        steering.moving(self.velocity, self.command, self.limits, self.start_ns)
+    fn driving(&self, (steering, drive): Wheels<'_>) -> Result<WheelMotion, Error> {
+        steering.moving(self.velocity, self.command, self.limits, self.start_ns, drive)
     }
 
     /// Returns the motion of the wheels after the end of the command.
-    fn released(&self, steering: &SteeringProfile) -> Result<WheelMotion, Error> {
-        let velocity = self.driving(steering)?.ramp_velocity(self.held(self.until_ns));
-        steering.moving(velocity, Twist::default(), self.limits, self.until_ns)
+    fn released(&self, (steering, drive): Wheels<'_>) -> Result<WheelMotion, Error> {
+        let velocity = self.driving((steering, drive))?.ramp_velocity(self.held(self.until_ns));
+        steering.moving(velocity, Twist::default(), self.limits, self.until_ns, drive)
     }
 
     /// Returns the time for which the command has been followed \[s\].

@@ -111,7 +111,20 @@ pub fn elements<T: Element + Copy>(name: &str, value: &Bound<'_, PyAny>, count: 
         let needed = count.map_or_else(|| "(N,)".to_owned(), |count| shape(&[count]));
         return Err(PyValueError::new_err(format!("{name} must have shape {needed}, got {}", shape(array.shape()))));
     }
-    Ok(memory::collected(WHAT, array.as_array().iter().copied())?)
+    let view = array.as_array();
+    Ok(match view.as_slice() {
+        Some(elements) => memory::collected(WHAT, elements.iter().copied())?,
+        None => memory::collected(WHAT, view.iter().copied())?,
+    })
+}
+
+/// Returns the rows of an array whose last dimension is 2.
+pub fn pairs(what: &'static str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<[f64; 2]>> {
+    let view = array.as_array();
+    Ok(match view.as_slice() {
+        Some(numbers) => memory::collected(what, numbers.as_chunks().0.iter().copied())?,
+        None => memory::collected(what, view.rows().into_iter().map(|row| [row[0], row[1]]))?,
+    })
 }
 
 /// Returns the numbers of an array of integers of shape `(count,)`, none of them negative.

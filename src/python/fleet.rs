@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use super::arrays::{
-    check_array, elements, fill, length, rows, shape, short_repr, type_name, typed, vector, waypoints, whole_numbers,
+    check_array, elements, fill, length, pairs, rows, shape, short_repr, type_name, typed, vector, waypoints, whole_numbers,
     writable, zeros,
 };
 use super::beam_model::BeamModel;
@@ -732,15 +732,16 @@ impl Fleet {
         Ok(fleet.core.restore(&state.get().0, mask.as_deref())?)
     }
 
-    /// Returns the goal of each robot as seen from it.
+    /// Returns the goals of robots as seen from them.
     ///
     /// Args:
     ///     goals: (N, 2), the goal (x, y) of each robot in the map frame [m].
-    ///     out: (N, 2) float64, an array for the result. None means a new array.
+    ///     mask: (N,) bool, which robots to look at. None means all. Goals of the other robots are ignored.
+    ///     out: (M, 2) float64, an array for the result. None means a new array.
     ///
     /// Returns:
-    ///     (N, 2) float64, which is `out` if it was given: the distance [m], and the bearing in (-π, π] [rad], 0 straight ahead
-    ///     and positive to the left.
+    ///     (M, 2) float64, which is `out` if it was given: for each of the M chosen robots the distance [m], and the bearing in
+    ///     (-π, π] [rad], 0 straight ahead and positive to the left.
     ///
     /// Raises:
     ///     ValueError: A shape is wrong, a goal is not finite, or `out` cannot be used.
@@ -753,10 +754,11 @@ impl Fleet {
     ///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
     ///     >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0)]).relative([(1.0, 3.0)]).round(4)
     ///     array([[2.    , 1.5708]])
-    #[pyo3(signature = (goals, *, out = None))]
+    #[pyo3(signature = (goals, mask = None, *, out = None))]
     fn relative<'py>(
         slf: &Bound<'py, Self>,
         goals: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
         out: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let fleet = borrowed(slf)?;
@@ -766,9 +768,11 @@ impl Fleet {
             let text = format!("goals must have shape ({count}, 2), got {}", shape(goals.shape()));
             return Err(PyValueError::new_err(text));
         }
-        let goals = memory::collected("the goals", goals.as_array().rows().into_iter().map(|row| [row[0], row[1]]))?;
+        let goals = pairs("the goals", &goals)?;
+        let mask = mask.map(|mask| fleet.mask(Some(mask))).transpose()?;
+        let chosen = mask.as_ref().map_or(count, |mask| mask.iter().filter(|&&is_chosen| is_chosen).count());
         let core = &fleet.core;
-        fill(slf.py(), out, &[count, 2], |seen: &mut [f64]| core.relative(&goals, seen.as_chunks_mut().0))
+        fill(slf.py(), out, &[chosen, 2], |seen: &mut [f64]| core.relative(mask.as_deref(), &goals, seen.as_chunks_mut().0))
     }
 
     /// Returns what would happen to one robot under many sequences of commands, for planners such as MPPI. The fleet stays as it is.

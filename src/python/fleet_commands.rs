@@ -1,11 +1,11 @@
 //! Commands for the robots of a fleet, as arrays of NumPy.
 
-use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{Rows, rows, rows_of_rows, shape, typed};
-use crate::{DriveCommands, Fleet, memory};
+use super::arrays::{Rows, pairs, rows, rows_of_rows, shape, typed};
+use crate::{DriveCommands, Fleet};
 
 /// Name of what is read from an array, in an error.
 const WHAT: &str = "the commands of a fleet";
@@ -21,7 +21,7 @@ impl<'py> Commands<'py> {
     pub fn of_robots(value: &Bound<'py, PyAny>, fleet: &Fleet) -> PyResult<Self> {
         let (array, count, steers) = (typed::<f64>("commands", value)?, fleet.len(), fleet.steers());
         match *array.shape() {
-            [rows, 2] if rows == count && steers => steered(&array).map(Self::Steered),
+            [rows, 2] if rows == count && steers => pairs(WHAT, &array).map(Self::Steered),
             [given, 3] if given == count => rows("commands", array.as_any(), None).map(Self::Twists),
             [given, 2] if given == count => Err(crate::Error::Steered.into()),
             _ => {
@@ -35,7 +35,7 @@ impl<'py> Commands<'py> {
     pub fn of_rollouts(value: &Bound<'py, PyAny>, fleet: &Fleet) -> PyResult<(Self, [usize; 2])> {
         let (array, steers) = (typed::<f64>("commands", value)?, fleet.steers());
         match *array.shape() {
-            [count, steps, 2] if steers => Ok((Self::Steered(steered(&array)?), [count, steps])),
+            [count, steps, 2] if steers => Ok((Self::Steered(pairs(WHAT, &array)?), [count, steps])),
             [_, _, 2] => Err(crate::Error::Steered.into()),
             [_, _, 3] => {
                 let (rows, dimensions) = rows_of_rows("commands", array.as_any())?;
@@ -60,9 +60,4 @@ impl<'py> Commands<'py> {
 /// Returns the error for commands of a wrong shape.
 fn wrong_shape(needed: &[String], got: &[usize]) -> PyErr {
     PyValueError::new_err(format!("commands must have shape {}, got {}", needed.join(" or "), shape(got)))
-}
-
-/// Returns the rows of an array whose last dimension is 2.
-fn steered(array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<[f64; 2]>> {
-    Ok(memory::collected(WHAT, array.as_array().rows().into_iter().map(|row| [row[0], row[1]]))?)
 }

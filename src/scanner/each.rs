@@ -3,7 +3,7 @@
 use super::LaserScanner;
 use super::sinks::Noisy;
 use super::surfaces::{Still, Surfaced};
-use crate::batch::{for_each_chunk, thread_count};
+use crate::batch::{for_each_heavy_chunk, thread_count};
 use crate::beam_model::{BeamModel, Sampler};
 use crate::error::Error;
 use crate::pose::Pose;
@@ -54,29 +54,32 @@ impl<'a> Shot<'a> {
 }
 
 impl LaserScanner {
-    /// Writes the readings \[m\] of each scan: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise alone.
+    /// Writes the readings \[m\] of each scan to its row: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise
+    /// alone. There must be a row of `beam_count` elements for each scan.
     ///
     /// Successive scans on the same grid, with the same surface model, are the fastest.
     ///
     /// # Errors
     /// Those of [`scan_batch`](Self::scan_batch).
-    pub(crate) fn scan_each(&self, shots: &[Shot<'_>], threads: Option<usize>, readings: &mut [f32]) -> Result<(), Error> {
+    pub(crate) fn scan_each(
+        &self,
+        shots: &[Shot<'_>],
+        threads: Option<usize>,
+        rows: &mut [&mut [f32]],
+    ) -> Result<(), Error> {
         let beam_count = self.options.beam_count;
-        if readings.len() != shots.len() * beam_count {
-            return Err(Error::Length { name: "out", value: readings.len(), needed: shots.len() * beam_count });
-        }
         let Some(first) = shots.first() else { return Ok(()) };
         for together in shots.chunk_by(Shot::goes_with) {
             self.prepare(together[0].world, together[0].surface(), threads)?;
         }
-        let threads_used = thread_count(threads, readings.len())?;
+        let threads_used = thread_count(threads, rows.len() * beam_count)?;
         let at_a_time = self.caster(first.world)?.fans_per_cast(shots.len(), self.cos.len(), threads_used);
-        for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, mut readings| {
-            let shots = &shots[chunk * at_a_time..][..readings.len() / beam_count];
+        for_each_heavy_chunk(threads, rows, beam_count, at_a_time, |chunk, mut rows| {
+            let shots = &shots[chunk * at_a_time..][..rows.len()];
             for together in shots.chunk_by(Shot::goes_with) {
-                let (own, others) = readings.split_at_mut(together.len() * beam_count);
-                readings = others;
-                self.cast_together(&together.iter().copied(), own.chunks_exact_mut(beam_count))?;
+                let (own, others) = rows.split_at_mut(together.len());
+                rows = others;
+                self.cast_together(&together.iter().copied(), own.iter_mut().map(|row| &mut **row))?;
             }
             Ok(())
         })

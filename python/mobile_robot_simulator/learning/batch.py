@@ -64,7 +64,7 @@ class Batch:
         self._steps = np.zeros(count, np.int64)
         self._space = FreeSpace(task.grids, task.footprint.reach + task.clearance)
         self._scale = np.array(task.max_velocity)
-        self._axes = [0, 2] if len(self._scale) == 2 else [0, 1, 2]
+        self._axes = slice(0, 3, 2 if len(self._scale) == 2 else 1)
         self._commands = np.zeros((count, 3))
         self._disturbances = [task.disturbed({})] * count
         self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
@@ -115,12 +115,12 @@ class Batch:
             self._ranges, self._is_released = self._ranges.copy(), False
         self._ranges[chosen] = self.fleet.scan(mask, threads=self._threads)
         self._steps[chosen] = 0
-        self._seen = self.fleet.relative(self.goals)
+        self._seen[chosen] = self.fleet.relative(self.goals, mask)
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Outcome:
         """Moves all robots by actions (N, A) in [-1, 1] for a step, and judges where they got to."""
         task = self.task
-        self._commands[:, self._axes] = np.clip(actions, -1.0, 1.0) * self._scale
+        np.multiply(np.minimum(np.maximum(actions, -1.0), 1.0), self._scale, out=self._commands[:, self._axes])
         self._step = self.fleet.step(self._commands, task.duration, threads=self._threads, out=self._step)
         assert self._step.ranges is not None
         self._ranges, self._is_released = self._step.ranges, False

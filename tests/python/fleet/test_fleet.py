@@ -429,10 +429,15 @@ def test_a_steering_angle_that_a_drive_cannot_have_is_no_state() -> None:
     drive = mrs.Drive.differential(track=0.3, wheel_radius=0.1)
     fleet = mrs.Fleet(MAPS[0], [(1.0, 1.0, 0.0)], drive=drive)
     words = fleet.save().words.copy()
-    # The steering angle of the profile is nine words after the kind of its drive.
-    (kind, *_) = np.flatnonzero(words[0] == np.float64(0.3).view(np.uint64)) - 2
-    assert words[0, kind] == 1
-    words[0, kind + 9] = np.float64(0.2).view(np.uint64)
+    # The steering angle of the profile is two words before its rate, which is infinite for this drive.
+    (rate, *_) = np.flatnonzero(words[0] == np.float64(np.inf).view(np.uint64))
+    assert words[0, rate - 4 : rate].tolist() == [1, 0, 0, 0]
+    words[0, rate - 2] = np.float64(0.2).view(np.uint64)
+    with pytest.raises(ValueError, match="saved state, got a steering angle that the drive cannot have"):
+        mrs.FleetState(words)
+    words[0, rate - 2] = 0
+    mrs.FleetState(words)
+    words[0, -8] = 0  # no drive
     with pytest.raises(ValueError, match="saved state, got a steering angle that the drive cannot have"):
         mrs.FleetState(words)
 
@@ -464,6 +469,16 @@ def test_goals_are_seen_from_the_robot() -> None:
     (dx, dy), yaw = (goals - fleet.poses[:, :2]).T, fleet.poses[:, 2]
     turned = np.exp(1j * (np.arctan2(dy, dx) - yaw))
     assert np.allclose(fleet.relative(goals), np.stack([np.hypot(dx, dy), np.angle(turned)], axis=1), atol=1e-9)
+
+
+def test_goals_are_seen_from_chosen_robots_only() -> None:
+    fleet, goals = fleet_of(slice(None)), np.random.default_rng(1).uniform(0, 8, (COUNT, 2))
+    all_seen, mask = fleet.relative(goals), np.arange(COUNT) % 7 == 2
+    goals[~mask] = np.nan
+    assert fleet.relative(goals, mask).tobytes() == all_seen[mask].tobytes()
+    assert fleet.relative(goals, np.zeros(COUNT, np.bool_)).shape == (0, 2)
+    with pytest.raises(ValueError, match=r"goals must be finite, got NaN in row 3"):
+        fleet.relative(goals, mask | (np.arange(COUNT) == 3))
 
 
 def test_changed_cells_are_met() -> None:
