@@ -113,6 +113,20 @@ pub enum Error {
         /// Its time, and that of another robot of its world \[s\].
         times: [f64; 2],
     },
+    /// There is no obstacle with this index.
+    #[error("the obstacle must be below {count}, got {obstacle}")]
+    NoObstacle {
+        /// Index given.
+        obstacle: usize,
+        /// Number of obstacles.
+        count: usize,
+    },
+    /// An obstacle that is to be replaced is in each world.
+    #[error("an obstacle that is replaced must be in one world, got obstacle {obstacle}, which is in each world")]
+    EachWorld {
+        /// Index of the obstacle.
+        obstacle: usize,
+    },
     /// An obstacle in a world that no robot is in.
     #[error("obstacle {obstacle} must be in the world of a robot, got world {world}, which has none")]
     NoWorld {

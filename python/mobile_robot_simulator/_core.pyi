@@ -1120,7 +1120,7 @@ class Fleet:
         surfaces: SurfaceModel | Sequence[SurfaceModel] | None = None,
         odometry_noise: MotionNoise | Sequence[MotionNoise] | None = None,
         world_of: ArrayLike | None = None,
-        obstacles: Iterable[tuple[Shape, _Trajectory] | tuple[Shape, _Trajectory, int | None]] = (),
+        obstacles: Iterable[tuple[Shape, _Trajectory | None] | tuple[Shape, _Trajectory | None, int | None]] = (),
         clearance: float = 0.0,
         clearance_limit: float | None = None,
     ) -> Self: ...
@@ -1237,6 +1237,30 @@ class Fleet:
             >>> fleet.reset(seeds=[1, 2, 3])
             >>> (fleet.poses == first).all()
             np.True_
+        """
+    def replace_obstacles(self, obstacles: Iterable[tuple[int, Shape, _Trajectory | None]]) -> None:
+        """Replaces obstacles, for example by those of the next episode of a robot. They keep their indices and worlds.
+
+        Args:
+            obstacles: Tuples (index, Shape, trajectory), with the index of an obstacle that was given for one world. A trajectory
+                is that of the constructor: a pose, waypoints, or None if the obstacle is not there.
+
+        Raises:
+            ValueError: There is no such obstacle, it is in each world, or a trajectory is invalid. Nothing changes.
+            TypeError: An argument has the wrong type.
+            RuntimeError: Another thread uses the fleet.
+
+        Examples:
+            Two robots in worlds of their own; an obstacle is put before the second one:
+
+            >>> import numpy as np
+            >>> import mobile_robot_simulator as mrs
+            >>> grid, disc = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0), mrs.Shape.disc(0.5)
+            >>> obstacles = [(disc, None, 0), (disc, None, 1)]
+            >>> fleet = mrs.Fleet(grid, [(1.0, 4.0, 0.0)] * 2, footprint=disc, obstacles=obstacles)
+            >>> fleet.replace_obstacles([(1, disc, (3.0, 4.0, 0.0))])
+            >>> fleet.step([(1.0, 0.0, 0.0)] * 2, 2.0).poses[:, 0].round(3)
+            array([3., 2.])
         """
     def save(self, mask: ArrayLike | None = None) -> FleetState:
         """Returns the state of robots, for `restore`: motion, contact, random streams and map.
@@ -1430,8 +1454,11 @@ class Fleet:
     def world_of(self) -> NDArray[np.uint64]:
         """Number of the world of each robot: (N,) uint64, a new array."""
     @property
-    def obstacles(self) -> list[tuple[Shape, NDArray[np.float64], int | None]]:
-        """The obstacles: a list of (Shape, waypoints, world), with (K, 4) float64 and the number of the world, or None for all."""
+    def obstacles(self) -> list[tuple[Shape, NDArray[np.float64] | None, int | None]]:
+        """The obstacles: a list of (Shape, waypoints, world).
+
+        The waypoints are (K, 4) float64, or None if the obstacle is not there; the world is its number, or None for all.
+        """
     @property
     def clearance_limit(self) -> float | None:
         """Distance up to which the clearance of the robots is measured after each step [m]; None to not measure it."""

@@ -24,6 +24,7 @@ use crate::grid::OccupancyGrid;
 use crate::interrupt::Watch;
 use crate::memory;
 use crate::motion::{Drive, DriveCommands, Limits, MotionNoise, Twist, nanoseconds};
+use crate::obstacles::Trajectory;
 use crate::pose::{Pose, rotate};
 use crate::scanner::LaserScanner;
 use crate::shape::Shape;
@@ -370,6 +371,22 @@ impl Fleet {
     #[must_use]
     pub fn obstacles(&self) -> &[FleetObstacle] {
         &self.worlds.obstacles
+    }
+
+    /// Replaces obstacles: tuples of the index of an obstacle that is in one world, its shape, and its trajectory from now on, or
+    /// `None` if it is not there. If there is an error, nothing has changed.
+    ///
+    /// # Errors
+    /// - [`Error::NoObstacle`]: there is no obstacle with an index.
+    /// - [`Error::EachWorld`]: an obstacle is in each world.
+    /// - [`Error::Memory`].
+    pub fn replace_obstacles(&mut self, changes: Vec<(usize, Shape, Option<Trajectory>)>) -> Result<(), Error> {
+        for world in self.worlds.replace(changes)? {
+            for member in &mut self.members[self.worlds.all[world].robots.clone()] {
+                member.robot.look_again();
+            }
+        }
+        Ok(())
     }
 
     /// Iterates over the robots in their order.

@@ -10,11 +10,10 @@ use super::words::{Reader, Writer};
 use crate::contact::{Contact, ContactMode, MARGIN, Search, top_speed};
 use crate::error::Error;
 use crate::free_area::Distances;
-use crate::grid::Cell;
+use crate::grid::{Cell, OccupancyGrid};
 use crate::motion::{Drive, FOREVER, Limits, MAX_WHEELS, Profile, SteeringProfile, Twist, nanoseconds, seconds};
 use crate::pose::{Pose, rotate};
 use crate::shape::Shape;
-use crate::world::World;
 
 /// Time step in which contact is looked for \[ns\].
 pub const STEP_NS: i64 = 20_000_000;
@@ -225,29 +224,33 @@ impl Robot {
 
     /// Moves the robot towards a time \[ns\] without a look for contact, as long as it can meet no wall and no obstacle.
     ///
-    /// `distances` are those of the grid. It ends at `end_ns` or at a multiple of [`STEP_NS`].
+    /// `distances` are those of the grid. Given a position, `to_obstacles` returns the distance \[m\] in which there is no
+    /// obstacle until `end_ns`. The robot ends at `end_ns` or at a multiple of [`STEP_NS`].
     ///
     /// # Errors
     /// [`Error::Number`]: the pose is not finite.
-    pub fn skip(&mut self, end_ns: i64, body: Body<'_>, world: World<'_>, distances: &Distances) -> Result<(), Error> {
+    pub fn skip(
+        &mut self,
+        end_ns: i64,
+        body: Body<'_>,
+        (grid, distances): (&OccupancyGrid, &Distances),
+        to_obstacles: impl Fn(DVec2) -> f64,
+    ) -> Result<(), Error> {
         let (Some(footprint), false) = (body.footprint, self.is_blocked) else { return Ok(()) };
         let position = self.map_pose(body)?.position;
-        let at = world.grid.to_cells(position);
-        let Some(Cell { col, row }) = world.grid.cell_around(at) else { return Ok(()) };
+        let at = grid.to_cells(position);
+        let Some(Cell { col, row }) = grid.cell_around(at) else { return Ok(()) };
         let speed = top_speed([self.profile.velocity, self.profile.command]);
         // In each time step a robot follows an arc between two poses of its path, which is less than twice as long as the path.
         let reach = footprint.reach() + MARGIN + speed * seconds(STEP_NS);
         let needed = reach + speed * seconds(end_ns - self.time_ns);
-        let resolution = world.grid.resolution();
+        let resolution = grid.resolution();
         let to_walls = if distances.is_clear(col, row, needed / resolution) {
             needed
         } else {
             distances.clearance(at, needed / resolution) * resolution
         };
-        let free = world.obstacles.bodies().iter().fold(to_walls, |free, body| {
-            let (middle, reach) = body.bounds();
-            free.min(middle.distance(position) - reach)
-        });
+        let free = to_walls.min(to_obstacles(position));
         let free_ns = if free < needed {
             let safe_ns = self.time_ns + nanoseconds(((free - reach) / speed).max(0.0));
             safe_ns - safe_ns % STEP_NS

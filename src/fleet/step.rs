@@ -1,10 +1,12 @@
 //! One step of a world: its robots move one after another, in time steps, as in the Python class `World`.
 
+use glam::DVec2;
+
 use super::FleetOptions;
 use super::command::Command;
 use super::member::{Member, Thing};
 use super::robot::STEP_NS;
-use super::worlds::{FleetWorld, Worlds};
+use super::worlds::{FleetObstacle, FleetWorld, Worlds};
 use crate::contact::{Search, clearance};
 use crate::error::Error;
 use crate::free_area::Distances;
@@ -89,17 +91,32 @@ impl<'a> Scene<'a> {
             }
             return Ok(());
         }
-        let mut around = self.frozen(members)?;
+        let mut around = None;
         while members[0].robot.time_ns() < end_ns {
+            if let ([member], Some(distances)) = (&mut *members, self.distances) {
+                let now_ns = member.robot.time_ns();
+                let free = |position| self.free_of_moving(position, now_ns - now_ns % STEP_NS, end_ns);
+                member.robot.skip(end_ns, self.options.body(self.robots()[0]), (self.grid, distances), free)?;
+                if member.robot.time_ns() == end_ns {
+                    break;
+                }
+                if member.robot.time_ns() != now_ns {
+                    around = None;
+                }
+            }
+            let around = match &mut around {
+                Some(around) => around,
+                around => around.insert(self.frozen(members)?),
+            };
             let (next_ns, is_whole) = next_time(members[0].robot.time_ns(), end_ns);
             if is_whole {
-                self.place_obstacles(&mut around, next_ns)?;
+                self.place_obstacles(around, next_ns)?;
             }
             for (place, (member, &robot)) in members.iter_mut().zip(self.robots()).enumerate() {
                 self.watch.check()?;
                 let index = self.world.obstacles.len() + place;
                 let body = self.options.body(robot);
-                let world = World { grid: self.grid, obstacles: &around, except: Some(index) };
+                let world = World { grid: self.grid, obstacles: around, except: Some(index) };
                 let mut search = body.footprint.map(|footprint| Search::new(world, footprint));
                 let contact = member.robot.advance(next_ns, body, search.as_mut())?;
                 if let Some(contact) = contact {
@@ -134,7 +151,14 @@ impl<'a> Scene<'a> {
         while member.robot.time_ns() < end_ns {
             self.watch.check()?;
             if let Some(distances) = self.distances {
-                member.robot.skip(end_ns, body, world, distances)?;
+                let free = |position: DVec2| {
+                    let gaps = standing.bodies().iter().map(|body| {
+                        let (middle, reach) = body.bounds();
+                        middle.distance(position) - reach
+                    });
+                    gaps.fold(f64::INFINITY, f64::min)
+                };
+                member.robot.skip(end_ns, body, (self.grid, distances), free)?;
                 if member.robot.time_ns() == end_ns {
                     break;
                 }
@@ -165,10 +189,23 @@ impl<'a> Scene<'a> {
         Ok(around)
     }
 
+    /// Returns the distance \[m\] from a position in which there is no obstacle between two times \[ns\].
+    fn free_of_moving(&self, position: DVec2, from_ns: i64, to_ns: i64) -> f64 {
+        let (from, to) = (seconds(from_ns), seconds(to_ns));
+        let gaps = self.world.obstacles.iter().filter_map(|&index| {
+            let FleetObstacle { shape, trajectory, .. } = &self.worlds.obstacles[index];
+            let trajectory = trajectory.as_ref()?;
+            Some(trajectory.pose_at(from).position.distance(position) - shape.reach() - trajectory.travel(from, to))
+        });
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
     fn place_obstacles(&self, around: &mut Obstacles, time_ns: i64) -> Result<(), Error> {
         for (place, &index) in self.world.obstacles.iter().enumerate() {
-            let obstacle = &self.worlds.obstacles[index];
-            around.place(place, &obstacle.shape, obstacle.trajectory.pose_at(seconds(time_ns)))?;
+            let FleetObstacle { shape, trajectory, .. } = &self.worlds.obstacles[index];
+            if let Some(trajectory) = trajectory {
+                around.place(place, shape, trajectory.pose_at(seconds(time_ns)))?;
+            }
         }
         Ok(())
     }

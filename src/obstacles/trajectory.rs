@@ -48,6 +48,20 @@ impl Trajectory {
         self.waypoints.iter().map(|&(time, Pose { position, yaw })| [time, position.x, position.y, yaw])
     }
 
+    /// Returns the length of the path \[m\] between two times \[s\], or more.
+    #[must_use]
+    pub fn travel(&self, from: f64, to: f64) -> f64 {
+        let parts =
+            self.waypoints.windows(2).skip(self.waypoints.partition_point(|&(time, _)| time <= from).saturating_sub(1));
+        let parts = parts.take_while(|parts| parts[0].0 < to);
+        let length = |parts: &[(f64, Pose)]| {
+            let ((start, first), (end, last)) = (parts[0], parts[1]);
+            first.position.distance(last.position) * ((to.min(end) - from.max(start)) / (end - start)).clamp(0.0, 1.0)
+        };
+        // More, so that it does not fall short by a rounding error.
+        parts.map(length).sum::<f64>() * (1.0 + 1e-9)
+    }
+
     /// Returns the pose at a time \[s\].
     #[must_use]
     pub fn pose_at(&self, time: f64) -> Pose {
@@ -61,5 +75,27 @@ impl Trajectory {
             position: first.position + share * (last.position - first.position),
             yaw: first.yaw + share * (last.yaw - first.yaw),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_between_two_times_is_that_of_many_small_steps() {
+        let way = Trajectory::new(&[[1.0, 0.0, 0.0, 0.0], [2.0, 3.0, 4.0, 1.0], [4.0, 3.0, 4.0, 0.0], [5.0, 3.0, 0.0, 0.0]]);
+        let way = way.expect("waypoints");
+        let stepped = |from: f64, to: f64| {
+            let at = |step: u32| way.pose_at(from + (to - from) * f64::from(step) / 10_000.0).position;
+            (0..10_000).map(|step| at(step).distance(at(step + 1))).sum::<f64>()
+        };
+        for from in [0.0, 1.0, 1.3, 2.0, 3.0, 4.5, 5.0, 9.0] {
+            for to in [0.5, 1.0, 1.7, 3.9, 4.0, 4.7, 5.0, 6.0].into_iter().filter(|&to| to >= from) {
+                assert!((way.travel(from, to) - stepped(from, to)).abs() < 2e-3, "{from} {to}");
+            }
+        }
+        assert_eq!(way.travel(2.0, 4.0), 0.0);
+        assert_eq!(Trajectory::standing(Pose::default()).travel(0.0, 9.0), 0.0);
     }
 }

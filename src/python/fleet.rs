@@ -670,6 +670,33 @@ impl Fleet {
         Ok(slf.py().detach(|| core.reset(&mask, reset))?)
     }
 
+    /// Replaces obstacles, for example by those of the next episode of a robot. They keep their indices and worlds.
+    ///
+    /// Args:
+    ///     obstacles: Tuples (index, Shape, trajectory), with the index of an obstacle that was given for one world. A trajectory
+    ///         is that of the constructor: a pose, waypoints, or None if the obstacle is not there.
+    ///
+    /// Raises:
+    ///     ValueError: There is no such obstacle, it is in each world, or a trajectory is invalid. Nothing changes.
+    ///     TypeError: An argument has the wrong type.
+    ///     RuntimeError: Another thread uses the fleet.
+    ///
+    /// Examples:
+    ///     Two robots in worlds of their own; an obstacle is put before the second one:
+    ///
+    ///     >>> import numpy as np
+    ///     >>> import mobile_robot_simulator as mrs
+    ///     >>> grid, disc = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0), mrs.Shape.disc(0.5)
+    ///     >>> obstacles = [(disc, None, 0), (disc, None, 1)]
+    ///     >>> fleet = mrs.Fleet(grid, [(1.0, 4.0, 0.0)] * 2, footprint=disc, obstacles=obstacles)
+    ///     >>> fleet.replace_obstacles([(1, disc, (3.0, 4.0, 0.0))])
+    ///     >>> fleet.step([(1.0, 0.0, 0.0)] * 2, 2.0).poses[:, 0].round(3)
+    ///     array([3., 2.])
+    fn replace_obstacles(slf: &Bound<'_, Self>, obstacles: &Bound<'_, PyAny>) -> PyResult<()> {
+        let changes = replacements(obstacles)?;
+        Ok(borrowed(slf)?.core.replace_obstacles(changes)?)
+    }
+
     /// Returns the state of robots, for `restore`: motion, contact, random streams and map.
     ///
     /// Args:
@@ -1019,13 +1046,17 @@ impl Fleet {
         Ok(vector(slf.py(), world_of).into_any())
     }
 
-    /// The obstacles: a list of (Shape, waypoints, world), with (K, 4) float64 and the number of the world, or None for all.
+    /// The obstacles: a list of (Shape, waypoints, world).
+    ///
+    /// The waypoints are (K, 4) float64, or None if the obstacle is not there; the world is its number, or None for all.
     #[getter]
     fn obstacles<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<ObstacleTuple<'py>>> {
         let fleet = borrowed(slf)?;
         let read = |obstacle: &FleetObstacle| {
-            let rows: Vec<[f64; 4]> = obstacle.trajectory.waypoints().collect();
-            let rows = Array2::from(rows).into_pyarray(slf.py()).into_any();
+            let rows = obstacle.trajectory.as_ref().map(|trajectory| {
+                let rows: Vec<[f64; 4]> = trajectory.waypoints().collect();
+                Array2::from(rows).into_pyarray(slf.py()).into_any()
+            });
             (Shape(obstacle.shape.clone()), rows, obstacle.world)
         };
         Ok(fleet.core.obstacles().iter().map(read).collect())
@@ -1097,7 +1128,7 @@ impl Fleet {
 }
 
 /// An obstacle with its waypoints and the number of its world.
-type ObstacleTuple<'py> = (Shape, Bound<'py, PyAny>, Option<u64>);
+type ObstacleTuple<'py> = (Shape, Option<Bound<'py, PyAny>>, Option<u64>);
 
 /// Returns the fleet for one call.
 fn borrowed<'py>(fleet: &Bound<'py, Fleet>) -> PyResult<PyRefMut<'py, Fleet>> {
@@ -1165,17 +1196,43 @@ fn obstacles_of(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<FleetObstacle>> {
         }
         .map_err(|_| refused(&item))?;
         let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
-        let trajectory = match trajectory.extract::<PoseArgument>() {
-            Ok(pose) => Trajectory::standing(pose.0),
-            Err(_) if typed::<f64>("the pose of an obstacle", &trajectory)?.ndim() == 1 => {
-                let needed = "the pose of an obstacle must be three finite numbers (x, y, yaw)";
-                return Err(PyValueError::new_err(format!("{needed}, got {}", short_repr(&trajectory))));
-            }
-            Err(_) => Trajectory::new(&waypoints("the waypoints of an obstacle", &trajectory)?)?,
-        };
+        let trajectory = trajectory_of(&trajectory)?;
         let world = world.filter(|world| !world.is_none());
         let world = world.map(|world| whole_number("the world of an obstacle", &world, "in 0..2**64 - 1")).transpose()?;
         memory::push("the obstacles", &mut found, FleetObstacle { shape, trajectory, world })?;
+    }
+    Ok(found)
+}
+
+/// Returns the trajectory of an argument that is a pose, waypoints or `None`.
+fn trajectory_of(trajectory: &Bound<'_, PyAny>) -> PyResult<Option<Trajectory>> {
+    if trajectory.is_none() {
+        return Ok(None);
+    }
+    match trajectory.extract::<PoseArgument>() {
+        Ok(pose) => Ok(Some(Trajectory::standing(pose.0))),
+        Err(_) if typed::<f64>("the pose of an obstacle", trajectory)?.ndim() == 1 => {
+            let needed = "the pose of an obstacle must be three finite numbers (x, y, yaw)";
+            Err(PyValueError::new_err(format!("{needed}, got {}", short_repr(trajectory))))
+        }
+        Err(_) => Ok(Some(Trajectory::new(&waypoints("the waypoints of an obstacle", trajectory)?)?)),
+    }
+}
+
+/// Returns the obstacles of an argument: an iterable of `(index, Shape, trajectory)`.
+fn replacements(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<(usize, crate::Shape, Option<Trajectory>)>> {
+    let refused = |got: &Bound<'_, PyAny>| {
+        let needed = "obstacles must be (index, Shape, trajectory), with a pose, waypoints or None";
+        PyTypeError::new_err(format!("{needed}, got {}", short_repr(got)))
+    };
+    let mut found = Vec::new();
+    for item in obstacles.len().and_then(|_| obstacles.try_iter()).map_err(|_| refused(obstacles))? {
+        let item = item?;
+        let (index, shape, trajectory) =
+            item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>().map_err(|_| refused(&item))?;
+        let index = whole_number("the index of an obstacle", &index, "at least 0")?;
+        let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
+        memory::push("the obstacles", &mut found, (index, shape, trajectory_of(&trajectory)?))?;
     }
     Ok(found)
 }

@@ -9,8 +9,9 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Fleet, FleetStep
+from .._core import Fleet, FleetStep, Shape
 from .free_space import FreeSpace
+from .moving_discs import MovingDiscs
 from .task import NavigationTask
 
 Observations = dict[str, NDArray[np.float32]]
@@ -68,6 +69,12 @@ class Batch:
         self._commands = np.zeros((count, 3))
         self._disturbances = [task.disturbed({})] * count
         self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
+        episode = task.step_limit * task.duration
+        self._discs = None if task.obstacles is None else MovingDiscs(task.obstacles, self._space, episode)
+        absent = [] if self._discs is None else self._discs.absent
+        self._obstacles: list[tuple[Shape, NDArray[np.float64] | None, int]] = [
+            (*disc, index) for index in range(count) for disc in absent
+        ]
         probe = np.random.default_rng(0)
         for world in range(len(task.grids)):
             self._drawn(np.array([world]), [probe])
@@ -98,6 +105,7 @@ class Batch:
         self._seeds[chosen] = (head[:, 1] * 2.0**53).astype(np.uint64)
         poses = np.zeros((len(mask), 3))
         poses[chosen], self.goals[chosen] = self._drawn(self._worlds[chosen], generators)
+        moved = self._draw_discs(chosen, poses, generators)
         if ranges:
             poses[~mask] = self.fleet.poses[~mask]
             for index, numbers in zip(chosen.tolist(), head[:, 2:].tolist(), strict=True):
@@ -111,6 +119,7 @@ class Batch:
             self.fleet.restore(kept)
         else:
             self.fleet.reset(mask, poses=poses, seeds=self._seeds, grids=self._worlds)
+            self.fleet.replace_obstacles(moved)
         if self._is_released:
             self._ranges, self._is_released = self._ranges.copy(), False
         self._ranges[chosen] = self.fleet.scan(mask, threads=self._threads)
@@ -153,6 +162,27 @@ class Batch:
         """Leaves the arrays of the last observations to the caller: nothing changes them any more."""
         self._step, self._is_released = None, True
 
+    def discs(self, index: int) -> list[tuple[float, float, float]]:
+        """Returns the discs that are in a world now: centres x and y in the map frame, and radii [m]."""
+        each, time = len(self._obstacles) // len(self._steps), self.fleet.times[index]
+        present = [(shape, way) for shape, way, _ in self._obstacles[index * each :][:each] if way is not None]
+        at = [[float(np.interp(time, way[:, 0], way[:, axis])) for axis in (1, 2)] for _, way in present]
+        return [(x, y, shape.reach) for (x, y), (shape, _) in zip(at, present, strict=True)]
+
+    def _draw_discs(
+        self, chosen: NDArray[np.intp], poses: NDArray[np.float64], generators: Sequence[np.random.Generator]
+    ) -> list[tuple[int, Shape, NDArray[np.float64] | None]]:
+        """Draws the discs of new episodes, and returns them with their indices in the fleet."""
+        if self._discs is None:
+            return []
+        moved: list[tuple[int, Shape, NDArray[np.float64] | None]] = []
+        drawn = self._discs.draw(self._worlds[chosen], poses[chosen], self.goals[chosen], generators)
+        for index, discs in zip(chosen.tolist(), drawn, strict=True):
+            for slot, disc in enumerate(discs, start=index * len(discs)):
+                self._obstacles[slot] = (*disc, index)
+                moved.append((slot, *disc))
+        return moved
+
     def _drawn(
         self, worlds: NDArray[np.intp], generators: Sequence[np.random.Generator]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -189,4 +219,5 @@ class Batch:
             slip=[each.slip for each in of_robots] if is_random else None,
             scanner=task.scanner,
             noise=noise or None,
+            obstacles=self._obstacles,
         )

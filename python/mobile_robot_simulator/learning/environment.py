@@ -61,6 +61,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self.observation_space = observation_space(self.task)
         self.action_space = action_space(self.task)
         self._batch = Batch(self.task, 1, threads)
+        self._is_closed = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins an episode: a world, a start and a goal drawn at random.
@@ -71,7 +72,11 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
         Returns:
             The observation, and `info`.
+
+        Raises:
+            gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
+        self._check_open()
         super().reset(seed=seed)
         self._batch.generators = [self.np_random]
         self._batch.reset(np.array([True]))
@@ -90,7 +95,9 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
             ValueError: The action has the wrong shape, or is not finite.
             TypeError: The action is no array of numbers.
             gymnasium.error.ResetNeeded: `reset` was never called.
+            gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
+        self._check_open()
         if not self._batch.generators:
             raise gymnasium.error.ResetNeeded("the environment must be reset before its first step, got a step")
         shape = (1, len(self.task.max_velocity))
@@ -106,7 +113,16 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """Returns a picture of world, robot, scan and goal, (256, 256, 3) uint8; None without a render mode."""
+        self._check_open()
         return None if self.render_mode is None else frame_of(self._batch, 0)
+
+    def close(self) -> None:
+        """Closes the environment: no other method may be called then. It may be closed twice."""
+        self._is_closed = True
+
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise gymnasium.error.ClosedEnvironmentError("the environment must be open, got a call after close()")
 
     def _observation(self) -> Observation:
         observations = self._batch.observations()

@@ -50,6 +50,8 @@ def frame_of(batch: Batch, index: int) -> NDArray[np.uint8]:
     metre = scale / world.resolution
     for point in pixels(task.laser.end_points(tuple(pose), batch.observations()["ranges"][index])):
         disc(point, 1.0, BEAM)
+    for *middle, reach in batch.discs(index):
+        disc(pixels(np.array([middle]))[0], reach * metre, (WALL,) * 3)
     disc(pixels(batch.goals[index : index + 1])[0], max(2.0, task.goal_radius * metre), GOAL)
     centre = pixels(pose[None, :2])[0]
     radius = max(3.0, task.footprint.reach * metre)

@@ -59,12 +59,13 @@ class FreeSpace:
         self._first_cell = np.cumsum([0, *self._counts])[:-1]
         self._cells = np.concatenate(cells)
         self._resolutions = np.array([world.resolution for world in worlds])
-        self._origins = np.array([tuple(world.origin) for world in worlds])
+        origins = np.array([tuple(world.origin) for world in worlds])
+        self._corners, self._cos, self._sin = origins[:, :2], np.cos(origins[:, 2]), np.sin(origins[:, 2])
 
     def are_connected(self, world: int, start: Sequence[float], goal: Sequence[float]) -> bool:
         """Tells whether two points (x, y) [m] in the map frame of a world are in the same connected part."""
-        worlds = np.array([world])
-        one, other = (self._label_at(worlds, np.array([point[:2]], float)) for point in (start, goal))
+        x, y = np.array([start[:2], goal[:2]], float).T
+        one, other = self._labels_at(np.array([world]), x[None], y[None])[0]
         return bool(one == other and one != 0)
 
     def draw(
@@ -87,36 +88,27 @@ class FreeSpace:
         """
         cells = self._cells[self._first_cell[worlds] + (numbers[:, 0] * self._counts[worlds]).astype(np.intp)]
         rows, cols = np.divmod(cells, self._shapes[worlds, 1])
-        inside = np.stack([cols, rows], axis=1) + numbers[:, 1:3]
-        x, y = self._to_map(worlds, inside)
-        yaws = (numbers[:, 3] * 2.0 - 1.0) * math.pi
+        resolutions, cos, sin = self._resolutions[worlds], self._cos[worlds], self._sin[worlds]
+        dx, dy = (cols + numbers[:, 1]) * resolutions, (rows + numbers[:, 2]) * resolutions
+        starts = np.empty((len(worlds), 3))
+        starts[:, 0] = self._corners[worlds, 0] + cos * dx - sin * dy
+        starts[:, 1] = self._corners[worlds, 1] + sin * dx + cos * dy
+        starts[:, 2] = (numbers[:, 3] * 2.0 - 1.0) * math.pi
         directions = numbers[:, 4::2] * math.tau
         lengths = distances[0] + numbers[:, 5::2] * (distances[1] - distances[0])
-        goals = np.stack([x[:, None] + lengths * np.cos(directions), y[:, None] + lengths * np.sin(directions)], axis=2)
-        parts = self._label_at(np.repeat(worlds, self.ATTEMPTS), goals.reshape(-1, 2)).reshape(lengths.shape)
-        fits = parts == self._labels[self._first[worlds] + cells][:, None]
-        chosen = fits.argmax(axis=1)
-        rows = np.arange(len(worlds))
-        return np.stack([x, y, yaws], axis=1), goals[rows, chosen], fits[rows, chosen]
+        x, y = starts[:, :1] + lengths * np.cos(directions), starts[:, 1:2] + lengths * np.sin(directions)
+        fits = self._labels_at(worlds, x, y) == self._labels[self._first[worlds] + cells][:, None]
+        which, chosen = np.arange(len(worlds)), fits.argmax(axis=1)
+        return starts, np.stack([x[which, chosen], y[which, chosen]], axis=1), fits[which, chosen]
 
-    def _to_map(
-        self, worlds: NDArray[np.intp], inside: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns points (M, 2), in cells from the corner of their grids, in the map frame."""
-        origins, offsets = self._origins[worlds], inside * self._resolutions[worlds, None]
-        cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
-        x = origins[:, 0] + cos * offsets[:, 0] - sin * offsets[:, 1]
-        y = origins[:, 1] + sin * offsets[:, 0] + cos * offsets[:, 1]
-        return x, y
-
-    def _label_at(self, worlds: NDArray[np.intp], points: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Returns the labels of the connected parts at points (M, 2) of the map frame; 0 where the disc is not free."""
-        origins = self._origins[worlds]
-        cos, sin = np.cos(origins[:, 2]), np.sin(origins[:, 2])
-        dx, dy = (points - origins[:, :2]).T
-        cols = np.floor((cos * dx + sin * dy) / self._resolutions[worlds])
-        rows = np.floor((cos * dy - sin * dx) / self._resolutions[worlds])
-        heights, widths = self._shapes[worlds].T
+    def _labels_at(self, worlds: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.int32]:
+        """Returns the labels of the parts at points (M, K) of the map frames of worlds (M,); 0 where there is none."""
+        worlds = worlds[:, None]
+        cos, sin, resolutions = self._cos[worlds], self._sin[worlds], self._resolutions[worlds]
+        dx, dy = x - self._corners[worlds, 0], y - self._corners[worlds, 1]
+        cols = np.floor((cos * dx + sin * dy) / resolutions)
+        rows = np.floor((cos * dy - sin * dx) / resolutions)
+        heights, widths = self._shapes[worlds, 0], self._shapes[worlds, 1]
         inside = (cols >= 0) & (cols < widths) & (rows >= 0) & (rows < heights)
         cells = np.where(inside, rows * widths + cols, 0.0).astype(np.intp)
         return np.where(inside, self._labels[self._first[worlds] + cells], np.int32(0))

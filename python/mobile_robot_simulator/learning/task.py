@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from .._core import BeamModel, LaserScanner, Limits, OccupancyGrid, Shape
 from ..quoting import quoted
+from ..scenarios import Moving
 from .plans import training_plans
 
 PARTS = {"progress": 1.0, "goal": 10.0, "contact": -10.0, "time": -0.1, "turning": 0.0}
@@ -62,6 +63,8 @@ class NavigationTask:
         goal_radius: Distance from the goal at which it is reached [m].
         goal_distances: Least and largest distance in a straight line from the start to the goal [m].
         clearance: Least free distance around the footprint at a start, at a goal and on some way between them [m].
+        obstacles: Discs that move to and fro, drawn for each episode, at speeds of at most 100 m/s; None for none. They
+            have no part in what a goal that can be reached is.
         rewards: Weights of the parts of the reward: `progress` counts the metres by which the goal came nearer, `goal`
             is 1 for reaching it, `contact` 1 for touching something, `time` the seconds of the step, `turning` the
             radians turned. Parts that are not named keep the default: progress 1, goal 10, contact -10, time -0.1,
@@ -90,6 +93,7 @@ class NavigationTask:
     goal_radius: float = 0.3
     goal_distances: tuple[float, float] = (2.0, 8.0)
     clearance: float = 0.05
+    obstacles: Moving | None = None
     rewards: Mapping[str, float] = field(default_factory=dict)
     randomisation: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -101,7 +105,7 @@ class NavigationTask:
         for name, kind in (("scanner", LaserScanner), ("footprint", Shape)):
             if not isinstance(getattr(self, name), kind):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {quoted(getattr(self, name))}")
-        for name, other in (("noise", BeamModel), ("limits", Limits)):
+        for name, other in (("noise", BeamModel), ("limits", Limits), ("obstacles", Moving)):
             if not isinstance(getattr(self, name), (other, type(None))):
                 raise TypeError(f"{name} must be a {other.__name__} or None, got {quoted(getattr(self, name))}")
         if not self.grids or not all(isinstance(world, OccupancyGrid) for world in self.grids):
@@ -122,6 +126,9 @@ class NavigationTask:
                 f"goals must be farther than goal_radius, {self.goal_radius:g} m, got goal_distances {self.goal_distances}"
             )
             raise ValueError(text)
+        if self.obstacles is not None:
+            _number("obstacles.radius.low", self.obstacles.radius.low, "above 0", low=5e-324)
+            _number("obstacles.speed.high", self.obstacles.speed.high, "at most 100 m/s", high=100.0)
         for name in ("rewards", "randomisation"):
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a dict, got {quoted(getattr(self, name))}")

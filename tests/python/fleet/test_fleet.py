@@ -481,6 +481,100 @@ def test_goals_are_seen_from_chosen_robots_only() -> None:
         fleet.relative(goals, mask | (np.arange(COUNT) == 3))
 
 
+def test_replaced_obstacles_are_those_of_a_fleet_made_with_them() -> None:
+    rng, disc = np.random.default_rng(4), mrs.Shape.disc(0.3)
+
+    def obstacles() -> list[Any]:
+        ways = rng.uniform(1.0, 7.0, (COUNT, 3, 2))
+        whole = [np.insert(np.pad(way, ((0, 0), (0, 1))), 0, [0.0, 1.5, 3.0], axis=1) for way in ways]
+        some = [whole[index] if index % 3 else None if index % 2 else whole[index][0, 1:] for index in range(COUNT)]
+        return [(mrs.Shape.disc(0.2 + 0.01 * (index % 7)), way, index) for index, way in enumerate(some)]
+
+    before, after = obstacles(), obstacles()
+    common = [(disc, (4.0, 4.0, 0.0))]
+    fleet, other = fleet_of(slice(None), obstacles=common + before), fleet_of(slice(None), obstacles=common + after)
+    for index in range(8):
+        fleet.step(commands_of(index), 0.1)
+    # The obstacles of some worlds only.
+    chosen = np.arange(COUNT) % 4 != 1
+    fleet.replace_obstacles([(1 + world, shape, way) for shape, way, world in after if chosen[world]])
+    fleet.reset(poses=other.poses, seeds=other.seeds)
+    untouched = fleet_of(slice(None), obstacles=common + before)
+    copy, met = pickle.loads(pickle.dumps(fleet)), 0
+    for index in range(40):
+        step = fleet.step(commands_of(index), 0.1)
+        others, old = other.step(commands_of(index), 0.1), untouched.step(commands_of(index), 0.1)
+        for array, one, two in zip(content(step), content(others), content(old), strict=True):
+            assert array[chosen].tobytes() == one[chosen].tobytes() and array[~chosen].tobytes() == two[~chosen].tobytes()
+        assert bytes_of(copy.step(commands_of(index), 0.1)) == bytes_of(step)
+        met += int((step.contact_obstacles > 0).sum())
+    assert met > 10
+
+
+def test_a_robot_goes_on_when_what_it_is_pressed_against_is_gone() -> None:
+    disc = mrs.Shape.disc(0.5)
+    fleet = mrs.Fleet(hall(8.0), [(2.0, 4.0, 0.0)], footprint=disc, obstacles=[(disc, (4.0, 4.0, 0.0), 0)])
+    for _ in range(3):
+        step = fleet.step([(1.0, 0.0, 0.0)], 1.0)
+    assert step.contacts[0] and step.poses[0, 0] == pytest.approx(3.0, abs=1e-5)
+    fleet.replace_obstacles([(0, disc, None)])
+    step = fleet.step([(1.0, 0.0, 0.0)], 1.0)
+    assert not step.contacts[0] and step.poses[0, 0] == pytest.approx(4.0, abs=1e-5)
+    assert fleet.obstacles[0][1:] == (None, 0)
+    fleet.replace_obstacles([(0, disc, (6.0, 4.0, 0.0))])
+    step = fleet.step([(1.0, 0.0, 0.0)], 2.0)
+    assert step.contacts[0] and step.poses[0, 0] == pytest.approx(5.0, abs=1e-5)
+
+
+def test_a_robot_looks_for_contact_in_time_however_fast_obstacles_are() -> None:
+    """A robot that is not alone looks in each time step. Its companion stands behind a wall, from x = 8 m to 8.1 m."""
+    cells, rng, disc = np.zeros((80, 90), np.int8), np.random.default_rng(3), mrs.Shape.rectangle(0.6, 0.3)
+    cells[:, 80] = 100
+    grid, touched = mrs.OccupancyGrid(cells, resolution=0.1), 0
+    for _ in range(30):
+        times, places = np.cumsum(rng.uniform(0.1, 1.5, 6)), rng.uniform(0.5, 7.5, (6, 2))
+        way = np.column_stack([times, places, rng.uniform(-9.0, 9.0, 6)])
+        arguments = {"footprint": mrs.Shape.disc(0.2), "contact": "slide", "obstacles": [(disc, way)]}
+        alone = mrs.Fleet(grid, [(4.0, 4.0, 0.0)], **arguments)
+        two = mrs.Fleet(grid, [(4.0, 4.0, 0.0), (8.5, 4.0, 0.0)], world_of=[0, 0], **arguments)
+        for duration in (0.01, 0.7, 0.3, 0.037, 1.2, 2.0, 0.05):
+            command = rng.uniform((-0.5, 0.0, -1.0), (1.0, 0.0, 1.0))
+            one = alone.step([command], duration)
+            other = two.step([command, (0.0, 0.0, 0.0)], duration)
+            for name in ("poses", "velocities", "contacts", "contact_points", "contact_obstacles", "odometry"):
+                assert getattr(one, name)[0].tobytes() == getattr(other, name)[0].tobytes()
+            touched += int(one.contact_obstacles[0] == 0)
+    assert touched >= 20
+
+
+@pytest.mark.parametrize(
+    "obstacles, kind, message",
+    [
+        ([(1, mrs.Shape.disc(0.1), (1, 1, 0)), (2, mrs.Shape.disc(0.1), None)], ValueError, "must be below 2, got 2"),
+        (
+            [(1, mrs.Shape.disc(0.1), (1, 1, 0)), (0, mrs.Shape.disc(0.1), None)],
+            ValueError,
+            "got obstacle 0, which",
+        ),
+        ([(-1, mrs.Shape.disc(0.1), None)], ValueError, "the index of an obstacle must be at least 0, got -1"),
+        (
+            [(1, mrs.Shape.disc(0.1), (math.nan, 0, 0))],
+            ValueError,
+            "must be three finite numbers (x, y, yaw), got (nan, 0, 0)",
+        ),
+        ([(1, 0.1, None)], TypeError, "obstacles must be (index, Shape, trajectory)"),
+        ([(1, mrs.Shape.disc(0.1))], TypeError, "obstacles must be (index, Shape, trajectory)"),
+        (3, TypeError, "obstacles must be (index, Shape, trajectory)"),
+    ],
+)
+def test_bad_replacements_change_nothing(obstacles: Any, kind: type[Exception], message: str) -> None:
+    given = [(mrs.Shape.disc(0.2), (1.0, 1.0, 0.0)), (mrs.Shape.disc(0.3), (5.0, 5.0, 0.0), 0)]
+    fleet = mrs.Fleet(hall(8.0), [(2.0, 4.0, 0.0)], obstacles=given)
+    with pytest.raises(kind, match=re.escape(message)):
+        fleet.replace_obstacles(obstacles)
+    assert [way.tolist() for _, way, _ in fleet.obstacles] == [[[0, 1, 1, 0]], [[0, 5, 5, 0]]]
+
+
 def test_changed_cells_are_met() -> None:
     grid = hall(8.0)
     fleet = mrs.Fleet(grid, [(2.0, 4.0, 0.0)], footprint=mrs.Shape.disc(0.2), scanner=mrs.LaserScanner(beam_count=1))

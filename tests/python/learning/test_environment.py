@@ -104,6 +104,16 @@ def test_limits_are_scaled_for_each_episode():
     assert len(factors) == 20 and min(factors) < 0.7 and 1.7 < max(factors) <= 2.0
 
 
+def test_closing_twice_is_allowed_and_a_call_after_that_is_not():
+    env = NavigationEnv(render_mode="rgb_array", **task())
+    env.reset(seed=1)
+    env.close()
+    env.close()
+    for call in (lambda: env.step(np.zeros(2, np.float32)), env.reset, env.render):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="must be open, got a call after close"):
+            call()
+
+
 def test_bad_use():
     env = NavigationEnv(**task())
     with pytest.raises(gymnasium.error.ResetNeeded, match="before its first step"):

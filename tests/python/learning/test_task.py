@@ -10,6 +10,7 @@ import pytest
 import mobile_robot_simulator as mrs
 from learning.rooms import room, task
 from mobile_robot_simulator.learning import NavigationEnv, NavigationTask
+from mobile_robot_simulator.scenarios import Moving, Range
 
 NAN = float("nan")
 
@@ -20,6 +21,9 @@ NAN = float("nan")
         ({"worlds": []}, TypeError, "worlds must be one or more OccupancyGrid, got []"),
         ({"worlds": ["map.yaml"]}, TypeError, "worlds must be one or more OccupancyGrid, got ['map.yaml']"),
         ({"worlds": 3}, TypeError, "worlds must be a sequence, got 3"),
+        ({"obstacles": 3}, TypeError, "obstacles must be a Moving or None, got 3"),
+        ({"obstacles": Moving(1, radius=Range(0.0, 1.0))}, ValueError, "obstacles.radius.low must be above 0, got 0"),
+        ({"obstacles": Moving(1, speed=Range(0.0, 1e3))}, ValueError, "speed.high must be at most 100 m/s, got 1000"),
         ({"noise": 3}, TypeError, "noise must be a BeamModel or None, got 3"),
         ({"limits": 3}, TypeError, "limits must be a Limits or None, got 3"),
         ({"max_velocity": 3}, TypeError, "max_velocity must be a sequence, got 3"),

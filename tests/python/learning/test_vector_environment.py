@@ -14,9 +14,11 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import mobile_robot_simulator as mrs
 from learning.rooms import actions, assert_same, room, task
 from mobile_robot_simulator.learning import NavigationEnv, NavigationVectorEnv, training_plans
+from mobile_robot_simulator.scenarios import Moving, Range
 
 ID = "mobile_robot_simulator/Navigation-v0"
 COUNT, STEPS, SEED = 9, 150, 5
+DISCS = Moving(2, radius=Range(0.1, 0.2, "m"), speed=Range(0.1, 0.5, "m/s"), from_start=0.4)
 
 
 def both(mode: AutoresetMode, **changes: object) -> tuple[NavigationVectorEnv, SyncVectorEnv]:
@@ -34,6 +36,8 @@ def both(mode: AutoresetMode, **changes: object) -> tuple[NavigationVectorEnv, S
         {"randomisation": {"slip": (0.0, 0.3), "sigma_hit": (0.01, 0.1), "z_short": (0.0, 0.2)}},
         {"randomisation": {"slip": (0.1, 0.2)}, "noise": None},
         {"randomisation": {"acceleration": (0.5, 2.0)}, "limits": mrs.Limits(acceleration=(1.0, 1.0, 2.0))},
+        {"obstacles": DISCS},
+        {"obstacles": DISCS, "randomisation": {"slip": (0.0, 0.2)}},
     ],
 )
 def test_they_are_what_gymnasiums_loop_over_single_ones_is(mode, changes):
@@ -70,9 +74,10 @@ def test_without_autoreset_a_mask_says_which_to_reset():
     assert resets >= 5
 
 
-def test_seeds_repeat_each_environment_on_its_own():
-    envs = NavigationVectorEnv(3, **task())
-    alone = NavigationEnv(**task())
+@pytest.mark.parametrize("changes", [{}, {"obstacles": DISCS}])
+def test_seeds_repeat_each_environment_on_its_own(changes):
+    envs = NavigationVectorEnv(3, **task(**changes))
+    alone = NavigationEnv(**task(**changes))
     first, _ = envs.reset(seed=[11, 4, 9])
     observation, _ = alone.reset(seed=4)
     assert_same({name: values[1] for name, values in first.items()}, observation)
@@ -83,7 +88,8 @@ def test_seeds_repeat_each_environment_on_its_own():
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_threads_and_copies_change_nothing(threads):
-    one, other = NavigationVectorEnv(5, threads=threads, copy=False, **task()), NavigationVectorEnv(5, **task())
+    arguments = task(obstacles=DISCS)
+    one, other = NavigationVectorEnv(5, threads=threads, copy=False, **arguments), NavigationVectorEnv(5, **arguments)
     assert_same(one.reset(seed=1), other.reset(seed=1))
     for given in actions(5, 40):
         assert_same(one.step(given), other.step(given))
