@@ -1,6 +1,6 @@
 """Time of each part of the noise, of materials and of intensities, as a ratio to the time of the default noise.
 
-Run: python benches/noise.py [--turns N]. All parts take turns on the same scans, so a busy machine slows
+Run: python benches/noise.py [--turns N] [--map MAP.yaml]. All parts take turns on the same scans, so a busy machine slows
 all of them equally.
 Each figure is the median of the ratios within a turn. One thread.
 """
@@ -33,6 +33,7 @@ WAYS: dict[str, dict[str, Any]] = {
     },
     "correlation": {"noise": mrs.BeamModel(), "surfaces": mrs.SurfaceModel(correlation=0.5), "seed": 1},
     "no return": {"noise": mrs.BeamModel(), "surfaces": mrs.SurfaceModel(reference_range=20.0), "seed": 1},
+    "footprint": {"noise": mrs.BeamModel(), "surfaces": mrs.SurfaceModel(beam_divergence=0.005), "seed": 1},
     "steps of 1 mm": {"noise": mrs.BeamModel(range_step=0.001), "seed": 1},
     "steps of 1 %": {"noise": mrs.BeamModel(range_step=0.001, range_step_share=0.01), "seed": 1},
     "all": {
@@ -58,8 +59,11 @@ def main() -> None:
     """Prints a line for each part."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--turns", type=int, default=15)
-    turns = parser.parse_args().turns
-    grid, laser = mrs.floor_plan("office", seed=SEED, size=(40.0, 40.0)), mrs.LaserScanner()
+    parser.add_argument("--map", help="a map file; an office by default")
+    arguments = parser.parse_args()
+    turns = arguments.turns
+    office = partial(mrs.floor_plan, "office", seed=SEED, size=(40.0, 40.0))
+    grid, laser = mrs.load_map(arguments.map) if arguments.map else office(), mrs.LaserScanner()
     poses = grid.draw_free_poses(SCANS, radius=0.2, seed=SEED)
     out = np.empty((SCANS, laser.beam_count), np.float32)
     options: dict[str, Any] = {"threads": 1, "out": out}

@@ -48,8 +48,8 @@ pub struct WallDirections {
     /// Direction of each cell in steps of π / [`STEPS`], counterclockwise from the x axis; or [`UNKNOWN`].
     steps: Vec<u8>,
     width: usize,
-    /// Unit vector of each step.
-    tangents: [DVec2; STEPS as usize],
+    /// Unit vector of each step; zero for [`UNKNOWN`].
+    tangents: [DVec2; 256],
 }
 
 /// Cells of a grid, of which some block.
@@ -79,10 +79,11 @@ impl WallDirections {
             }
             Ok(())
         })?;
-        let tangents = std::array::from_fn(|step| {
-            let (sin, cos) = libm::sincos(angle(step as u8));
-            DVec2::new(cos, sin)
-        });
+        let mut tangents = [DVec2::ZERO; 256];
+        for step in 0..STEPS {
+            let (sin, cos) = libm::sincos(angle(step));
+            tangents[usize::from(step)] = DVec2::new(cos, sin);
+        }
         Ok(Self { steps, width, tangents })
     }
 
@@ -116,7 +117,14 @@ impl WallDirections {
     /// direction is unknown.
     #[inline(always)]
     pub fn tangent(&self, place: usize) -> Option<DVec2> {
-        self.tangents.get(usize::from(self.steps[place])).copied()
+        Some(self.tangent_or_zero(place)).filter(|&tangent| tangent != DVec2::ZERO)
+    }
+
+    /// Returns the same vector, and zero if the direction is unknown or the place is not on the grid.
+    #[inline(always)]
+    pub fn tangent_or_zero(&self, place: usize) -> DVec2 {
+        // No branch, so that the look-ups of several beams overlap.
+        self.tangents[usize::from(self.steps.get(place).copied().unwrap_or(UNKNOWN))]
     }
 }
 

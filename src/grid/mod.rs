@@ -260,6 +260,11 @@ impl OccupancyGrid {
         Ok(Self { cells, free_boxes, free_areas, kept_field, wall_directions, materials, ..*self })
     }
 
+    /// Returns the free boxes of the cells if they are built.
+    pub(crate) fn built_free_boxes(&self) -> Option<&FreeBoxes> {
+        self.free_boxes.get()
+    }
+
     /// Returns the free boxes of the cells; the first call builds them on all cores.
     ///
     /// # Panics

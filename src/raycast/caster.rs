@@ -80,7 +80,7 @@ impl<'grid> Caster<'grid> {
     }
 
     /// Returns the kernel that casts.
-    pub(super) fn kernel(&self) -> Kernel {
+    pub(crate) fn kernel(&self) -> Kernel {
         self.kernel
     }
 

@@ -22,6 +22,7 @@ mod traversal;
 pub use caster::{Caster, cast_rays};
 pub(crate) use fans::{Fans, Start};
 pub(crate) use hit::{cell_hit, hit_of};
+pub(crate) use kernel::Work;
 pub use kernel::{KERNEL_VARIABLE, Kernel};
 pub(crate) use path::{Beam, Path, follow};
 use ray::Ray;

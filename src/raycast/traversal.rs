@@ -79,6 +79,26 @@ impl Walk {
         on_grid.then_some(Cell { col: self.col as usize, row: self.row as usize })
     }
 
+    /// Goes to a cell farther on the way of the ray and returns the side through which the ray enters it.
+    ///
+    /// The ray enters a cell through the farther of the near sides that it crosses; if both are at the same distance, it crosses the
+    /// boundary between two rows first.
+    pub fn jump(&mut self, ray: &Ray, col: i64, row: i64) -> Side {
+        (self.col, self.row) = (col, row);
+        let col_entered = ((col + i64::from(!self.is_rightward)) as f64 - self.origin.x) * self.inverse.x;
+        let row_entered = ((row + i64::from(!self.is_upward)) as f64 - self.origin.y) * self.inverse.y;
+        (self.to_col, self.to_row) = (self.to_col_line(), self.to_row_line());
+        // The near sides of the column and the row of the first cell are not crossed.
+        let (crosses_col, crosses_row) = (col != i64::from(ray.col), row != i64::from(ray.row));
+        if crosses_col && (!crosses_row || col_entered >= row_entered) {
+            self.distance = col_entered;
+            Side::Column
+        } else {
+            self.distance = row_entered;
+            Side::Row
+        }
+    }
+
     /// Goes to the next cell and returns the side through which the ray enters it.
     #[inline(always)]
     pub fn step(&mut self) -> Side {

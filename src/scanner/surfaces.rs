@@ -5,10 +5,11 @@ use glam::DVec2;
 use super::footprint::{ScanFootprints, turned};
 use super::hits::hit_obstacle;
 use super::onward::{draws, path_in_world, path_passing};
+use super::places::{NOWHERE, Places, rays_from};
 use crate::beam_model::{HitColumns, Sampler};
 use crate::grid::OccupancyGrid;
 use crate::motion::PoseColumns;
-use crate::numeric::sincos::{Last, sincos};
+use crate::numeric::sincos::Last;
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::Passing;
 use crate::pose::Pose;
@@ -17,18 +18,6 @@ use crate::raycast::{Beam, Path, Sink, Sweep, cell_hit, hit_of, store};
 use crate::surface::{Material, SurfaceModel};
 use crate::wall_directions::WallDirections;
 use crate::world::World;
-
-/// Greatest distance \[cells\] between the end of a beam and the side of the cell that it meets: more than rounding errors.
-const ON_SIDE: f64 = 1e-6;
-
-/// Number that is added to another, and subtracted again, to round it to a whole number.
-const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
-
-/// From here on, float64 numbers are whole.
-const UNIT: f64 = (1_u64 << 52) as f64;
-
-/// Place of a beam that does not end on the side of a cell.
-const NOWHERE: u32 = u32::MAX;
 
 /// Number of the first obstacle among the things that a beam can meet; cells come before.
 const FIRST_OBSTACLE: u64 = 1 << 31;
@@ -126,7 +115,7 @@ impl Scene for Still<'_> {
     }
 
     fn path(&self, _: usize, in_fan: DVec2, max_range: f64, draw: impl FnMut() -> f64) -> Option<Path> {
-        path_in_world(self.world, Beam { map_from_fan: self.map_from_fan, direction: in_fan }, max_range, draw)
+        path_in_world(self.world, Beam::new(self.world.grid, self.map_from_fan, in_fan), max_range, draw)
     }
 }
 
@@ -142,19 +131,7 @@ impl Scene for Moving<'_> {
     fn rays(&self, group: usize, (beam_cos, beam_sin): (&Group, &Group)) -> [Group; 4] {
         let mut poses = PoseColumns::ORIGIN;
         self.sweep.write_poses(group, &mut poses, &mut [Last::default(); 2]);
-        let [mut x, mut y, mut yaw] = [[0.0; GROUP]; 3];
-        for slot in 0..GROUP {
-            let pose = self.grid.pose_in_grid(Pose::new(poses.x[slot], poses.y[slot], poses.yaw[slot]));
-            (x[slot], y[slot]) = self.grid.in_cells(pose.position).into();
-            yaw[slot] = pose.yaw;
-        }
-        let [mut sin, mut cos, mut dx, mut dy] = [[0.0; GROUP]; 4];
-        sincos(&yaw, &mut sin, &mut cos, &mut Last::default());
-        for slot in 0..GROUP {
-            dx[slot] = cos[slot] * beam_cos[slot] - sin[slot] * beam_sin[slot];
-            dy[slot] = sin[slot] * beam_cos[slot] + cos[slot] * beam_sin[slot];
-        }
-        [x, y, dx, dy]
+        rays_from(self.grid, &poses, (beam_cos, beam_sin))
     }
 
     fn obstacle(&self, beam: usize, in_fan: DVec2, limit: f64) -> Option<(usize, Option<f64>)> {
@@ -168,8 +145,8 @@ impl Scene for Moving<'_> {
     }
 
     fn path(&self, beam: usize, in_fan: DVec2, max_range: f64, draw: impl FnMut() -> f64) -> Option<Path> {
-        let (place, map_from_fan) = ((beam / GROUP, beam % GROUP), self.map_from_fan(beam));
-        path_passing(self.grid, self.passing, place, Beam { map_from_fan, direction: in_fan }, max_range, draw)
+        let (place, followed) = ((beam / GROUP, beam % GROUP), Beam::new(self.grid, self.map_from_fan(beam), in_fan));
+        path_passing(self.grid, self.passing, place, followed, max_range, draw)
     }
 }
 
@@ -207,42 +184,31 @@ impl<S: Scene> Surfaced<'_, S> {
     #[inline(always)]
     fn meet(&mut self, group: usize, ranges: &Group) -> Met {
         let [x, y, dx, dy] = self.scene.rays(group, (&self.cos[group], &self.sin[group]));
-        let (width, height) = (self.grid.width() as f64, self.grid.height() as f64);
-        let per_cell = 1.0 / self.grid.resolution();
-        let (mut places, mut cosines, mut is_other) = ([0_u32; GROUP], [0.0; GROUP], [0_u32; GROUP]);
+        let Places { cells: places, mut is_other, at_column, .. } = Places::new(self.grid, &[x, y, dx, dy], ranges);
+        let mut cosines = [0.0; GROUP];
         for slot in 0..GROUP {
-            let distance = ranges[slot] * per_cell;
-            let (px, py) = (x[slot] + dx[slot] * distance, y[slot] + dy[slot] * distance);
-            let (line_x, line_y) = ((px + WHOLE) - WHOLE, (py + WHOLE) - WHOLE);
-            let (off_x, off_y) = ((px - line_x).abs(), (py - line_y).abs());
-            // The beam enters the cell through the side on the nearer line.
-            let at_column = off_x < off_y;
-            let before = |line: f64, direction: f64| if direction < 0.0 { line - 1.0 } else { line };
-            let floor = |value: f64, line: f64| if line > value { line - 1.0 } else { line };
-            let col = if at_column { before(line_x, dx[slot]) } else { floor(px, line_x) };
-            let row = if at_column { floor(py, line_y) } else { before(line_y, dy[slot]) };
-            let off = if at_column { off_x } else { off_y };
+            let cos = if at_column[slot] != 0 { dx[slot] } else { dy[slot] }.abs();
             let is_hit = (ranges[slot] > 0.0) & (ranges[slot] < f64::INFINITY);
-            let is_on_grid = (col >= 0.0) & (col < width) & (row >= 0.0) & (row < height);
-            let has_place = is_hit & is_on_grid & (off < ON_SIDE);
-            is_other[slot] = u32::from(is_hit & !has_place);
-            // A whole number is in the low bits of its sum with 2⁵².
-            places[slot] = if has_place { (row * width + col + UNIT).to_bits() as u32 } else { NOWHERE };
-            let cos = if at_column { dx[slot] } else { dy[slot] }.abs();
             cosines[slot] = if is_hit { cos } else { 1.0 };
         }
         let (mut numbers, mut shares) = ([0; GROUP], [Material::WALL.reflectivity; GROUP]);
+        let [mut tx, mut ty] = [[0.0; GROUP]; 2];
         for slot in 0..GROUP {
-            if places[slot] == NOWHERE {
-                continue;
-            }
-            let place = places[slot] as usize;
-            numbers[slot] = place as u64;
+            (tx[slot], ty[slot]) = self.walls.tangent_or_zero(places[slot] as usize).into();
+        }
+        let mut is_unknown = [0_u32; GROUP];
+        for slot in 0..GROUP {
+            let has_place = places[slot] != NOWHERE;
+            let has_tangent = (tx[slot] != 0.0) | (ty[slot] != 0.0);
+            let of_wall = (dx[slot] * ty[slot] - dy[slot] * tx[slot]).abs();
+            cosines[slot] = if has_tangent { of_wall } else { cosines[slot] };
+            numbers[slot] = if has_place { u64::from(places[slot]) } else { 0 };
+            is_unknown[slot] = u32::from(has_place & !has_tangent);
+        }
+        if is_unknown.iter().fold(0, |any, unknown| any | unknown) != 0 {
             // Only blocking cells have a direction.
-            if let Some(tangent) = self.walls.tangent(place) {
-                cosines[slot] = (dx[slot] * tangent.y - dy[slot] * tangent.x).abs();
-            } else {
-                is_other[slot] = u32::from(!self.grid.blocks_at(place));
+            for slot in (0..GROUP).filter(|&slot| is_unknown[slot] != 0) {
+                is_other[slot] = u32::from(!self.grid.blocks_at(places[slot] as usize));
             }
         }
         if let Some(materials) = self.grid.materials().filter(|_| self.surface.loses_beams()) {
@@ -329,8 +295,11 @@ impl<S: Scene> Sink for Surfaced<'_, S> {
                 std::array::from_fn(|slot| self.fixed.of(numbers[slot] << BEAM_BITS | beam(slot)))
             }),
         };
-        let readings =
-            self.sampler.sample_hits(group, ranges, &hits, |part, cos, max| self.surface.hit_part(part, cos, max));
+        let readings = if self.surface.changes_by_incidence() {
+            self.sampler.sample_hits(group, ranges, &hits, |part, cos, max| self.surface.hit_part(part, cos, max))
+        } else {
+            self.sampler.sample_hits(group, ranges, &hits, |part, _, _| part)
+        };
         store(self.readings, group, &readings);
     }
 }

@@ -145,9 +145,13 @@ impl SurfaceModel {
 
     /// Returns true if the model changes nothing.
     pub(crate) fn is_off(&self) -> bool {
-        let SurfaceOptions { incidence_sigma, incidence_bias, correlation, .. } = self.options;
-        let changes_hits = incidence_sigma != 0.0 || incidence_bias != 0.0 || correlation != 0.0;
-        !changes_hits && !self.loses_beams() && self.footprint().is_none()
+        let is_still = self.options.correlation == 0.0 && !self.changes_by_incidence();
+        is_still && !self.loses_beams() && self.footprint().is_none()
+    }
+
+    /// Returns true if hits depend on the incidence.
+    pub(crate) fn changes_by_incidence(&self) -> bool {
+        self.options.incidence_sigma != 0.0 || self.options.incidence_bias != 0.0
     }
 
     /// Returns the footprint of the beams; `None` if they have no width.

@@ -94,7 +94,7 @@ impl Kernel {
 
     /// Runs work with the instruction set of the kernel enabled.
     #[inline]
-    pub(super) fn with_features(self, work: impl Work) {
+    pub(crate) fn with_features(self, work: impl Work) {
         #[cfg(target_arch = "x86_64")]
         {
             if let (Self::Avx512 | Self::Avx512Gather, Some(lanes)) = (self, avx512::Avx512::<false>::new()) {
