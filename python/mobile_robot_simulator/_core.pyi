@@ -249,7 +249,8 @@ class Material:
 
     Args:
         kind: "opaque", "glass" or "mirror".
-        reflectivity: Share of the light that it returns, 0 to 1. A mirror reflects this share; glass lets the rest pass.
+        reflectivity: Share of the light that it returns, 0 to 1. A mirror reflects this share; glass lets the rest pass. None means
+            1 for opaque surfaces, 0.08 for glass and 0.9 for mirrors, as for the materials that have names.
         return_chance: Probability that glass returns a beam within `return_angle`. Without noise, a beam takes the likelier way.
         return_angle: Largest angle between a beam and the normal of glass at which it may return [rad], 0 to π/2.
 
@@ -269,7 +270,7 @@ class Material:
         cls,
         kind: Literal["opaque", "glass", "mirror"] = "opaque",
         *,
-        reflectivity: float = 1.0,
+        reflectivity: float | None = None,
         return_chance: float = 0.9,
         return_angle: float = 0.1,
     ) -> Self: ...

@@ -18,7 +18,8 @@ use crate::{MaterialKind, Materials, memory};
 ///
 /// Args:
 ///     kind: "opaque", "glass" or "mirror".
-///     reflectivity: Share of the light that it returns, 0 to 1. A mirror reflects this share; glass lets the rest pass.
+///     reflectivity: Share of the light that it returns, 0 to 1. A mirror reflects this share; glass lets the rest pass. None means
+///         1 for opaque surfaces, 0.08 for glass and 0.9 for mirrors, as for the materials that have names.
 ///     return_chance: Probability that glass returns a beam within `return_angle`. Without noise, a beam takes the likelier way.
 ///     return_angle: Largest angle between a beam and the normal of glass at which it may return [rad], 0 to π/2.
 ///
@@ -46,7 +47,7 @@ impl std::hash::Hash for Material {
 }
 
 fn default() -> crate::Material {
-    crate::Material::WALL
+    crate::Material::default()
 }
 
 fn kind_name(kind: MaterialKind) -> &'static str {
@@ -70,18 +71,18 @@ impl Material {
     #[new]
     // The text repeats the core's defaults for `help()`; a test compares the two.
     #[pyo3(
-        text_signature = "(kind='opaque', *, reflectivity=1.0, return_chance=0.9, return_angle=0.1)",
+        text_signature = "(kind='opaque', *, reflectivity=None, return_chance=0.9, return_angle=0.1)",
         signature = (
             kind = "opaque",
             *,
-            reflectivity = default().reflectivity.into(),
+            reflectivity = None,
             return_chance = default().return_chance.into(),
             return_angle = default().return_angle.into(),
         )
     )]
     fn new(
         kind: &str,
-        reflectivity: Argument<f64>,
+        reflectivity: Option<Argument<f64>>,
         return_chance: Argument<f64>,
         return_angle: Argument<f64>,
     ) -> PyResult<Self> {
@@ -94,9 +95,10 @@ impl Material {
                 return Err(PyValueError::new_err(format!("kind must be 'opaque', 'glass' or 'mirror', got {given:?}")));
             }
         };
+        let usual = crate::Material::of_kind(kind);
         let material = crate::Material {
             kind,
-            reflectivity: reflectivity.named("reflectivity")?,
+            reflectivity: reflectivity.map_or(Ok(usual.reflectivity), |given| given.named("reflectivity"))?,
             return_chance: return_chance.named("return_chance")?,
             return_angle: return_angle.named("return_angle")?,
         };

@@ -53,6 +53,16 @@ impl Material {
     pub const NAMED: [(&'static str, Self); 4] =
         [("wall", Self::WALL), ("glass", Self::GLASS), ("mirror", Self::MIRROR), ("dark", Self::DARK)];
 
+    /// Returns the usual material of a kind: that of an ordinary wall, a pane of glass or a mirror.
+    #[must_use]
+    pub fn of_kind(kind: MaterialKind) -> Self {
+        match kind {
+            MaterialKind::Opaque => Self::WALL,
+            MaterialKind::Glass => Self::GLASS,
+            MaterialKind::Mirror => Self::MIRROR,
+        }
+    }
+
     /// Returns the material with this name.
     ///
     /// # Errors

@@ -239,6 +239,12 @@ def test_clear_glass_has_the_bytes_of_no_wall_at_all() -> None:
     assert LASER.scan_batch(grid, poses).tobytes() == LASER.scan_batch(empty, poses).tobytes()
 
 
+def test_each_kind_has_the_reflectivity_of_the_material_that_has_its_name() -> None:
+    for kind, name, reflectivity in (("opaque", "wall", 1.0), ("glass", "glass", 0.08), ("mirror", "mirror", 0.9)):
+        assert mrs.Material(kind) == mrs.Material.named(name) == mrs.Material(kind, reflectivity=reflectivity)  # type: ignore[arg-type]
+        assert mrs.Material(kind, reflectivity=0.5).reflectivity == 0.5  # type: ignore[arg-type]
+
+
 def test_a_path_is_never_shorter_than_the_way_to_the_first_surface() -> None:
     grid, _ = random_room(np.random.default_rng(SEED), 0.25)
     poses = free_poses(grid, 100, SEED)
