@@ -6,6 +6,7 @@ import ast
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -88,6 +89,18 @@ def test_the_command_and_the_test_repeat_the_drive(tmp_path):
     (tmp_path / "straight_case.py").write_text(CASE.replace("0.5, 0.0)", "0.0, 0.0)"))
     repaired = run(tmp_path, *test)
     assert repaired.returncode == 0, repaired.stdout + repaired.stderr
+
+
+@pytest.mark.slow
+def test_the_command_repeats_a_drive_that_fails_because_of_a_push(tmp_path):
+    shutil.copy(HERE / "windy.py", tmp_path)
+    found = run(tmp_path, "mobile_robot_simulator", "falsify", "windy.py")
+    assert found.returncode == 2, found.stdout + found.stderr
+    (file,) = tmp_path.glob("counterexamples/*/counterexample.json")
+    assert any(fault.startswith("Push(") for fault in Counterexample.load(file).world.faults)
+    command = found.stdout.splitlines()[-1].removeprefix("repeat with: mobile-robot-simulator ")
+    again = run(tmp_path, "mobile_robot_simulator", *shlex.split(command))
+    assert again.returncode == 2 and "the same bytes as when it was found" in again.stdout, again.stdout + again.stderr
 
 
 @pytest.mark.slow
