@@ -7,6 +7,7 @@ use numpy::{
     PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -315,8 +316,15 @@ pub fn fill<'py, T: Element>(
     dimensions: &[usize],
     work: impl FnOnce(&mut [T]) -> Result<(), Error> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let out = out.map_or_else(|| zeros::<T>(py, dimensions), Ok)?;
-    let mut array = writable(&out, dimensions)?;
+    let (out, mut array) = if let Some(out) = out {
+        let array = writable(&out, dimensions)?;
+        (out, array)
+    } else {
+        // A new array needs no checks.
+        let out = zeros::<T>(py, dimensions)?;
+        let array = out.cast::<numpy::PyArrayDyn<T>>()?.readwrite();
+        (out, array)
+    };
     let elements = array.as_slice_mut()?;
     py.detach(|| work(elements))?;
     Ok(out)
@@ -324,7 +332,7 @@ pub fn fill<'py, T: Element>(
 
 /// Returns true if all elements are aligned in memory. Fields of packed records are not.
 fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> PyResult<bool> {
-    array.getattr("flags")?.getattr("aligned")?.extract()
+    array.getattr(intern!(array.py(), "flags"))?.getattr(intern!(array.py(), "aligned"))?.extract()
 }
 
 /// Returns a new one-dimensional array.

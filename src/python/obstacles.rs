@@ -178,6 +178,9 @@ impl ObstaclesArgument {
 /// Returns the pairs of an iterable of `(Shape, pose)`; `name` is that of the argument.
 fn pairs<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Vec<(Bound<'py, Shape>, Pose)>> {
     items(value, name, "(Shape, pose)", |item, refuse| {
+        if let Some(placed) = placed(item) {
+            return Ok(placed);
+        }
         let (shape, pose) = parts(item, refuse)?;
         Ok((shape, pose.extract::<PoseArgument>()?.0))
     })
@@ -203,6 +206,16 @@ fn items<'py, T>(
         memory::push(NAME, &mut items, read(&item?, &refuse)?)?;
     }
     Ok(items)
+}
+
+/// Returns the shape and the pose of an item that is a tuple of the two, as nearly all are; `None` for anything else.
+fn placed<'py>(item: &Bound<'py, PyAny>) -> Option<(Bound<'py, Shape>, Pose)> {
+    let pair = item.cast_exact::<PyTuple>().ok()?;
+    if pair.len() != 2 {
+        return None;
+    }
+    let (shape, pose) = (pair.get_item(0).ok()?, pair.get_item(1).ok()?);
+    Some((shape.cast_into::<Shape>().ok()?, pose.cast::<super::pose::Pose>().ok()?.get().0))
 }
 
 /// Returns the shape and the rest of an item.
@@ -311,6 +324,9 @@ impl<'py> FromPyObject<'_, 'py> for MovingObstaclesArgument<'py> {
         }
         let needed = "(Shape, pose), (Shape, pose, twist) or (Shape, poses)";
         let read = |item: &Bound<'py, PyAny>, refuse: &dyn Fn(&Bound<'py, PyAny>) -> PyErr| {
+            if let Some((shape, pose)) = placed(item) {
+                return Ok((shape, Motion::Stands(pose)));
+            }
             if item.len().is_ok_and(|count| count == 3) {
                 let (shape, pose, twist) =
                     item.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)>().map_err(|_| refuse(item))?;

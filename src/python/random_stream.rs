@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyInt, PyTuple};
 
 use super::arrays::type_name;
 use super::{Recipe, recipe, stream_number, whole_number};
@@ -121,6 +121,7 @@ impl<'py> SeedArgument<'py> {
             }
         } else {
             if let Some(seed) = seed
+                && !seed.is_exact_instance_of::<PyInt>()
                 && seed.call_method0("__index__").is_err()
             {
                 let message = format!("seed must be an integer or a RandomStream, got {}", type_name(seed));

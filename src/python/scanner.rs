@@ -723,7 +723,10 @@ impl LaserScanner {
         let readings = typed::<f32>("readings", readings)?;
         let readings = readings.as_array();
         fill(py, None, readings.shape(), |marked| {
-            marked.iter_mut().zip(&readings).for_each(|(marked, reading)| *marked = *reading);
+            match readings.as_slice() {
+                Some(readings) => marked.copy_from_slice(readings),
+                None => marked.iter_mut().zip(&readings).for_each(|(marked, reading)| *marked = *reading),
+            }
             self.0.mark_invalid(marked, no_return);
             Ok(())
         })
