@@ -50,7 +50,7 @@ from ..nodes.future import Future, FutureSnapshot
 from ..nodes.interface import M
 from ..nodes.message_filters import Filter, filtered
 from ..quoting import quoted
-from .current import using
+from .current import reset_current, set_current
 from .service import BusService, ServiceHandler
 from .task import BusTask
 from .timer import BusTimer, TimerSnapshot
@@ -185,12 +185,12 @@ class Bus(Handle):
         if time_ns < self.time_ns:
             raise ValueError(f"the time to run to must not be in the past, got {time_ns} ns at {self.time_ns} ns")
         self._check_idle("run it")
-        self._is_running = True
+        self._is_running, token = True, set_current(self)
         try:
-            with using(self):
-                self._run_events(time_ns)
+            self._run_events(time_ns)
             self.time_ns = time_ns
         finally:
+            reset_current(token)
             self._is_running, self._chain_length, self._reply_count = False, 0, 0
 
     def run_for(self, seconds: float) -> None:

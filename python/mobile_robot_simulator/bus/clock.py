@@ -26,7 +26,8 @@ class BusClock(Handle):
         Raises:
             RuntimeError: The clock has no bus yet, because it was neither made nor called by a node.
         """
-        return Instant((self._found or self._bus).clock_ns)
+        bus = self._found or self._bus
+        return Instant(bus.time_ns + bus.clock_offset_ns)
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:
         """Lets simulated time pass. The simulation runs meanwhile.

@@ -32,6 +32,10 @@ class Times(Protocol):
 _current: ContextVar[Times | None] = ContextVar("current_bus", default=None)
 
 
+set_current, reset_current = _current.set, _current.reset
+"""What `using` does at its beginning and at its end. `Bus.run_until` calls them directly, because it runs very often."""
+
+
 def current_bus() -> Times | None:
     """Returns the bus in use, or None outside of callbacks and of constructors that `Simulation.spawn` runs."""
     return _current.get()
@@ -50,7 +54,7 @@ class using:
         self._bus = bus
 
     def __enter__(self) -> None:
-        self._token = _current.set(self._bus)
+        self._token = set_current(self._bus)
 
     def __exit__(self, *_: object) -> None:
-        _current.reset(self._token)
+        reset_current(self._token)

@@ -317,9 +317,9 @@ class LaserScannerSimulator(Handle):
         is_mounted = self._update_mount(now_ns)
         if grid is None or map_from_base is None or not is_mounted:
             return
-        self._check_position(grid, map_from_base)
         self._prepare(grid)
-        stamp_ns = now_ns - round(parameters.laser_scan_duration * NANOSECONDS)
+        duration = parameters.laser_scan_duration
+        stamp_ns = now_ns - round(duration * NANOSECONDS) if duration else now_ns
         if stamp_ns == now_ns:
             ranges, intensities = self._measure(grid, map_from_base)
         elif (first := self._base_pose(stamp_ns)) is not None:
@@ -327,6 +327,7 @@ class LaserScannerSimulator(Handle):
         else:
             return
         self._scan_count += 1
+        self._check_position(grid, map_from_base, ranges)
         if self._carrier is not None:
             self._carrier.publish_transforms(now_ns)
         self._scans.publish_lazily(scan_message, stamp_ns, parameters, self._scanner, ranges, intensities)
@@ -346,7 +347,8 @@ class LaserScannerSimulator(Handle):
 
         The mount is known once tf has had it, with `laser_mount`, and if the scanner's frame is that of the robot.
         """
-        base, frame = self._parameters.frames["base_link_frame"], self._parameters.frames["laser_frame_id"]
+        frames = self._parameters.frames
+        base, frame = frames["base_link_frame"], frames["laser_frame_id"]
         if frame == base:
             return True
         mount: Pose | tuple[float, ...] | None = self._transforms.lookup(base, frame, now_ns)
@@ -357,29 +359,40 @@ class LaserScannerSimulator(Handle):
             self._mount, self._scanner = mount, self._parameters.scanner(mount)
         return self._mount is not None or self._parameters.laser_mount is not None
 
-    def _check_position(self, grid: OccupancyGrid, map_from_base: Pose) -> None:
-        """Warns if the scanner is inside a wall, once after each start."""
-        if not self._has_warned and touches(grid, POINT, map_from_laser := map_from_base * self._scanner.mount):
+    def _check_position(self, grid: OccupancyGrid, map_from_base: Pose, ranges: Any) -> None:
+        """Warns if the scanner is inside a wall, once after each start.
+
+        Args:
+            grid: The map.
+            map_from_base: Pose of the robot.
+            ranges: The scan. One without noise that sees anything at a distance is not from inside a wall.
+        """
+        if self._has_warned or (ranges[-1] > 0.0 and not self._parameters.apply_noise):
+            return
+        if touches(grid, POINT, map_from_laser := map_from_base * self._scanner.mount):
             self._has_warned = True
             x, y, _ = map_from_laser
             self._node.get_logger().warning(f"the laser is inside a wall, at ({x:.2f}, {y:.2f}): all true ranges are 0")
 
     def _measure(self, grid: OccupancyGrid, map_from_base: Pose) -> tuple[Any, Any]:
         """Measures the next scan in one instant. Returns its ranges and its intensities, as `_read` does."""
-        poses = np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)])
-        return self._read(grid, poses, NOTHING if self._carrier is None else self._carrier.seen)
+        obstacles = NOTHING if self._carrier is None else self._carrier.seen
+        parameters = self._parameters
+        if not (parameters.apply_noise or parameters.laser_intensities):  # the ranges of `_read`, with fewer arguments
+            return self._scanner.scan(grid, map_from_base, obstacles=obstacles), NO_INTENSITIES
+        return self._read(grid, np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]), obstacles)
 
     def _read(self, grid: OccupancyGrid, poses: Any, obstacles: Obstacles | Sequence[Any]) -> tuple[Any, Any]:
         """Returns the ranges (beam_count,) float32 [m] of the next scan, and its intensities, which may be empty."""
-        stream: dict[str, Any] = {"seed": self._parameters.seed, "first_index": self._scan_count}
-        noise, surfaces = self._noise, self._surfaces
-        ranges = self._scanner.scan_batch(
-            grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, threads=1, **stream
+        scanner, parameters, index = self._scanner, self._parameters, self._scan_count
+        noise, surfaces, seed = self._noise, self._surfaces, parameters.seed
+        ranges = scanner.scan_batch(
+            grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, seed=seed, first_index=index, threads=1
         )[0]
-        if not self._parameters.laser_intensities:
+        if not parameters.laser_intensities:
             return ranges, NO_INTENSITIES
-        drawn = {} if noise is None else stream
-        return ranges, self._scanner.intensities(grid, poses, obstacles=obstacles, threads=1, **drawn)[0]
+        drawn: dict[str, Any] = {} if noise is None else {"seed": seed, "first_index": index}
+        return ranges, scanner.intensities(grid, poses, obstacles=obstacles, threads=1, **drawn)[0]
 
     def _measure_over_time(self, grid: OccupancyGrid, stamp_ns: int, first: Pose, last: Pose) -> tuple[Any, Any]:
         """Measures the next scan, of which beam 0 was taken at a stamp [ns]. Returns its ranges and its intensities.

@@ -256,12 +256,14 @@ def test_scans_wait_until_the_mount_is_known(room: mrs.OccupancyGrid) -> None:
     assert np.allclose(scan.ranges, expected_ranges(rig, room, (1.0, 2.0, 0.5), mount=MOUNT), atol=1e-5)
 
 
-def test_a_laser_inside_a_wall_says_so_once(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("apply_noise", [True, False])
+def test_a_laser_inside_a_wall_says_so_once(caplog: pytest.LogCaptureFixture, *, apply_noise: bool) -> None:
     cells = np.zeros((40, 40), np.int8)
     cells[:, 22] = 100
     for x, expected in ((1.0, []), (2.0, ["the laser is inside a wall, at (2.25, 2.00): all true ranges are 0"])):
         caplog.clear()
-        rig = Rig(mrs.OccupancyGrid(cells, resolution=0.1), laser_frame_id="laser", laser_mount=[0.25, 0.0, 0.0])
+        grid, mount = mrs.OccupancyGrid(cells, resolution=0.1), [0.25, 0.0, 0.0]
+        rig = Rig(grid, laser_frame_id="laser", laser_mount=mount, apply_noise=apply_noise)
         rig.link("map", "base_link", (x, 2.0, 0.0))
         rig.run_to(0.5)
         assert len(rig.scans) == 5
