@@ -4,7 +4,7 @@
 """
 
 from ..nodes.message_filters import Filter
-from .bus import Bus, BusSnapshot, Tap
+from .bus import Bus, BusSnapshot, LazyTap, Tap
 from .clock import BusClock
 from .logger import BusLogger
 from .node import BusNode, NoCopyNode, Node
@@ -32,6 +32,7 @@ __all__ = [
     "BusTimer",
     "BusTopic",
     "Filter",
+    "LazyTap",
     "NoCopyNode",
     "Node",
     "Parameter",

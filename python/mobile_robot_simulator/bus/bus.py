@@ -69,6 +69,9 @@ MESSAGE, TIMER = 0, 1
 Tap = Callable[[str, Message, int], None]
 """Called for every message that is sent, with the topic's name, the message and the simulated time [ns]."""
 
+LazyTap = Callable[[str, "Message | partial[Message]", int], None]
+"""A tap that can also take the call that builds a message, and makes it later or never."""
+
 MAX_CHAIN_LENGTH = 10_000
 """Longest chain of events at the same time in which each event causes the next. A longer one counts as an endless loop."""
 
@@ -128,6 +131,7 @@ class Bus(Handle):
         time_ns: Simulated time [ns].
         clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
         taps: Functions that see every message when it is sent.
+        lazy_taps: Those that get the call that builds a message, if nobody else needs the message.
         filters: Functions that can replace, delay or drop a message before it is sent. They apply in this order.
         nodes: Nodes on the bus, in the order in which they were created.
         timers: Timers, in the order in which they were created.
@@ -139,6 +143,7 @@ class Bus(Handle):
         self.time_ns = 0
         self.clock_offset_ns = 0
         self.taps: list[Tap] = []
+        self.lazy_taps: list[LazyTap] = []
         self.filters: list[Filter] = []
         self.nodes: list[BusMember] = []
         self.timers: dict[BusTimer, None] = {}
@@ -306,6 +311,8 @@ class Bus(Handle):
         if isinstance(message, partial):
             if not (topic.subscriptions or self.taps or self.filters or publisher.latched):
                 topic.last, topic.latest_ns = message, self.time_ns
+                for lazy_tap in self.lazy_taps:
+                    lazy_tap(topic.name, message, self.time_ns)
                 return
             message = message()
         if not isinstance(message, topic.msg_type):
@@ -425,6 +432,7 @@ class Bus(Handle):
             return
         self.restore(BusSnapshot(self.time_ns))
         self.taps.clear()
+        self.lazy_taps.clear()
         self._is_closed = True
 
     def _deactivate(self) -> None:
@@ -462,6 +470,8 @@ class Bus(Handle):
             topic.keep(publisher, message, time_ns)
         for tap in self.taps:
             tap(topic.name, message, time_ns)
+        for lazy_tap in self.lazy_taps:
+            lazy_tap(topic.name, message, time_ns)
         for subscription in topic.subscriptions:
             self._immediate.append((partial(subscription.deliver, message), self._chain_length + 1))
 

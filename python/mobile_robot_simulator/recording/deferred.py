@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..messages import Message
@@ -28,17 +29,21 @@ class DeferredRecorder:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._messages: list[tuple[str, Message, int]] = []
+        self._messages: list[Any] = []
+        """Topic, message and time [ns] of each message, one after another. Tuples would cost garbage collections."""
         self._recorder: Recorder | None = None
         self._error: Exception | None = None
         self._open, self._saved = True, False
 
-    def write(self, topic: str, message: Message, time_ns: int) -> None:
-        """Adds a message that was published on a topic at a time [ns]. The message must not change afterwards."""
+    def write(self, topic: str, message: Message | partial[Message], time_ns: int) -> None:
+        """Adds a message, or the call that builds it, which was published on a topic at a time [ns].
+
+        The message must not change afterwards. A call is only made when the messages are moved to disk.
+        """
         if not self._open or self._error is not None:
             return
-        self._messages.append((topic, message, time_ns))
-        if self._recorder is not None or len(self._messages) >= MOST_IN_MEMORY:
+        self._messages += (topic, message, time_ns)
+        if self._recorder is not None or len(self._messages) >= 3 * MOST_IN_MEMORY:
             try:
                 self._move_to_disk()
             except Exception as error:
@@ -74,8 +79,9 @@ class DeferredRecorder:
             from .recorder import Recorder
 
             self._recorder = Recorder(self._folder, overwrite=True)
-        for topic, message, time_ns in self._messages:
-            self._recorder.write(topic, message, time_ns)
+        kept = iter(self._messages)
+        for topic, message, time_ns in zip(kept, kept, kept, strict=True):
+            self._recorder.write(topic, message() if isinstance(message, partial) else message, time_ns)
         self._messages.clear()
 
     def _close(self) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid, Pose, Shape
-from ..bus.bus import Bus, Tap
+from ..bus.bus import Bus, LazyTap, Tap
 from ..bus.node import BusNode, NoCopyNode, spawn_context
 from ..bus.topic import BusSubscription
 from ..handle import Handle
@@ -532,7 +532,22 @@ class Simulation(Handle):
         """
         self._topics.record(tap)
 
-    def stop_recording(self, tap: Tap) -> None:
+    def record_lazily(self, tap: LazyTap) -> None:
+        """Calls a tap as `record` does, but with the call that builds a message, if nobody else needs the message.
+
+        Most messages of the simulator are only built for those who receive them, so a tap that keeps all and reads few
+        costs far less this way.
+
+        Args:
+            tap: Called as `tap(topic, message, time_ns)`. The message can be a `functools.partial`, which returns the
+                message when it is called, also later, and a new one each time.
+
+        Raises:
+            TypeError: The tap is not callable.
+        """
+        self._topics.record_lazily(tap)
+
+    def stop_recording(self, tap: Tap | LazyTap) -> None:
         """Stops calling a tap.
 
         Raises:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
-from ..bus.bus import Bus, Tap
+from ..bus.bus import Bus, LazyTap, Tap
 from ..bus.node import BusNode
 from ..bus.topic import BusPublisher, BusSubscription, absolute
 from ..handle import check_callback
@@ -98,11 +98,20 @@ class Topics:
             tap(topic, message, time_ns)
         self._bus.taps.append(tap)
 
-    def stop_recording(self, tap: Tap) -> None:
+    def record_lazily(self, tap: LazyTap) -> None:
+        """Passes all messages to a tap, or the calls that build them, as described for `Simulation.record_lazily`."""
+        check_callback(tap)
+        for topic, message, time_ns in self._bus.latched():
+            tap(topic, message, time_ns)
+        self._bus.lazy_taps.append(tap)
+
+    def stop_recording(self, tap: Tap | LazyTap) -> None:
         """Removes a tap, as described for `Simulation.stop_recording`."""
-        if tap not in self._bus.taps:
-            raise ValueError(f"the tap must be one that is recording, got {quoted(tap)}")
-        self._bus.taps.remove(tap)
+        for taps in (self._bus.taps, self._bus.lazy_taps):
+            if tap in taps:
+                taps.remove(tap)  # type: ignore[arg-type]
+                return
+        raise ValueError(f"the tap must be one that is recording, got {quoted(tap)}")
 
     def forget_publishers(self) -> None:
         """Drops all publishers. Must be called after topics may have been removed from the bus."""

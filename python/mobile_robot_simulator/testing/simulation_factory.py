@@ -155,7 +155,7 @@ class SimulationFactory:
         made = MadeSimulation(simulation, folder, DeferredRecorder(folder))
         if self._record != "never":
             simulation.picture = made.picture
-            simulation.record(made.recorder.write)
+            simulation.record_lazily(made.recorder.write)
         self._made.append(made)
 
     def _grid(self, map: OccupancyGrid | str | Path, seed: int, plan: Mapping[str, Any]) -> OccupancyGrid:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,22 @@ def test_the_recording_is_the_same_from_memory_and_from_disk(tmp_path, monkeypat
     assert recorder.save() == disk
     recorder.discard()
     assert (disk / "recording.mcap").exists()
+
+
+def test_a_call_that_builds_a_message_is_made_when_the_recording_is_saved(tmp_path):
+    calls = []
+
+    def twist(number: int) -> mrs.messages.Twist:
+        calls.append(number)
+        return mrs.messages.Twist(linear=mrs.messages.Vector3(x=float(number)))
+
+    recorder = DeferredRecorder(tmp_path / "calls")
+    for number in range(COUNT):
+        recorder.write("/twist", partial(twist, number), number)
+    assert not calls
+    built = filled(tmp_path / "built").save()
+    assert (recorder.save() / "recording.mcap").read_bytes() == (built / "recording.mcap").read_bytes()
+    assert calls == list(range(COUNT))
 
 
 @pytest.mark.parametrize("most", [20, 1000])

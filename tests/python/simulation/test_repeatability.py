@@ -6,7 +6,9 @@ import hashlib
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,7 +19,7 @@ from mobile_robot_simulator.recording.recorder import Recorder
 SEED = 3
 
 
-def simulation(seed: int = SEED) -> mrs.Simulation:
+def simulation(seed: int = SEED, *, has_faults: bool = True) -> mrs.Simulation:
     """Returns a simulation with everything that is random: noise, drift and faults. Two robots and an obstacle move."""
     grid = mrs.floor_plan("office", seed=1, size=(12.0, 10.0))
     first, second = (grid.draw_free_pose(radius=0.5, seed=number) for number in (1, 2))
@@ -28,8 +30,9 @@ def simulation(seed: int = SEED) -> mrs.Simulation:
         robots={"one": first, "two": second},
     )
     sim.add_obstacle(mrs.Shape.disc(0.3), [(0.0, *first), (10.0, *second)])
-    sim.add_fault(faults.Drop("/one/scan", probability=0.2, seed=seed))
-    sim.add_fault(faults.Delay("/two/odom", 0.01, jitter=0.2, seed=seed))
+    if has_faults:
+        sim.add_fault(faults.Drop("/one/scan", probability=0.2, seed=seed))
+        sim.add_fault(faults.Delay("/two/odom", 0.01, jitter=0.2, seed=seed))
     for name in sim.robots:
         sim.publish(
             f"/{name}/cmd_vel", mrs.messages.Twist(linear=mrs.messages.Vector3(x=0.5), angular=mrs.messages.Vector3(z=0.2))
@@ -64,6 +67,27 @@ def test_a_message_that_is_read_late_is_the_same_as_one_that_is_recorded() -> No
     assert len(messages) > 4
     for name in ("/odom", "/scan", "/tf", "/clock"):
         assert read.latest(name) == messages[name], name
+
+
+def test_messages_that_are_built_after_the_drive_are_the_same_as_those_that_are_recorded() -> None:
+    """All topics of two robots, with noise and slip, and with changes of parameters on the way."""
+    recorded: list[tuple[str, mrs.messages.Message, int]] = []
+    kept: list[tuple[str, Any, int]] = []
+    for is_lazy in (False, True):
+        sim = simulation(has_faults=False)
+        if is_lazy:
+            sim.record_lazily(lambda *sent: kept.append(sent))
+        else:
+            sim.record(lambda *sent: recorded.append(sent))
+        sim.run_for(1.0)
+        first = sim.named("one")
+        first.robot.slip(0.5)
+        first.robot.set_parameters(odom_frame_id="other", odometry_alphas=(0.1,) * 6)
+        first.laser.set_parameters(laser_min_range=0.5, no_return="max")
+        sim.run_for(1.0)
+    assert sum(isinstance(message, partial) for _, message, _ in kept) > 0.3 * len(kept) > 30
+    built = [(topic, message() if isinstance(message, partial) else message, time_ns) for topic, message, time_ns in kept]
+    assert built == recorded
 
 
 def recording(sim: mrs.Simulation, folder: Path, seconds: float = 6.0) -> str:

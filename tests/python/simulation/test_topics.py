@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -143,3 +144,35 @@ def test_a_recording_starts_with_the_latched_messages(sim):
     assert seen == [("/map", 0), ("/cmd_vel", 50_000_000)]
     with pytest.raises(ValueError):
         sim.stop_recording(tap)
+
+
+def test_a_lazy_tap_gets_the_calls_that_build_messages_unless_somebody_else_needs_them(sim):
+    lazy: list[tuple[str, Any, int]] = []
+    sim.record_lazily(lambda *sent: lazy.append(sent))
+    assert [topic for topic, *_ in lazy] == ["/map"] and isinstance(lazy[0][1], mrs.messages.OccupancyGrid)
+    sim.run_for(0.1)
+    sent = {topic: message for topic, message, _ in lazy}
+    assert isinstance(sent["/odom"], partial) and isinstance(sent["/scan"], partial)
+    assert sent["/odom"]() == sim.latest("/odom") and sent["/scan"]() == sim.latest("/scan")
+    assert [time_ns for topic, _, time_ns in lazy if topic == "/scan"] == [100_000_000]
+    sim.subscribe("/odom", mrs.messages.Odometry, lambda message: None)
+    drive(sim)
+    lazy.clear()
+    sim.run_for(0.1)
+    sent = {topic: message for topic, message, _ in lazy}
+    assert sent["/odom"] is sim.latest("/odom") and isinstance(sent["/scan"], partial)
+
+
+def test_lazy_taps_can_be_removed_and_must_be_callable(sim):
+    def tap(topic: str, message: Any, time_ns: int) -> None:
+        seen.append(topic)
+
+    seen: list[str] = []
+    sim.record_lazily(tap)
+    sim.stop_recording(tap)
+    sim.run_for(0.1)
+    assert seen == ["/map"]
+    with pytest.raises(ValueError, match="must be one that is recording"):
+        sim.stop_recording(tap)
+    with pytest.raises(TypeError):
+        sim.record_lazily("tap")
