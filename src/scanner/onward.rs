@@ -235,7 +235,7 @@ impl<'a> Onward<'a> {
         for slot in (0..GROUP).filter(|&slot| leads_on[slot] != 0) {
             let (cell, width) = (cells[slot] as usize, self.grid.width());
             let first_cell = (cells[slot] != NOWHERE).then(|| Cell { col: cell % width, row: cell / width });
-            debug_assert!(first_cell.is_none_or(|cell| self.grid.is_blocking(cell)), "a beam ends at a free cell");
+            // Padding of the last group may end at any cell on its way. Its numbers are dropped.
             let path = self.path((group, slot), DVec2::new(cos[slot], sin[slot]), first_cell, bits);
             ranges[slot] = match &path {
                 _ if self.takes_intensities => path.map_or(0.0, |path| path.intensity()),
