@@ -7,7 +7,6 @@ use glam::DVec2;
 use crate::error::Error;
 use crate::grid::Cell;
 use crate::memory;
-use crate::obstacles::Body;
 use crate::shape::{encloses, intersect};
 use crate::world::World;
 
@@ -70,8 +69,8 @@ impl<'a> Blockers<'a> {
         let grid = world.grid;
         let (cols, mut rows) = grid.cells_between(grid.in_cells(center - radius), grid.in_cells(center + radius));
         let in_map = grid.options().origin.transform_point(center);
-        let is_near = |(index, body): (usize, &Body)| {
-            let (middle, reach) = body.bounds();
+        let is_near = |index: usize| {
+            let (middle, reach) = world.obstacles.bodies()[index].bounds();
             world.except != Some(index) && middle.distance(in_map) <= radius + reach
         };
         !world.obstacles.near(in_map, radius).any(is_near) && !rows.any(|row| grid.has_blocking(row, cols.clone()))
@@ -175,7 +174,9 @@ impl<'a> Blockers<'a> {
         let to_grid = |point: DVec2| grid_from_map.position + DVec2::new(cos, sin).rotate(point);
         let in_map = self.world.grid.options().origin.transform_point(center);
         let of_grid = self.near.len();
-        for (index, body) in self.world.obstacles.near(in_map, radius) {
+        let obstacles = self.world.obstacles;
+        for index in obstacles.near(in_map, radius) {
+            let body = &obstacles.bodies()[index];
             let (middle, reach) = body.bounds();
             if self.world.except == Some(index) || to_grid(middle).distance(center) > radius + reach {
                 continue;
@@ -204,8 +205,9 @@ impl<'a> Blockers<'a> {
             return None;
         }
         let in_map = self.world.grid.options().origin.transform_point(point);
-        let bodies = self.world.obstacles.near(in_map, 0.0).map(|(index, body)| (index, body.contains(in_map)));
-        bodies.filter(|&(index, holds)| holds && self.world.except != Some(index)).map(|(index, _)| index).min()
+        let World { obstacles, except, .. } = self.world;
+        let holds = |&index: &usize| except != Some(index) && obstacles.bodies()[index].contains(in_map);
+        obstacles.near(in_map, 0.0).filter(holds).min()
     }
 
     /// Returns true if a footprint overlaps anything: an edge meets a piece, or one of the two is inside the other.

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::squares::Circle;
 use crate::error::Error;
 use crate::memory;
 use crate::pose::Pose;
@@ -61,6 +62,12 @@ impl Body {
     /// Centre and radius \[m\] of a circle that encloses the shape.
     pub fn bounds(&self) -> (DVec2, f64) {
         self.bounds
+    }
+
+    /// The same circle, with whether the shape is that disc.
+    pub fn circle(&self) -> Circle {
+        let (center, reach) = self.bounds;
+        Circle { center, reach, is_outline: self.radius > 0.0 }
     }
 
     /// Returns true if a point is inside. On the outline, rounding decides.

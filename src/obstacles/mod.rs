@@ -52,7 +52,7 @@ const MARGIN: f64 = 1e-6;
 #[derive(Debug)]
 pub struct Obstacles {
     bodies: Vec<Body>,
-    /// Centre and radius \[m\] of a circle that encloses each body: side by side, so that a search reads little memory.
+    /// A circle around each body: side by side, so that a search reads little memory.
     circles: Vec<Circle>,
     squares: Squares,
 }
@@ -146,7 +146,7 @@ impl Obstacles {
     pub fn place(&mut self, index: usize, shape: &Shape, pose: Pose) -> Result<(), Error> {
         let body = Body::new(shape, pose.checked()?)?;
         if index < self.len() {
-            let before = std::mem::replace(&mut self.circles[index], body.bounds());
+            let before = std::mem::replace(&mut self.circles[index], body.circle());
             self.bodies[index] = body;
             self.squares.update(&self.circles, index, Some(before));
             return Ok(());
@@ -159,23 +159,22 @@ impl Obstacles {
 
     fn add(&mut self, body: Body) -> Result<(), Error> {
         let index = self.len();
-        memory::push(OBSTACLES, &mut self.circles, body.bounds())?;
+        memory::push(OBSTACLES, &mut self.circles, body.circle())?;
         memory::push(OBSTACLES, &mut self.bodies, body).inspect_err(|_| self.circles.truncate(index))?;
         self.squares.update(&self.circles, index, None);
         Ok(())
     }
 
-    /// Iterates over the obstacles with a point within `radius` \[m\] of `center` in the map frame, each with its index, in any
-    /// order; and over some that are a little farther away.
-    pub(crate) fn near(&self, center: DVec2, radius: f64) -> impl Iterator<Item = (usize, &Body)> {
+    /// Iterates over the indices of the obstacles with a point within `radius` \[m\] of `center` in the map frame, in any order;
+    /// and over some that are a little farther away.
+    pub(crate) fn near(&self, center: DVec2, radius: f64) -> impl Iterator<Item = usize> {
         let near = self.squares.near(&self.circles, center, radius);
         let all = if near.is_none() { 0..self.len() } else { 0..0 };
-        let is_near = move |&index: &usize| {
-            let (middle, reach) = self.circles[index];
-            let limit = (radius + reach) * (1.0 + MARGIN) + MARGIN;
-            middle.distance_squared(center) <= limit * limit
-        };
-        all.chain(near.into_iter().flatten()).filter(is_near).map(|index| (index, &self.bodies[index]))
+        all.chain(near.into_iter().flatten()).filter(move |&index| {
+            let circle = self.circles[index];
+            let limit = (radius + circle.reach) * (1.0 + MARGIN) + MARGIN;
+            circle.center.distance_squared(center) <= limit * limit
+        })
     }
 
     /// Returns true if an obstacle is of glass or a mirror.

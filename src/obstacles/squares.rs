@@ -30,8 +30,15 @@ pub struct Squares {
     large: Vec<u32>,
 }
 
-/// Centre and radius \[m\] of a circle that encloses an obstacle.
-pub type Circle = (DVec2, f64);
+/// A circle that encloses an obstacle.
+#[derive(Debug, Clone, Copy)]
+pub struct Circle {
+    pub center: DVec2,
+    /// Radius \[m\].
+    pub reach: f64,
+    /// True if the obstacle is a disc: this circle.
+    pub is_outline: bool,
+}
 
 impl Squares {
     /// Those of no obstacles.
@@ -76,8 +83,8 @@ impl Squares {
     }
 
     /// Returns the slot of a circle; `None` for a large one.
-    fn place_of(&self, (center, reach): Circle) -> Option<usize> {
-        (reach <= MAX_REACH).then(|| self.slot(square_of(center)))
+    fn place_of(&self, circle: Circle) -> Option<usize> {
+        (circle.reach <= MAX_REACH).then(|| self.slot(square_of(circle.center)))
     }
 
     fn list(&mut self, place: Option<usize>) -> &mut Vec<u32> {
@@ -106,7 +113,7 @@ impl Squares {
         let squares = cols.flat_map(move |col| rows.clone().map(move |row| (col, row)));
         let in_squares = squares.flat_map(move |square| {
             let list = self.slots[self.slot(square)].iter().map(|&index| index as usize);
-            list.filter(move |&index| square_of(circles[index].0) == square)
+            list.filter(move |&index| square_of(circles[index].center) == square)
         });
         Some(in_squares.chain(self.large.iter().map(|&index| index as usize)))
     }
@@ -133,7 +140,7 @@ mod tests {
         {
             let mut circle = || {
                 let center = extent * (DVec2::new(stream.random(), stream.random()) - 0.5);
-                (center, largest * stream.random::<f64>())
+                Circle { center, reach: largest * stream.random::<f64>(), is_outline: true }
             };
             let (mut squares, mut circles) = (Squares::NONE, Vec::new());
             for index in 0..count {
@@ -144,16 +151,16 @@ mod tests {
                 // One obstacle moves, by a little or to another place.
                 let (index, mut moved) = (37 * turn % count, circle());
                 if turn % 2 == 0 {
-                    moved.0 = circles[index].0 + 1e-3 * moved.0;
+                    moved.center = circles[index].center + 1e-3 * moved.center;
                 }
                 let before = std::mem::replace(&mut circles[index], moved);
                 squares.update(&circles, index, Some(before));
-                let (center, reach) = circle();
+                let Circle { center, reach, .. } = circle();
                 let Some(near) = squares.near(&circles, center, reach) else { continue };
                 let mut near: Vec<usize> = near.collect();
                 near.sort_unstable();
                 assert!(near.windows(2).all(|pair| pair[0] < pair[1]), "twice the same in {near:?}");
-                let meets = |&index: &usize| circles[index].0.distance(center) <= reach + circles[index].1;
+                let meets = |&index: &usize| circles[index].center.distance(center) <= reach + circles[index].reach;
                 let expected: Vec<usize> = (0..count).filter(meets).collect();
                 assert!(expected.iter().all(|index| near.contains(index)), "{expected:?} {near:?}");
                 found += expected.len();
@@ -164,7 +171,8 @@ mod tests {
 
     #[test]
     fn a_wide_search_and_one_without_an_end_look_at_all_obstacles() {
-        let circles: Vec<Circle> = (0..1000).map(|place| (DVec2::new(f64::from(place), 0.0), 0.2)).collect();
+        let circle = |place| Circle { center: DVec2::new(f64::from(place), 0.0), reach: 0.2, is_outline: true };
+        let circles: Vec<Circle> = (0..1000).map(circle).collect();
         let mut squares = Squares::NONE;
         (0..circles.len()).for_each(|index| squares.update(&circles[..=index], index, None));
         assert!(squares.near(&circles, DVec2::ZERO, 0.3).is_some());

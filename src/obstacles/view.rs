@@ -14,6 +14,8 @@
 
 use glam::DVec2;
 
+use super::body::disc_entry;
+use super::squares::Circle;
 use super::{Body, OBSTACLES, Obstacles};
 use crate::beams::Beams;
 use crate::error::Error;
@@ -41,11 +43,19 @@ pub struct View<'a> {
 
 /// One obstacle and the beams that can hit it.
 struct Seen<'a> {
-    body: &'a Body,
-    /// True if the laser is inside the obstacle.
-    inside: bool,
+    outline: Outline<'a>,
     /// First beam that can hit the obstacle, and one past the last.
     beams: (usize, usize),
+}
+
+/// What a beam can hit.
+#[derive(Clone, Copy)]
+enum Outline<'a> {
+    /// The laser is inside the obstacle.
+    Around,
+    /// A disc: the way to its centre and its radius \[m\]. Most crowds are discs, and reading all of their bodies takes long.
+    Disc(DVec2, f64),
+    Polygon(&'a Body),
 }
 
 impl<'a> View<'a> {
@@ -69,23 +79,29 @@ impl<'a> View<'a> {
             let list = if seen.beams.1 - seen.beams.0 > NARROW { &mut wide } else { &mut narrow };
             memory::push(OBSTACLES, list, seen)
         };
-        for (_, body) in obstacles.near(origin, max_range).filter(|(index, _)| Some(*index) != except) {
-            let (center, reach) = body.bounds();
+        for index in obstacles.near(origin, max_range).filter(|index| Some(*index) != except) {
+            let Circle { center, reach, is_outline } = obstacles.circles[index];
             let offset = center - origin;
             let distance = offset.length();
             if distance - reach > max_range {
                 continue;
             }
-            let inside = body.contains(origin);
+            let outline = if distance <= reach && obstacles.bodies[index].contains(origin) {
+                Outline::Around
+            } else if is_outline {
+                Outline::Disc(offset, reach)
+            } else {
+                Outline::Polygon(&obstacles.bodies[index])
+            };
             if let Some(beams) = beams.filter(|beams| distance > reach && beams.count() > 1) {
                 let offset = DVec2::new(cos, -sin).rotate(offset);
                 let bearing = libm::atan2(offset.y, offset.x);
                 let half_angle = libm::asin(reach / distance) + ANGLE_MARGIN;
                 for beams in beams.within(bearing - half_angle, bearing + half_angle).filter(|beams| beams.0 < beams.1) {
-                    add(Seen { body, inside, beams })?;
+                    add(Seen { outline, beams })?;
                 }
             } else {
-                add(Seen { body, inside, beams: (0, beam_count) })?;
+                add(Seen { outline, beams: (0, beam_count) })?;
             }
         }
         narrow.sort_unstable_by_key(|seen| seen.beams.0);
@@ -109,10 +125,11 @@ impl<'a> View<'a> {
             let (start, end) = (seen.beams.0.max(first), seen.beams.1.min(first + ranges.len()));
             for beam in start..end {
                 let range = &mut ranges[beam - first];
-                let distance = if seen.inside {
-                    0.0
-                } else {
-                    seen.body.entry(self.origin, self.heading.rotate(direction(beam - first)))
+                let direction = || self.heading.rotate(direction(beam - first));
+                let distance = match seen.outline {
+                    Outline::Around => 0.0,
+                    Outline::Disc(offset, radius) => disc_entry(offset, radius, direction()),
+                    Outline::Polygon(body) => body.entry(self.origin, direction()),
                 };
                 if distance < range.min(self.max_range) {
                     *range = distance;

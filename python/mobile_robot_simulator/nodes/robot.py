@@ -36,12 +36,20 @@ from ..physics.motion import Motion, MotionSnapshot
 from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.push import Push
 from ..physics.velocity_profile import Velocity
+from ..physics.wheel_course import WheelCourse
 from ..physics.wheel_odometer import WheelOdometer, WheelReading
 from ..physics.world import Passing, World
 from ..quoting import quoted
 from .interface import Node, Publisher, QoS
 from .map_listener import MapListener, MapListenerSnapshot
-from .robot_messages import clock_message, joint_states_message, odometry_message, transforms_message
+from .robot_messages import (
+    clock_message,
+    exact_odometry_message,
+    exact_transforms_message,
+    joint_states_message,
+    odometry_message,
+    transforms_message,
+)
 from .steady_time import SteadyTime
 from .transforms import check_frame
 from .waiting import WaitingLog
@@ -275,7 +283,7 @@ class MobileRobotSimulator(Handle):
     @property
     def believed_pose(self) -> Pose:
         """Pose that the odometry last reported, in the odometry frame."""
-        return self._believed_pose
+        return self._believed if isinstance(self._believed, Pose) else self._believed.pose
 
     @property
     def pose(self) -> Pose:
@@ -307,7 +315,7 @@ class MobileRobotSimulator(Handle):
         noise, seed = self._odometry_noise()
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
         self._wheel_odometer = self._create_wheel_odometer(now_ns, odom_from_base)
-        self._believed_pose = odom_from_base
+        self._believed: Pose | WheelCourse = odom_from_base
         self._world.changed()
 
     def set_parameters(self, **values: Any) -> None:
@@ -457,7 +465,7 @@ class MobileRobotSimulator(Handle):
             slip_share=self._slip_share,
             push=self._push,
             drift=self._drift,
-            believed_pose=self._believed_pose,
+            believed_pose=self.believed_pose,
             transforms_ns=self._transforms_ns,
             motion=(self._motion, self._motion.save()),
             odometer=(self._odometer, self._odometer.save()),
@@ -471,7 +479,7 @@ class MobileRobotSimulator(Handle):
         self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
         self._footprint, self._slip_share, self._push = state.footprint, state.slip_share, state.push
         self._drift = state.drift
-        self._believed_pose, self._transforms_ns = state.believed_pose, state.transforms_ns
+        self._believed, self._transforms_ns = state.believed_pose, state.transforms_ns
         self._motion, motion_state = state.motion
         self._motion.restore(motion_state)
         self._odometer, odometer_state = state.odometer
@@ -683,22 +691,43 @@ class MobileRobotSimulator(Handle):
     def _publish(self) -> None:
         """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
         assert self._publishers is not None
-        now_ns, stamp_ns = self._world.now_ns(), self._stamp_ns()
-        stamp = Time.from_nanoseconds(stamp_ns)
+        now_ns, stamp_ns, publishers = self._world.now_ns(), self._stamp_ns(), self._publishers
         if self._parameters.clock_rate == 0.0:
-            self._send_clock(stamp)
-        self._send_odometry(now_ns, stamp)
-        if stamp_ns != self._transforms_ns:
-            self._send_transforms(now_ns, stamp, self._believed_pose)
-        if self._publishers.contacts is not None or self._publishers.stalled is not None:
-            self._publish_contacts(now_ns, stamp)
-        if self._publishers.joints is not None:
+            self._send_clock(stamp_ns)
+        if self._tells_the_truth():
+            self._send_truth(now_ns, stamp_ns)
+        else:
+            stamp = Time.from_nanoseconds(stamp_ns)
+            self._send_odometry(now_ns, stamp)
+            if stamp_ns != self._transforms_ns:
+                self._send_transforms(now_ns, stamp, self.believed_pose)
+        if publishers.contacts is not None or publishers.stalled is not None:
+            self._publish_contacts(now_ns, Time.from_nanoseconds(stamp_ns))
+        if publishers.joints is not None:
             joints = self._motion.joints(now_ns)
-            self._publishers.joints.publish_lazily(joint_states_message, stamp, self._parameters.joints, joints)
-        if self._publishers.truth is not None:
+            stamp = Time.from_nanoseconds(stamp_ns)
+            publishers.joints.publish_lazily(joint_states_message, stamp, self._parameters.joints, joints)
+        if publishers.truth is not None:
             frames = self._parameters.map_frame_id, self._parameters.frames["base_link_frame"]
             pose, velocity = self._motion.map_pose(now_ns), self._motion.velocity(now_ns)
-            self._publishers.truth.publish_lazily(odometry_message, stamp, frames, pose, velocity)
+            publishers.truth.publish_lazily(odometry_message, Time.from_nanoseconds(stamp_ns), frames, pose, velocity)
+
+    def _tells_the_truth(self) -> bool:
+        """True if the odometry reports the true motion, and no other frame is published."""
+        is_exact = self._wheel_odometer is None and self._odometer.is_exact and not self._motion.slipped
+        return is_exact and not self._parameters.ground_truth_frame
+
+    def _send_truth(self, now_ns: int, stamp_ns: int) -> None:
+        """Publishes odometry that is exact, and its transforms: to be computed when they are needed, which may be never."""
+        assert self._publishers is not None
+        frames, parameters, course = self._parameters.frames, self._parameters, self._motion.wheel_course(now_ns)
+        self._believed = course
+        base = frames["odom_frame_id"], frames["base_link_frame"]
+        self._publishers.odometry.publish_lazily(exact_odometry_message, stamp_ns, base, course)
+        if stamp_ns != self._transforms_ns:
+            self._transforms_ns = stamp_ns
+            map_frame = (parameters.map_frame_id, self._motion.map_from_own) if parameters.publish_map_transform else None
+            self._publishers.transforms.publish_lazily(exact_transforms_message, stamp_ns, map_frame, base, course)
 
     def _send_odometry(self, now_ns: int, stamp: Time) -> None:
         """Reads the odometer and publishes what it says."""
@@ -706,7 +735,7 @@ class MobileRobotSimulator(Handle):
         frames = self._parameters.frames
         wheels, velocity = self._read_wheels(now_ns)
         reading = self._odometer.read(wheels, now_ns)
-        self._believed_pose = reading.pose
+        self._believed = reading.pose
         self._publishers.odometry.publish_lazily(
             odometry_message,
             stamp,
@@ -762,11 +791,11 @@ class MobileRobotSimulator(Handle):
         return motion.map_from_own
 
     def _publish_clock(self) -> None:
-        self._send_clock(Time.from_nanoseconds(self._stamp_ns()))
+        self._send_clock(self._stamp_ns())
 
-    def _send_clock(self, stamp: Time) -> None:
+    def _send_clock(self, stamp_ns: int) -> None:
         if self._publishers is not None and self._publishers.clock is not None:
-            self._publishers.clock.publish_lazily(clock_message, stamp)
+            self._publishers.clock.publish_lazily(clock_message, stamp_ns)
 
     def _stamp_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

@@ -25,11 +25,32 @@ from ..messages import (
 from ..messages import Pose as PoseMessage
 from ..physics.odometer import PLANAR_COVARIANCE
 from ..physics.velocity_profile import Velocity
+from ..physics.wheel_course import WheelCourse
 
 
-def clock_message(stamp: Time) -> Clock:
-    """Returns the message for /clock."""
-    return Clock(stamp)
+def clock_message(stamp_ns: int) -> Clock:
+    """Returns the message for /clock, for a time [ns]."""
+    return Clock(Time.from_nanoseconds(stamp_ns))
+
+
+def exact_odometry_message(stamp_ns: int, frames: tuple[str, str], course: WheelCourse) -> Odometry:
+    """Returns the message for odometry without errors: `odometry_message` for a stamp [ns] and what the wheels do then."""
+    return odometry_message(Time.from_nanoseconds(stamp_ns), frames, course.pose, course.velocity)
+
+
+def exact_transforms_message(
+    stamp_ns: int, map_frame: tuple[str, Pose] | None, frames: tuple[str, str], course: WheelCourse
+) -> TFMessage:
+    """Returns the transforms that belong to `exact_odometry_message`.
+
+    Args:
+        stamp_ns: Time of the transforms [ns].
+        map_frame: Name of the map frame, and the pose of the odometry frame in it; None if it is not published.
+        frames: Frame of the odometry, and the robot's frame.
+        course: What the wheels do at that time.
+    """
+    links = [] if map_frame is None else [(map_frame[0], frames[0], map_frame[1])]
+    return transforms_message(Time.from_nanoseconds(stamp_ns), [*links, (*frames, course.pose)])
 
 
 def odometry_message(

@@ -14,6 +14,7 @@ from ..instant import NANOSECONDS
 from .motion import MAX_CONTACTS, ContactEvent, Motion, MotionSnapshot, Segment, SteppingSnapshot
 from .push import Push, displaced, with_push
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
+from .wheel_course import WheelCourse
 from .world import Body, World
 
 C = TypeVar("C", bound="ConstrainedMotion")
@@ -124,9 +125,32 @@ class ConstrainedMotion(Motion):
                 self._look_again_ns = start_ns + LOOK_NS
                 if until_ns == time_ns or not self._look(grid, footprint, others, time_ns):
                     return False
+        self.skip_to(time_ns)
+        return True
+
+    def skip_to(self, time_ns: int) -> None:
+        """Advances to a time [ns]; see `Motion.skip_to`."""
         self._stepped_ns = time_ns
         self._preview = self._reached = self._touched = None
-        return True
+
+    def top_speed(self, command: Velocity = STANDING) -> float:
+        """Returns a speed [m/s] that the robot does not exceed; see `Motion.top_speed`."""
+        profile = self._profile
+        if type(profile) is not VelocityProfile or self._push is not None:
+            return math.inf
+        requested = self._requested if self._stepped_ns < self._requested_until_ns else STANDING
+        velocities = profile.velocity, profile.command, requested, command
+        vx, vy = (max(abs(velocity[axis]) for velocity in velocities) for axis in (0, 1))
+        return math.hypot(vx, vy) * max(1.0, self._grip)
+
+    def stays_clear(self, speed: float, seconds: float) -> bool:
+        """Returns True if the robot would touch nothing; see `Motion.stays_clear`."""
+        grid, footprint = self._world.grid, self._body.footprint
+        if grid is None or footprint is None or self.is_blocked:
+            return False
+        pose, velocity = self.pose_for_others(self._stepped_ns), (speed, 0.0, 0.0)
+        others = self._world.obstacles_for(self._body)
+        return stays_clear(grid, footprint, pose, velocity, velocity, seconds, obstacles=others)
 
     def _look(self, grid: OccupancyGrid, footprint: Shape, others: Obstacles, until_ns: int) -> bool:
         """Returns True if a quick look shows that the robot touches nothing before a time [ns], and remembers it.
@@ -174,6 +198,11 @@ class ConstrainedMotion(Motion):
         """Pose that the robot would have if its wheels had never slipped, in the motion's own frame."""
         return super().wheel_pose(time_ns) if time_ns <= self._stepped_ns else Motion.wheel_pose(self._at(time_ns), time_ns)
 
+    def wheel_course(self, time_ns: int) -> WheelCourse:
+        """Where the wheels are at a time; see `Motion.wheel_course`."""
+        at = self if time_ns <= self._stepped_ns else self._at(time_ns)
+        return Motion.wheel_course(at, time_ns)
+
     def velocity(self, time_ns: int) -> Velocity:
         """Velocity of the robot."""
         return super().velocity(time_ns) if time_ns <= self._stepped_ns else Motion.velocity(self._at(time_ns), time_ns)
@@ -203,6 +232,7 @@ class ConstrainedMotion(Motion):
 
     def _follow(self, velocity: Velocity, time_ns: int) -> None:
         """Requests a velocity of the wheels from now on; limits and contact decide what the robot does."""
+        self._world.expect_speed(self.top_speed(velocity))
         self.step(time_ns)
         self._requested, self._requested_until_ns = velocity, self._end_of_command(time_ns)
         if not self.is_blocked:
@@ -227,6 +257,7 @@ class ConstrainedMotion(Motion):
 
     def push(self, push: Push | None, time_ns: int) -> None:
         """Sets the push from now on; see `Motion.push`."""
+        self._world.expect_speed(math.inf)
         self.step(time_ns)
         super().push(push, time_ns)
         self._looked_at = None

@@ -16,6 +16,7 @@ from ..instant import NANOSECONDS
 from .drive_profile import DriveProfile, Steering
 from .push import Push, displaced, turned, with_push
 from .velocity_profile import FOREVER, STANDING, Velocity, VelocityProfile, scaled
+from .wheel_course import WheelCourse
 
 M = TypeVar("M", bound="Motion")
 
@@ -254,6 +255,22 @@ class Motion:
         """Advances to a time [ns] if nothing can happen before. Returns False if the motion must be stepped there."""
         return False
 
+    def skip_to(self, time_ns: int) -> None:
+        """Advances to a time [ns] as `step` would, if it is known that the robot touches nothing before."""
+
+    def top_speed(self, command: Velocity = STANDING) -> float:
+        """Returns a speed [m/s] that the robot does not exceed under its commands and another one; infinity if unknown."""
+        return math.inf
+
+    def stays_clear(self, speed: float, seconds: float) -> bool:
+        """Returns True if a quick look shows that the robot would touch nothing for some time, whatever it does.
+
+        Args:
+            speed: Speed that it does not exceed [m/s].
+            seconds: The time [s].
+        """
+        return False
+
     def pose_for_others(self, time_ns: int) -> Pose:
         """Pose in the map frame that other robots can collide with during the time step that ends at a time [ns]."""
         return self.map_pose(time_ns)
@@ -325,6 +342,10 @@ class Motion:
         if self._wheels is None:
             return self.pose(time_ns)
         return self._profile.move(self._wheels, time_ns)
+
+    def wheel_course(self, time_ns: int) -> WheelCourse:
+        """Where the wheels are at a time, as `wheel_pose` and `wheel_velocity` tell, to be computed when it is needed."""
+        return WheelCourse(self._profile, self._start if self._wheels is None else self._wheels, time_ns)
 
     @property
     def slipped(self) -> bool:

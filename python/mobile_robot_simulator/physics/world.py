@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from .._core import Obstacles, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle
+from ..instant import NANOSECONDS
 from ..quoting import quoted
 from .crowd import Crowd, Placed
 from .motion import Motion
@@ -22,6 +24,9 @@ STEP_NS = 20_000_000
 
 SKIPPED_NS = 10 * STEP_NS
 """Longest time for which a robot moves without a look for contact, if everything else stands and is far away [ns]."""
+
+HEADROOM, HEADROOM_SPEED = 1.25, 0.1
+"""Robots that are free may drive faster than the fastest one does by this factor and this speed [m/s]."""
 
 OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
 """A map without walls, to ask for obstacles alone."""
@@ -125,6 +130,14 @@ class World(Handle):
         """Robots that advance in time steps."""
         self._lone: Body | None = None
         """The robot that advances in time steps, if it is the only one and no other robot has a footprint."""
+        self._free: set[Body] = set()
+        """Robots that touch nothing and that nobody touches until `_look_again_ns`. Their places in `_frozen` are old."""
+        self._free_speed = 0.0
+        """Speed that no robot exceeds meanwhile [m/s]."""
+        self._free_revision = 0
+        """Revision of the map at the last look for free robots."""
+        self._look_again_ns = 0
+        """Time of the next look for free robots [ns]."""
         self._latest: tuple[int, Crowd[Body | Obstacle]] | None = None
         """Obstacles and robots at the last time at which somebody asked for them."""
 
@@ -156,6 +169,7 @@ class World(Handle):
         """Adds an obstacle."""
         self.now_ns()
         placed = obstacle.placed(self._stepped_ns)
+        self._wake()
         # Only what is new is computed, so that many obstacles can be added.
         self._frozen.insert(len(self.obstacles), obstacle, placed)
         if not obstacle.stands:
@@ -324,14 +338,54 @@ class World(Handle):
 
     def _take_step(self, time_ns: int) -> None:
         """Moves everything until the end of a time step [ns]."""
+        self._find_free(self._stepped_ns, time_ns)
         self._stepped_ns = time_ns
         for index, obstacle in self._moving:
             self._frozen.move(index, obstacle.pose(time_ns))
         for body in self._stepped:
             motion = body.motion
+            if body in self._free:
+                motion.skip_to(time_ns)
+                continue
             motion.step(time_ns)
             if len(self._bodies) > 1 and (own := self._frozen.index_of(body)) is not None:
                 self._frozen.move(own, motion.pose_for_others(time_ns))
+
+    def _find_free(self, start_ns: int, end_ns: int) -> None:
+        """Finds the robots that touch nothing in a time step, unless those that were found before are still free.
+
+        A robot is free if there is nothing that it or another robot could reach until the next look: neither knows where the
+        other one goes, but how fast. So nobody needs to look for contact with it.
+        """
+        grid = self.grid
+        if self._free and (end_ns > self._look_again_ns or grid is None or grid.revision != self._free_revision):
+            self._wake()
+        if start_ns < self._look_again_ns or grid is None or self._moving or len(self._stepped) < 2:
+            return
+        self._look_again_ns = start_ns - start_ns % STEP_NS + SKIPPED_NS
+        speed = HEADROOM * max(body.motion.top_speed() for body in self._stepped) + HEADROOM_SPEED
+        if math.isinf(speed) or any(body.footprint is not None and not body.motion.is_stepped for body in self._bodies):
+            return
+        self._free_speed, self._free_revision = speed, grid.revision
+        seconds = (self._look_again_ns - start_ns) / NANOSECONDS
+        self._free = {body for body in self._stepped if body.motion.stays_clear(2.0 * speed, seconds)}
+
+    def expect_speed(self, speed: float) -> None:
+        """Must be called before a robot may exceed the speed that it had so far.
+
+        Args:
+            speed: Speed that it will not exceed [m/s].
+        """
+        if speed > self._free_speed:
+            self._wake()
+
+    def _wake(self) -> None:
+        """Ends the time of the free robots. Their places become those after the last time step."""
+        free, self._free = self._free, set()
+        for body in free:
+            index = self._frozen.index_of(body)
+            assert index is not None
+            self._frozen.move(index, body.motion.pose_for_others(self._stepped_ns))
 
     def _freeze(self) -> None:
         self._stepped = [body for body in self._bodies if body.motion.is_stepped]
@@ -339,6 +393,7 @@ class World(Handle):
         if any(body is not self._lone and body.footprint is not None for body in self._bodies):
             self._lone = None
         self._moving = [(index, obstacle) for index, obstacle in enumerate(self.obstacles) if not obstacle.stands]
+        self._free, self._look_again_ns = set(), 0
         self._frozen = Crowd(self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns)))
 
     def _everybody(self, time_ns: int, pose_of: Callable[[Body], Pose]) -> list[tuple[Body | Obstacle, Placed]]:

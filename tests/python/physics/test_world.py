@@ -301,5 +301,74 @@ def test_many_robots_do_what_they_do_if_the_core_is_told_everything_each_time(
 
     fast, contacts = ends()
     monkeypatch.setattr(world, "Crowd", PlainCrowd)
+    monkeypatch.setattr(world.World, "_find_free", lambda *_: None)
     assert ends() == (fast, contacts)
     assert contacts > 50
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_robots_for_which_nobody_looks_do_what_they_do_if_somebody_does(monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
+    """Thirty robots that now and then speed up, are pushed or moved, or get a new obstacle or a wall in their way."""
+    seen: list[int] = []
+
+    def ends() -> tuple[list[object], int]:
+        rng = np.random.default_rng(seed)
+        cells = np.pad(np.zeros((236, 236), np.int8), 2, constant_values=100)
+        grid = mrs.OccupancyGrid(cells=cells, resolution=0.05)
+        places = [(1.0 + 2.0 * (index % 6), 1.0 + 2.2 * (index // 6), 6.28 * rng.random()) for index in range(30)]
+        robots = {f"r{index}": place for index, place in enumerate(places)}
+        parameters = {"robot_radius": 0.15, "velocity_timeout": 0.7, "laser_beam_count": 31, "publish_rate": 30.0}
+        if seed % 2:
+            parameters["acceleration_limits"] = (0.5, 0.5, 1.0)
+        sim = mrs.Simulation(grid, parameters=parameters, robots=robots, seed=1)
+        for turn in range(60):
+            name = f"r{rng.integers(30)}"
+            for other in rng.choice(list(robots), 8):
+                speed = rng.uniform(0.0, 0.2) if turn % 7 else rng.uniform(0.4, 0.9)
+                drive(sim, speed, rng.uniform(-1.0, 1.0), topic=f"/{other}/cmd_vel")
+            x, y = rng.uniform(1.0, 11.0, 2)
+            with suppress(ValueError):
+                if turn % 10 == 3:
+                    sim.add_obstacle(mrs.Shape.disc(0.1), (x, y, 0.0))
+                elif turn % 10 == 5:
+                    sim.robots[name].robot.push((rng.uniform(-1.0, 1.0), 0.5) if turn % 20 == 15 else None)
+                elif turn % 10 == 7:
+                    sim.set_pose((x, y, 1.0), robot=name)
+                elif turn % 20 == 9:
+                    sim.set_cells(int(20 * y), int(20 * x), np.full((6, 6), 100, np.int8))
+            sim.run_for(rng.uniform(0.01, 0.2))
+            seen.append(len(sim._world._free))
+        found = [(tuple(robot.pose), robot.truth.contacts, robot.truth.distance) for robot in sim.robots.values()]
+        scans = [sim.latest(f"/{name}/scan").ranges.tobytes() for name in robots]
+        return [*found, *scans], sum(len(contacts) for _, contacts, _ in found)
+
+    fast, contacts = ends()
+    assert max(seen) > 10 and min(seen) == 0 and sum(seen) > 100
+    monkeypatch.setattr(world.World, "_find_free", lambda *_: None)
+    assert ends() == (fast, contacts)
+    assert contacts > 0
+
+
+@pytest.mark.parametrize("wait", [0.02, 0.05, 0.13, 0.19])
+def test_a_robot_that_speeds_up_meets_another_where_it_is_now(monkeypatch: pytest.MonkeyPatch, wait: float) -> None:
+    grid = mrs.OccupancyGrid(cells=np.zeros((100, 200), np.int8), resolution=0.1)
+
+    def end() -> tuple[object, ...]:
+        robots = {"fast": (3.9, 5.0, 0.0), "slow": (5.0, 5.0, 0.0)}
+        sim = mrs.Simulation(grid, parameters={"robot_radius": 0.2, "velocity_timeout": 0.0}, robots=robots)
+        drive(sim, 0.5, topic="/slow/cmd_vel")
+        sim.run_for(0.3)
+        for name in robots:
+            sim.robots[name].robot.set_pose(mrs.Pose(*robots[name]))
+        sim.run_for(wait)
+        sim._world.now_ns()
+        free.append(len(sim._world._free))
+        drive(sim, 60.0, topic="/fast/cmd_vel")
+        sim.run_for(0.5)
+        return sim.robots["fast"].truth.contacts[0], *(tuple(robot.pose) for robot in sim.robots.values())
+
+    free: list[int] = []
+    fast = end()
+    assert free[0] == 2
+    monkeypatch.setattr(world.World, "_find_free", lambda *_: None)
+    assert end() == fast

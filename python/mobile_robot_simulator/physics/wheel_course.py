@@ -1,0 +1,32 @@
+"""WheelCourse: where the wheels of a robot are at one time, computed when somebody asks."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from .._core import Pose
+from .velocity_profile import Velocity, VelocityProfile
+
+
+class WheelCourse:
+    """Pose and velocity of the wheels at one time. What the robot does later does not change them.
+
+    Args:
+        profile: Velocity of the wheels at that time.
+        start: Pose at the start of the profile.
+        time_ns: The time [ns].
+
+    """
+
+    def __init__(self, profile: VelocityProfile, start: Pose, time_ns: int) -> None:
+        self._profile, self._start, self._time_ns = profile, start, time_ns
+
+    @cached_property
+    def pose(self) -> Pose:
+        """The pose, in the frame of that at the start, with a wrapped yaw."""
+        return self._profile.move(self._start, self._time_ns).wrapped()
+
+    @property
+    def velocity(self) -> Velocity:
+        """The velocity, in the robot's frame."""
+        return self._profile.velocity_at(self._time_ns)
