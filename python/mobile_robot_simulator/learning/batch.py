@@ -64,9 +64,9 @@ class Batch:
         self._threads = threads
         self._steps = np.zeros(count, np.int64)
         self._space = FreeSpace(task.grids, task.footprint.reach + task.clearance)
-        self._scale = np.array(task.max_velocity)
-        self._axes = slice(0, 3, 2 if len(self._scale) == 2 else 1)
+        self._axes = (0, 2) if len(task.max_velocity) == 2 else (0, 1, 2)
         self._commands = np.zeros((count, 3))
+        self._step_limit = task.step_limit
         self._disturbances = [task.disturbed({})] * count
         self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
         episode = task.step_limit * task.duration
@@ -129,34 +129,43 @@ class Batch:
     def step(self, actions: NDArray[np.floating[Any]]) -> Outcome:
         """Moves all robots by actions (N, A) in [-1, 1] for a step, and judges where they got to."""
         task = self.task
-        np.multiply(np.minimum(np.maximum(actions, -1.0), 1.0), self._scale, out=self._commands[:, self._axes])
+        shares = np.minimum(np.maximum(actions, -1.0), 1.0)
+        # NumPy is slow with rows of two numbers, so each axis is a call of its own, here and in `observations`.
+        for share, axis, velocity in zip(shares.T, self._axes, task.max_velocity, strict=True):
+            np.multiply(share, velocity, out=self._commands[:, axis], dtype=np.float64)
         self._step = self.fleet.step(self._commands, task.duration, threads=self._threads, out=self._step)
         assert self._step.ranges is not None
         self._ranges, self._is_released = self._step.ranges, False
         before, self._seen = self._seen[:, 0], self.fleet.relative(self.goals)
+        distances = self._seen[:, 0]
         self._steps += 1
         contacts = self._step.contacts.copy()
-        reached = (self._seen[:, 0] <= task.goal_radius) & ~contacts
-        truncated = (self._steps >= task.step_limit) & ~reached & ~contacts
+        reached = (distances <= task.goal_radius) & ~contacts
+        truncated = (self._steps >= self._step_limit) & ~(reached | contacts)
         weights = task.rewards
         parts = {
-            "progress": weights["progress"] * (before - self._seen[:, 0]),
-            "goal": np.where(reached, weights["goal"], 0.0),
-            "contact": np.where(contacts, weights["contact"], 0.0),
+            "progress": before - distances,
+            "goal": np.zeros(len(contacts)),
+            "contact": np.zeros(len(contacts)),
             "time": np.full(len(contacts), weights["time"] * task.duration),
-            "turning": weights["turning"] * task.duration * np.abs(self._step.velocities[:, 2]),
+            "turning": np.abs(self._step.velocities[:, 2]),
         }
-        rewards = parts["progress"] + parts["goal"] + parts["contact"] + parts["time"] + parts["turning"]
+        parts["progress"] *= weights["progress"]
+        parts["goal"][reached] = weights["goal"]
+        parts["contact"][contacts] = weights["contact"]
+        parts["turning"] *= weights["turning"] * task.duration
+        rewards = parts["progress"] + parts["goal"]
+        for name in ("contact", "time", "turning"):
+            rewards += parts[name]
         return Outcome(rewards, parts, reached, contacts, truncated)
 
     def observations(self) -> Observations:
         """Returns what the robots see now. The next step changes the ranges, unless `release` is called."""
         velocities = self.fleet.velocities
-        return {
-            "goal": self._seen.astype(np.float32),
-            "ranges": self._ranges,
-            "velocity": velocities[:, self._axes].astype(np.float32),
-        }
+        along = np.empty((len(velocities), len(self._axes)), np.float32)
+        for column, axis in enumerate(self._axes):
+            along[:, column] = velocities[:, axis]
+        return {"goal": self._seen.astype(np.float32), "ranges": self._ranges, "velocity": along}
 
     def release(self) -> None:
         """Leaves the arrays of the last observations to the caller: nothing changes them any more."""

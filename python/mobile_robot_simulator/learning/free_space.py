@@ -51,21 +51,28 @@ class FreeSpace:
                 raise ValueError(
                     f"a world must have free space for a robot of radius {radius:g} m, got none in world {index}"
                 )
-        self._shapes = np.array([parts.shape for parts in labels])
-        self._first = np.cumsum([0, *(parts.size for parts in labels)])[:-1]
+        first = np.cumsum([0, *(parts.size for parts in labels)])[:-1]
         self._labels = np.concatenate([parts.ravel() for parts in labels])
         cells = [np.flatnonzero(parts).astype(np.int32) for parts in labels]
         self._counts = np.array([len(some) for some in cells])
         self._first_cell = np.cumsum([0, *self._counts])[:-1]
         self._cells = np.concatenate(cells)
-        self._resolutions = np.array([world.resolution for world in worlds])
         origins = np.array([tuple(world.origin) for world in worlds])
-        self._corners, self._cos, self._sin = origins[:, :2], np.cos(origins[:, 2]), np.sin(origins[:, 2])
+        # One table, so that all numbers of some worlds are one look-up.
+        self._frames = np.array(
+            [
+                *origins[:, :2].T,
+                np.cos(origins[:, 2]),
+                np.sin(origins[:, 2]),
+                [world.resolution for world in worlds],
+                *zip(*(parts.shape for parts in labels), strict=True),
+                first,
+            ]
+        )
 
     def are_connected(self, world: int, start: Sequence[float], goal: Sequence[float]) -> bool:
         """Tells whether two points (x, y) [m] in the map frame of a world are in the same connected part."""
-        x, y = np.array([start[:2], goal[:2]], float).T
-        one, other = self._labels_at(np.array([world]), x[None], y[None])[0]
+        one, other = self._labels_at(np.array([world, world]), *np.array([start[:2], goal[:2]], float).T)
         return bool(one == other and one != 0)
 
     def draw(
@@ -86,32 +93,33 @@ class FreeSpace:
             The starts, (M, 3), poses x, y, yaw [m, m, rad] in the map frame; the goals, (M, 2), points x, y [m] in the
             map frame; and whether a goal was found, (M,) bool.
         """
+        left, bottom, cos, sin, resolutions, _, widths, first = self._frames[:, worlds]
         cells = self._cells[self._first_cell[worlds] + (numbers[:, 0] * self._counts[worlds]).astype(np.intp)]
-        rows, cols = np.divmod(cells, self._shapes[worlds, 1])
-        resolutions, cos, sin = self._resolutions[worlds], self._cos[worlds], self._sin[worlds]
+        rows, cols = np.divmod(cells, widths)
         dx, dy = (cols + numbers[:, 1]) * resolutions, (rows + numbers[:, 2]) * resolutions
         starts = np.empty((len(worlds), 3))
-        starts[:, 0] = self._corners[worlds, 0] + cos * dx - sin * dy
-        starts[:, 1] = self._corners[worlds, 1] + sin * dx + cos * dy
+        starts[:, 0] = left + cos * dx - sin * dy
+        starts[:, 1] = bottom + sin * dx + cos * dy
         starts[:, 2] = (numbers[:, 3] * 2.0 - 1.0) * math.pi
-        directions = numbers[:, 4::2] * math.tau
-        lengths = distances[0] + numbers[:, 5::2] * (distances[1] - distances[0])
-        x, y = starts[:, :1] + lengths * np.cos(directions), starts[:, 1:2] + lengths * np.sin(directions)
-        fits = self._labels_at(worlds, x, y) == self._labels[self._first[worlds] + cells][:, None]
-        which, chosen = np.arange(len(worlds)), fits.argmax(axis=1)
-        return starts, np.stack([x[which, chosen], y[which, chosen]], axis=1), fits[which, chosen]
+        # One row for each attempt: NumPy is slow where it must repeat numbers itself.
+        every = np.repeat(np.arange(len(worlds)), self.ATTEMPTS)
+        directions = numbers[:, 4::2].ravel() * math.tau
+        lengths = distances[0] + numbers[:, 5::2].ravel() * (distances[1] - distances[0])
+        x, y = starts[every, 0] + lengths * np.cos(directions), starts[every, 1] + lengths * np.sin(directions)
+        own = self._labels[first.astype(np.intp) + cells]
+        fits = self._labels_at(worlds[every], x, y) == own[every]
+        chosen = fits.reshape(-1, self.ATTEMPTS).argmax(axis=1) + np.arange(0, len(every), self.ATTEMPTS)
+        return starts, np.array([x[chosen], y[chosen]]).T, fits[chosen]
 
     def _labels_at(self, worlds: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Returns the labels of the parts at points (M, K) of the map frames of worlds (M,); 0 where there is none."""
-        worlds = worlds[:, None]
-        cos, sin, resolutions = self._cos[worlds], self._sin[worlds], self._resolutions[worlds]
-        dx, dy = x - self._corners[worlds, 0], y - self._corners[worlds, 1]
+        """Returns the labels of the parts at points (M,) of the map frames of worlds (M,); 0 where there is none."""
+        left, bottom, cos, sin, resolutions, heights, widths, first = self._frames[:, worlds]
+        dx, dy = x - left, y - bottom
         cols = np.floor((cos * dx + sin * dy) / resolutions)
         rows = np.floor((cos * dy - sin * dx) / resolutions)
-        heights, widths = self._shapes[worlds, 0], self._shapes[worlds, 1]
         inside = (cols >= 0) & (cols < widths) & (rows >= 0) & (rows < heights)
-        cells = np.where(inside, rows * widths + cols, 0.0).astype(np.intp)
-        return np.where(inside, self._labels[self._first[worlds] + cells], np.int32(0))
+        cells = np.where(inside, first + rows * widths + cols, 0.0).astype(np.intp)
+        return np.where(inside, self._labels[cells], np.int32(0))
 
 
 def _labels(world: OccupancyGrid, radius: float) -> NDArray[np.int32]:

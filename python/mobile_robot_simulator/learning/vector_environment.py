@@ -171,7 +171,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         if started.any():
             self._batch.reset(started)
         info |= _grouped(_judgement(outcome), ~started)
-        info |= _grouped({"pose": self._batch.fleet.poses}, np.ones_like(started))
+        info |= {"pose": self._batch.fleet.poses, "_pose": np.ones(self.num_envs, np.bool_)}
         return self._observations(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -266,16 +266,19 @@ def _judgement(outcome: Outcome) -> dict[str, Any]:
 
 def _grouped(info: dict[str, Any], mask: Flags) -> dict[str, Any]:
     """Returns info as Gymnasium has it: the values of the environments of the mask, 0 for the others, and the mask."""
-    if not mask.any():
-        return {}
-    is_all = bool(mask.all())
+    others = np.flatnonzero(~mask)
+    return {} if len(others) == len(mask) else _grouped_without(info, mask, others)
+
+
+def _grouped_without(info: dict[str, Any], mask: Flags, others: NDArray[np.intp]) -> dict[str, Any]:
     grouped: dict[str, Any] = {}
     for name, values in info.items():
         if isinstance(values, dict):
-            grouped[name] = _grouped(values, mask)
-        elif is_all:
-            grouped[name] = values
+            grouped[name] = _grouped_without(values, mask, others)
+        elif len(others):
+            grouped[name] = values.copy()
+            grouped[name][others] = 0
         else:
-            grouped[name] = np.where(mask if values.ndim == 1 else mask[:, None], values, np.zeros((), values.dtype))
+            grouped[name] = values
         grouped[f"_{name}"] = mask.copy()
     return grouped
