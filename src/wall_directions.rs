@@ -12,8 +12,11 @@ use crate::memory;
 /// Number of directions, over half a turn. A multiple of 4, so that 0°, 45°, 90° and 135° are exact.
 pub const STEPS: u8 = 252;
 
-/// Mark of a cell at which no direction is known.
-pub const UNKNOWN: u8 = u8::MAX;
+/// Mark of a cell that does not block or has no free neighbour.
+pub const NO_WALL: u8 = u8::MAX;
+
+/// Mark of a cell at which the direction of the wall is unknown.
+pub const UNKNOWN: u8 = u8::MAX - 1;
 
 /// Largest number of cells from a cell to the side of its window.
 const MAX_REACH: usize = 5;
@@ -45,11 +48,35 @@ const WALLS: &str = "the directions of the walls";
 /// 9 × 9 and 7 × 7 if the cells in it are not along a line, as near a corner. If they never are, the direction is unknown.
 #[derive(Debug)]
 pub struct WallDirections {
-    /// Direction of each cell in steps of π / [`STEPS`], counterclockwise from the x axis; or [`UNKNOWN`].
+    /// Direction of each cell in steps of π / [`STEPS`], counterclockwise from the x axis; or [`UNKNOWN`] or
+    /// [`NO_WALL`].
     steps: Vec<u8>,
     width: usize,
-    /// Unit vector of each step; zero for [`UNKNOWN`].
-    tangents: [DVec2; 256],
+    tangents: [Tangent; 256],
+}
+
+/// A unit vector along a wall: zero if its direction is unknown, and NaN where there is no wall.
+///
+/// Both components are float32 numbers in one word, so that they are looked up together.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Tangent(u64);
+
+impl Tangent {
+    fn new(x: f64, y: f64) -> Self {
+        Self(u64::from((x as f32).to_bits()) | u64::from((y as f32).to_bits()) << 32)
+    }
+
+    /// Returns the x component.
+    #[inline(always)]
+    pub fn x(self) -> f64 {
+        f32::from_bits(self.0 as u32).into()
+    }
+
+    /// Returns the y component.
+    #[inline(always)]
+    pub fn y(self) -> f64 {
+        f32::from_bits((self.0 >> 32) as u32).into()
+    }
 }
 
 /// Cells of a grid, of which some block.
@@ -72,18 +99,19 @@ impl WallDirections {
         blocks: impl Fn(&T) -> bool + Sync,
     ) -> Result<Self, Error> {
         let walls = Walls { cells, width, blocks };
-        let mut steps = memory::filled(WALLS, UNKNOWN, cells.len())?;
+        let mut steps = memory::filled(WALLS, NO_WALL, cells.len())?;
         for_each_chunk(threads, &mut steps, ROWS * width, |chunk, steps| {
             for (row, steps) in steps.chunks_exact_mut(width).enumerate() {
                 walls.fill(chunk * ROWS + row, 0..width, steps);
             }
             Ok(())
         })?;
-        let mut tangents = [DVec2::ZERO; 256];
+        let mut tangents = [Tangent::default(); 256];
         for step in 0..STEPS {
             let (sin, cos) = libm::sincos(angle(step));
-            tangents[usize::from(step)] = DVec2::new(cos, sin);
+            tangents[usize::from(step)] = Tangent::new(cos, sin);
         }
+        tangents[usize::from(NO_WALL)] = Tangent::new(f64::NAN, f64::NAN);
         Ok(Self { steps, width, tangents })
     }
 
@@ -114,15 +142,16 @@ impl WallDirections {
     }
 
     /// Returns a unit vector along the wall at a cell, given by its place among all cells, in the frame of the grid; `None` if the
-    /// direction is unknown.
+    /// direction is unknown or there is no wall.
     #[inline(always)]
     pub fn tangent(&self, place: usize) -> Option<DVec2> {
-        Some(self.tangent_or_zero(place)).filter(|&tangent| tangent != DVec2::ZERO)
+        let tangent = self.tangent_at(place);
+        Some(DVec2::new(tangent.x(), tangent.y())).filter(|tangent| tangent.is_finite() && *tangent != DVec2::ZERO)
     }
 
-    /// Returns the same vector, and zero if the direction is unknown or the place is not on the grid.
+    /// Returns the same vector; zero if the direction is unknown or the place is not on the grid.
     #[inline(always)]
-    pub fn tangent_or_zero(&self, place: usize) -> DVec2 {
+    pub fn tangent_at(&self, place: usize) -> Tangent {
         // No branch, so that the look-ups of several beams overlap.
         self.tangents[usize::from(self.steps.get(place).copied().unwrap_or(UNKNOWN))]
     }
@@ -137,7 +166,7 @@ impl<T, B: Fn(&T) -> bool> Walls<'_, T, B> {
     /// Writes the steps of some cells of a row.
     fn fill(&self, row: usize, cols: Range<usize>, steps: &mut [u8]) {
         for (col, step) in cols.zip(steps) {
-            *step = if self.is_surface(col, row) { self.step(col, row) } else { UNKNOWN };
+            *step = if self.is_surface(col, row) { self.step(col, row) } else { NO_WALL };
         }
     }
 
@@ -280,7 +309,7 @@ mod tests {
         let (cells, width) = draw(rows);
         let found = WallDirections::new(&cells, width, Some(1), |&cell| cell).unwrap();
         match found.steps()[row * width + col] {
-            UNKNOWN => -1.0,
+            UNKNOWN | NO_WALL => -1.0,
             step => angle(step).to_degrees(),
         }
     }

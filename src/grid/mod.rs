@@ -440,12 +440,6 @@ impl OccupancyGrid {
         self.cell_around(at).is_some_and(|cell| self.is_blocking(cell))
     }
 
-    /// Returns true if a cell, given by its place among all cells, blocks beams and robots.
-    #[inline(always)]
-    pub(crate) fn blocks_at(&self, place: usize) -> bool {
-        self.options.blocks(self.cells[place])
-    }
-
     /// Returns true if one of these cells of a row blocks beams and robots.
     pub(crate) fn has_blocking(&self, row: usize, cols: Range<usize>) -> bool {
         // Not `any`, which would look at one cell after the other.
@@ -611,7 +605,7 @@ mod tests {
     fn setting_cells_updates_the_free_boxes() {
         let mut grid = grid(&[0; 12], 4, OPTIONS);
         grid.prepare(Some(1)).expect("enough memory");
-        assert_eq!(grid.walls(Some(1)).unwrap().steps(), [crate::wall_directions::UNKNOWN; 12]);
+        assert_eq!(grid.walls(Some(1)).unwrap().steps(), [crate::wall_directions::NO_WALL; 12]);
         grid.set_cells(Cell { col: 1, row: 1 }, 2, &[100, -1, 0, 60]).expect("a rectangle on the grid");
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
         assert_eq!((grid.revision(), grid.try_clone().unwrap().revision()), (1, 1));

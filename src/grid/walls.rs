@@ -4,7 +4,7 @@ use super::OccupancyGrid;
 use crate::batch::thread_count;
 use crate::error::Error;
 use crate::interrupt::is_pool_thread;
-use crate::wall_directions::{UNKNOWN, WallDirections, angle};
+use crate::wall_directions::{STEPS, WallDirections, angle};
 
 impl OccupancyGrid {
     /// Writes to `directions`, for each cell row by row, the direction of the wall at that cell \[rad\]: the angle from the x
@@ -43,7 +43,7 @@ impl OccupancyGrid {
         }
         thread_count(threads, directions.len())?;
         for (direction, &step) in directions.iter_mut().zip(self.walls(threads)?.steps()) {
-            *direction = if step == UNKNOWN { f32::NAN } else { angle(step) as f32 };
+            *direction = if step < STEPS { angle(step) as f32 } else { f32::NAN };
         }
         Ok(())
     }

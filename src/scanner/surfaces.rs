@@ -16,7 +16,7 @@ use crate::pose::Pose;
 use crate::random::BeamBits;
 use crate::raycast::{Beam, Path, Sink, Sweep, cell_hit, hit_of, store};
 use crate::surface::{Material, SurfaceModel};
-use crate::wall_directions::WallDirections;
+use crate::wall_directions::{Tangent, WallDirections};
 use crate::world::World;
 
 /// Number of the first obstacle among the things that a beam can meet; cells come before.
@@ -192,24 +192,17 @@ impl<S: Scene> Surfaced<'_, S> {
             cosines[slot] = if is_hit { cos } else { 1.0 };
         }
         let (mut numbers, mut shares) = ([0; GROUP], [Material::WALL.reflectivity; GROUP]);
-        let [mut tx, mut ty] = [[0.0; GROUP]; 2];
+        let mut tangents = [Tangent::default(); GROUP];
         for slot in 0..GROUP {
-            (tx[slot], ty[slot]) = self.walls.tangent_or_zero(places[slot] as usize).into();
+            tangents[slot] = self.walls.tangent_at(places[slot] as usize);
         }
-        let mut is_unknown = [0_u32; GROUP];
         for slot in 0..GROUP {
-            let has_place = places[slot] != NOWHERE;
-            let has_tangent = (tx[slot] != 0.0) | (ty[slot] != 0.0);
-            let of_wall = (dx[slot] * ty[slot] - dy[slot] * tx[slot]).abs();
-            cosines[slot] = if has_tangent { of_wall } else { cosines[slot] };
-            numbers[slot] = if has_place { u64::from(places[slot]) } else { 0 };
-            is_unknown[slot] = u32::from(has_place & !has_tangent);
-        }
-        if is_unknown.iter().fold(0, |any, unknown| any | unknown) != 0 {
-            // Only blocking cells have a direction.
-            for slot in (0..GROUP).filter(|&slot| is_unknown[slot] != 0) {
-                is_other[slot] = u32::from(!self.grid.blocks_at(places[slot] as usize));
-            }
+            let (tx, ty) = (tangents[slot].x(), tangents[slot].y());
+            let is_known = (tx != 0.0) | (ty != 0.0);
+            let of_wall = (dx[slot] * ty - dy[slot] * tx).abs();
+            cosines[slot] = if is_known { of_wall } else { cosines[slot] };
+            numbers[slot] = if places[slot] == NOWHERE { 0 } else { u64::from(places[slot]) };
+            is_other[slot] |= u32::from(tx.is_nan());
         }
         if let Some(materials) = self.grid.materials().filter(|_| self.surface.loses_beams()) {
             for slot in (0..GROUP).filter(|&slot| places[slot] != NOWHERE) {

@@ -7,8 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::beam_model::HitPart;
 use crate::error::{Error, check_finite, check_number};
-use crate::numeric::elementary::ln32;
-use crate::numeric::exponential::exp;
+use crate::numeric::elementary::{exp32, ln32};
 pub(crate) use footprint::Footprint;
 pub use material::{Material, MaterialKind, Materials};
 
@@ -184,9 +183,9 @@ impl SurfaceModel {
         let center = part.center + incidence_bias * (1.0 - cos);
         let center = if center > 0.0 { center } else { 0.0 };
         let center = if center < max_range { center } else { max_range };
-        // cos^-p = 1 / exp(p · ln(cos)), with an exponent that is never positive.
-        let exponent = incidence_sigma * f64::from(ln32(cos as f32));
-        HitPart { center, sigma: part.sigma / exp(if exponent < 0.0 { exponent } else { 0.0 }) }
+        // cos^-p = exp(-p · ln(cos)), with an exponent that is at least 0 and, at the largest p and limit, below 56.
+        let exponent = -(incidence_sigma as f32) * ln32(cos as f32);
+        HitPart { center, sigma: part.sigma * f64::from(exp32(if exponent > 0.0 { exponent } else { 0.0 })) }
     }
 
     /// Returns the weights of the number of a scan and of the fixed number.
