@@ -1,4 +1,4 @@
-"""Learning: navigation among walls as environments of Gymnasium, one at a time or thousands together.
+"""Learning: navigation among walls as environments of Gymnasium, one at a time or thousands together, or of PettingZoo.
 
 Importing this package registers `mobile_robot_simulator/Navigation-v0` with Gymnasium. It needs the extra `learning`.
 
@@ -11,6 +11,8 @@ Example:
     ((64, 64), (64, 2), (64, 2))
 """
 
+from typing import TYPE_CHECKING, Any
+
 try:
     import gymnasium
 except ImportError as error:
@@ -22,7 +24,28 @@ from .plans import training_plans, unseen_plans
 from .task import NavigationTask
 from .vector_environment import NavigationVectorEnv
 
-__all__ = ["FreeSpace", "NavigationEnv", "NavigationTask", "NavigationVectorEnv", "training_plans", "unseen_plans"]
+if TYPE_CHECKING:
+    from .parallel_environment import NavigationParallelEnv
+
+__all__ = [
+    "FreeSpace",
+    "NavigationEnv",
+    "NavigationParallelEnv",
+    "NavigationTask",
+    "NavigationVectorEnv",
+    "training_plans",
+    "unseen_plans",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports the environment of PettingZoo when it is first used."""
+    if name == "NavigationParallelEnv":
+        from .parallel_environment import NavigationParallelEnv
+
+        return NavigationParallelEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 gymnasium.register(
     "mobile_robot_simulator/Navigation-v0",

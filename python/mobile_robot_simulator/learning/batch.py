@@ -40,6 +40,14 @@ class Outcome(NamedTuple):
         """Whether the episode has come to its end, (N,)."""
         return self.reached | self.contacts
 
+    def info(self, index: int) -> dict[str, Any]:
+        """Returns what one environment tells about the step."""
+        return {
+            "contact": bool(self.contacts[index]),
+            "is_success": bool(self.reached[index]),
+            "reward_parts": {name: float(part[index]) for name, part in self.parts.items()},
+        }
+
 
 class Batch:
     """N robots, each in an episode of its own.
@@ -51,13 +59,16 @@ class Batch:
         task: What the robots do.
         count: Number of robots, at least 1.
         threads: Number of threads for moving and scanning; None means one per core.
+        is_shared: Whether the robots share a world, so that they see and touch each other. Then they are reset together,
+            and `task` has no obstacles.
 
     Raises:
         ValueError: A world has no free space, or a goal is nowhere as far from a start as it must be.
     """
 
-    def __init__(self, task: NavigationTask, count: int, threads: int | None = None) -> None:
+    def __init__(self, task: NavigationTask, count: int, threads: int | None = None, *, is_shared: bool = False) -> None:
         self.task = task
+        self.is_shared = is_shared
         self.generators: list[np.random.Generator] = []
         self.generator_seeds: list[int] = []
         self.goals = np.zeros((count, 2))
@@ -77,7 +88,7 @@ class Batch:
         ]
         probe = np.random.default_rng(0)
         for world in range(len(task.grids)):
-            self._drawn(np.array([world]), [probe])
+            self._drawn(np.full(count if is_shared else 1, world), [probe] * count)
         self.fleet = self._new_fleet(np.zeros((count, 3)))
         self.fleet.scan(np.arange(count) == 0, threads=threads)  # refuses a wrong number of threads
         self._seen = np.zeros((count, 2))
@@ -102,6 +113,8 @@ class Batch:
         ranges = self.task.randomisation
         head = np.array([generator.random(2 + len(ranges)) for generator in generators])
         self._worlds[chosen] = (head[:, 0] * len(self.task.grids)).astype(np.intp)
+        if self.is_shared:
+            self._worlds[:] = self._worlds[0]
         self._seeds[chosen] = (head[:, 1] * 2.0**53).astype(np.uint64)
         poses = np.zeros((len(mask), 3))
         poses[chosen], self.goals[chosen] = self._drawn(self._worlds[chosen], generators)
@@ -159,6 +172,10 @@ class Batch:
             rewards += parts[name]
         return Outcome(rewards, parts, reached, contacts, truncated)
 
+    def stop(self, mask: NDArray[np.bool_]) -> None:
+        """Makes the robots of the mask stand still where they are."""
+        self.fleet.reset(mask, poses=self.fleet.poses)
+
     def observations(self) -> Observations:
         """Returns what the robots see now. The next step changes the ranges, unless `release` is called."""
         velocities = self.fleet.velocities
@@ -172,11 +189,13 @@ class Batch:
         self._step, self._is_released = None, True
 
     def discs(self, index: int) -> list[tuple[float, float, float]]:
-        """Returns the discs that are in a world now: centres x and y in the map frame, and radii [m]."""
+        """Returns the discs and other robots that are in a world now: centres x and y in the map frame, and radii [m]."""
         each, time = len(self._obstacles) // len(self._steps), self.fleet.times[index]
         present = [(shape, way) for shape, way, _ in self._obstacles[index * each :][:each] if way is not None]
         at = [[float(np.interp(time, way[:, 0], way[:, axis])) for axis in (1, 2)] for _, way in present]
-        return [(x, y, shape.reach) for (x, y), (shape, _) in zip(at, present, strict=True)]
+        discs = [(x, y, shape.reach) for (x, y), (shape, _) in zip(at, present, strict=True)]
+        others = np.delete(self.fleet.poses, index, axis=0).tolist() if self.is_shared else []
+        return discs + [(x, y, self.task.footprint.reach) for x, y, _ in others]
 
     def _draw_discs(
         self, chosen: NDArray[np.intp], poses: NDArray[np.float64], generators: Sequence[np.random.Generator]
@@ -202,14 +221,27 @@ class Batch:
             numbers = np.array([generators[index].random(FreeSpace.NUMBERS) for index in missing.tolist()])
             poses[missing], goals[missing], found = self._space.draw(worlds[missing], self.task.goal_distances, numbers)
             missing = missing[~found]
+            if self.is_shared:
+                missing = np.union1d(missing, np.flatnonzero(self._crowded(poses) | self._crowded(goals)))
             if not len(missing):
                 return poses, goals
         low, high = self.task.goal_distances
+        if self.is_shared and len(worlds) > 1:
+            raise ValueError(
+                f"a world must have room for {len(worlds)} robots, and goals {low:g} m to {high:g} m from their starts; "
+                f"got none for {len(missing)} of them in {BLOCKS} draws in world {worlds[0]}"
+            )
         tried = BLOCKS * FreeSpace.ATTEMPTS
         raise ValueError(
             f"a world must have a goal that a robot can reach, {low:g} m to {high:g} m from its start; "
             f"got none in {tried} draws in world {worlds[missing[0]]}"
         )
+
+    def _crowded(self, places: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tells which of some places leave too little room to an earlier one for a robot at each of them."""
+        needed = 2.0 * (self.task.footprint.reach + self.task.clearance)
+        distances = np.hypot(*(places[:, None, :2] - places[None, :, :2]).T)
+        return np.asarray((np.tri(len(places), k=-1, dtype=np.bool_) & (distances < needed)).any(axis=1))
 
     def _new_fleet(self, poses: NDArray[np.float64]) -> Fleet:
         task = self.task
@@ -223,6 +255,7 @@ class Batch:
             poses,
             seeds=self._seeds,
             grid_of=self._worlds,
+            world_of=np.zeros(len(poses), np.intp) if self.is_shared else None,
             footprint=task.footprint,
             limits=limits or None,
             slip=[each.slip for each in of_robots] if is_random else None,

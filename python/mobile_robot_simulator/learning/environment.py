@@ -102,12 +102,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
             raise gymnasium.error.ResetNeeded("the environment must be reset before its first step, got a step")
         shape = (1, len(self.task.max_velocity))
         outcome = self._batch.step(checked_actions(np.asarray(action)[None], shape, None))
-        info = {
-            "pose": self._batch.fleet.poses[0],
-            "contact": bool(outcome.contacts[0]),
-            "is_success": bool(outcome.reached[0]),
-            "reward_parts": {name: float(part[0]) for name, part in outcome.parts.items()},
-        }
+        info = {"pose": self._batch.fleet.poses[0], **outcome.info(0)}
         terminated, truncated = bool(outcome.terminated[0]), bool(outcome.truncated[0])
         return self._observation(), float(outcome.rewards[0]), terminated, truncated, info
 
