@@ -85,7 +85,7 @@ def recorded_drive(grid: mrs.OccupancyGrid) -> Figure:
         simulation = circling(grid)
         stopwatch = Stopwatch()
         with Recorder(folder) as recorder:
-            simulation.record(recorder.write)
+            simulation.record_lazily(recorder.write)
             simulation.run_for(TEN_MINUTES)
         took = stopwatch.read()
         assert sum(file.stat().st_size for file in recorder.path.iterdir()) > 6000 * 541 * 4

@@ -41,6 +41,20 @@ def filled(kind: type[ros.Message], numbers: Iterator[int]) -> Any:
     return message
 
 
+def values_of(message: ros.Message) -> tuple[Any, ...]:
+    """Returns the values of a message in the form of `MessageRecipe`."""
+    values: list[Any] = []
+    for item in dataclasses.fields(message):
+        value = getattr(message, item.name)
+        if isinstance(value, ros.Message):
+            values += values_of(value)
+        elif isinstance(value, list):
+            values.append([values_of(each) if isinstance(each, ros.Message) else each for each in value])
+        else:
+            values.append(value)
+    return tuple(values)
+
+
 def drive(steps: int = 40) -> list[tuple[str, ros.Message, int]]:
     """Returns topics, messages and times of a short drive. Values that ROS stores as float32 are float32 values."""
     cells = np.resize(np.array([-1, 0, 100], np.int8), 30 * 20)

@@ -20,6 +20,7 @@ ROOMS = (
     "new_files",
     "yaml_documents",
     "messages",
+    "message_recipe",
     "marker_messages",
     "entity_messages",
     "instant",

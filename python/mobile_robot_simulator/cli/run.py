@@ -111,7 +111,7 @@ def run(
             progress_bar(duration) as advance,
             Recorder(out, format=format, overwrite=overwrite, companions=COMPANIONS) as recorder,
         ):
-            drive.simulation.record(recorder.write)
+            drive.simulation.record_lazily(recorder.write)
             summary = drive.run(duration, real_time=real_time, progress=advance, ended=interruption.ignore_more)
             summary.save(recorder.companion(SUMMARY))
             no_picture = _draw(drive, recorder.companion(PICTURE))

@@ -1,28 +1,20 @@
-"""The messages of a robot: odometry, transforms and clock."""
+"""The messages of a robot: odometry, transforms and clock.
+
+A function below `@recipe` returns the values of its message; see `MessageRecipe`. To its callers it returns the message.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Pose
-from ..messages import (
-    Clock,
-    Header,
-    JointState,
-    Odometry,
-    PoseWithCovariance,
-    TFMessage,
-    Time,
-    Transform,
-    TransformStamped,
-    Twist,
-    TwistWithCovariance,
-    Vector3,
-)
-from ..messages import Pose as PoseMessage
+from ..instant import NANOSECONDS
+from ..message_recipe import recipe
+from ..messages import Clock, Header, JointState, Odometry, TFMessage, Time
 from ..physics.odometer import PLANAR_COVARIANCE
 from ..physics.velocity_profile import Velocity
 from ..physics.wheel_course import WheelCourse
@@ -33,14 +25,16 @@ def clock_message(stamp_ns: int) -> Clock:
     return Clock(Time.from_nanoseconds(stamp_ns))
 
 
-def exact_odometry_message(stamp_ns: int, frames: tuple[str, str], course: WheelCourse) -> Odometry:
+@recipe(Odometry)
+def exact_odometry_message(stamp_ns: int, frames: tuple[str, str], course: WheelCourse) -> tuple[Any, ...]:
     """Returns the message for odometry without errors: `odometry_message` for a stamp [ns] and what the wheels do then."""
-    return odometry_message(Time.from_nanoseconds(stamp_ns), frames, course.pose, course.velocity)
+    return _odometry(*divmod(stamp_ns, NANOSECONDS), frames, course.pose, course.velocity)
 
 
+@recipe(TFMessage)
 def exact_transforms_message(
     stamp_ns: int, map_frame: tuple[str, Pose] | None, frames: tuple[str, str], course: WheelCourse
-) -> TFMessage:
+) -> tuple[Any, ...]:
     """Returns the transforms that belong to `exact_odometry_message`.
 
     Args:
@@ -49,10 +43,12 @@ def exact_transforms_message(
         frames: Frame of the odometry, and the robot's frame.
         course: What the wheels do at that time.
     """
-    links = [] if map_frame is None else [(map_frame[0], frames[0], map_frame[1])]
-    return transforms_message(Time.from_nanoseconds(stamp_ns), [*links, (*frames, course.pose)])
+    sec, nanosec = divmod(stamp_ns, NANOSECONDS)
+    links = [] if map_frame is None else [_transform(sec, nanosec, map_frame[0], frames[0], map_frame[1])]
+    return ([*links, _transform(sec, nanosec, *frames, course.pose)],)
 
 
+@recipe(Odometry)
 def odometry_message(
     stamp: Time,
     frames: tuple[str, str],
@@ -60,7 +56,7 @@ def odometry_message(
     velocity: Velocity,
     covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
     twist_covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
-) -> Odometry:
+) -> tuple[Any, ...]:
     """Returns the message for a pose and a velocity.
 
     Args:
@@ -71,25 +67,41 @@ def odometry_message(
         covariance: Covariance of the pose, (36,).
         twist_covariance: Covariance of the velocity, (36,).
     """
-    vx, vy, wz = velocity
-    return Odometry(
-        Header(stamp, frames[0]),
-        frames[1],
-        PoseWithCovariance(PoseMessage.from_planar(pose), covariance),
-        TwistWithCovariance(Twist(Vector3(vx, vy), Vector3(0.0, 0.0, wz)), twist_covariance),
-    )
+    return _odometry(stamp.sec, stamp.nanosec, frames, pose, velocity, covariance, twist_covariance)
 
 
-def transforms_message(stamp: Time, links: Iterable[tuple[str, str, Pose]]) -> TFMessage:
+@recipe(TFMessage)
+def transforms_message(stamp: Time, links: Iterable[tuple[str, str, Pose]]) -> tuple[Any, ...]:
     """Returns the message for /tf.
 
     Args:
         stamp: Time of the transforms.
         links: Name of the frame, name of the child frame, and pose of the child in the frame, for each transform.
     """
-    return TFMessage(
-        [TransformStamped(Header(stamp, frame), child, Transform.from_planar(pose)) for frame, child, pose in links]
-    )
+    return ([_transform(stamp.sec, stamp.nanosec, *link) for link in links],)
+
+
+def _odometry(
+    sec: int,
+    nanosec: int,
+    frames: tuple[str, str],
+    pose: Pose,
+    velocity: Velocity,
+    covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
+    twist_covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
+) -> tuple[Any, ...]:
+    """Returns the values of an Odometry: header, child frame, position, orientation, linear and angular velocity."""
+    frame, child = frames
+    z, w = pose.quaternion
+    vx, vy, wz = velocity
+    twist = vx, vy, 0.0, 0.0, 0.0, wz, twist_covariance
+    return sec, nanosec, frame, child, pose.x, pose.y, 0.0, 0.0, 0.0, z, w, covariance, *twist
+
+
+def _transform(sec: int, nanosec: int, frame: str, child: str, pose: Pose) -> tuple[Any, ...]:
+    """Returns the values of a TransformStamped: header, child frame, translation and rotation."""
+    z, w = pose.quaternion
+    return sec, nanosec, frame, child, pose.x, pose.y, 0.0, 0.0, 0.0, z, w
 
 
 def joint_states_message(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 from .._core import Pose
 from .velocity_profile import Velocity, VelocityProfile
 
@@ -20,11 +18,15 @@ class WheelCourse:
 
     def __init__(self, profile: VelocityProfile, start: Pose, time_ns: int) -> None:
         self._profile, self._start, self._time_ns = profile, start, time_ns
+        self._pose: Pose | None = None
 
-    @cached_property
+    @property
     def pose(self) -> Pose:
         """The pose, in the frame of that at the start, with a wrapped yaw."""
-        return self._profile.move(self._start, self._time_ns).wrapped()
+        # Not a cached_property: before Python 3.12, that takes a lock, which costs more than the pose.
+        if self._pose is None:
+            self._pose = self._profile.move(self._start, self._time_ns).wrapped()
+        return self._pose
 
     @property
     def velocity(self) -> Velocity:

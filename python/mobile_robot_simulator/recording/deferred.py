@@ -81,7 +81,7 @@ class DeferredRecorder:
             self._recorder = Recorder(self._folder, overwrite=True)
         kept = iter(self._messages)
         for topic, message, time_ns in zip(kept, kept, kept, strict=True):
-            self._recorder.write(topic, message() if isinstance(message, partial) else message, time_ns)
+            self._recorder.write(topic, message, time_ns)
         self._messages.clear()
 
     def _close(self) -> None:

@@ -36,14 +36,15 @@ LAYOUTS = 256
 """Number of layouts that are kept for each type. Messages whose texts and arrays have the same lengths share one."""
 
 _Taken: TypeAlias = tuple[list[str], list[str], list[str]]
-"""Source text that takes a field from a message: statements, values for `struct`, and lengths of those that vary."""
+"""Source text that takes a field from a message, or from a variable if it is `flat`: statements, values for `struct`, and
+lengths of those that vary."""
 
 
 @dataclass(frozen=True)
 class _Number:
     code: str
 
-    def take(self, source: str, name: str, names: dict[str, Any]) -> _Taken:
+    def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
         return [], [source], []
 
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
@@ -54,7 +55,7 @@ class _Number:
 
 @dataclass(frozen=True)
 class _Text:
-    def take(self, source: str, name: str, names: dict[str, Any]) -> _Taken:
+    def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
         statements = [f"{name} = {source}.encode()", f"{name}_length = len({name})"]
         return statements, [f"{name}_length + 1", name], [f"{name}_length"]
 
@@ -70,7 +71,7 @@ class _Array:
     dtype: np.dtype[Any]
     count: int | None
 
-    def take(self, source: str, name: str, names: dict[str, Any]) -> _Taken:
+    def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
         dtype, shape = f"{name}_dtype", f"{name}_shape"
         names[dtype], names[shape], names["refuse"] = self.dtype, (self.count,), _refuse_array
         fits = f"len({name}.shape) == 1" if self.count is None else f"{name}.shape == {shape}"
@@ -98,11 +99,14 @@ class _Messages:
 
     packer: Packer
 
-    def take(self, source: str, name: str, names: dict[str, Any]) -> _Taken:
-        names[f"{name}_collect"] = self.packer.collect
-        statements = [f"{name} = [{name}_collect(item) for item in {source}]"]
-        values = [f"len({name})", f"*[value for values, _ in {name} for value in values]"]
-        return statements, values, [f"len({name})", f"*[length for _, lengths in {name} for length in lengths]"]
+    def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
+        names[f"{name}_collect"] = self.packer.collect_values if flat else self.packer.collect
+        statements = [
+            f"{name}_values, {name}_lengths = [len({source})], [len({source})]",
+            f"for item in {source}:",
+            f"  values, lengths = {name}_collect(item); {name}_values += values; {name}_lengths += lengths",
+        ]
+        return statements, [f"*{name}_values"], [f"*{name}_lengths"]
 
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
         count, padding = next(lengths), -offset % 4
@@ -126,6 +130,8 @@ class Packer:
     Attributes:
         pack: Returns a message as bytes. Raises an exception of any type if a value does not fit its field.
         collect: Returns the values of a message in the order of its layout, and the lengths of those that vary.
+        pack_values: As `pack`, for the values of a message; see `MessageRecipe`.
+        collect_values: As `collect`, for the values of a message.
 
     Raises:
         KeyError: The type is unknown.
@@ -135,15 +141,24 @@ class Packer:
     def __init__(self, types: Typestore, ros_type: str) -> None:
         self._fields: list[Any] = []
         names: dict[str, Any] = {"header": HEADER, "pack_of": lru_cache(LAYOUTS)(self._new_pack)}
-        statements, values, lengths = self._take(types, ros_type, "message", names)
+        self.collect, self.pack = self._functions(types, ros_type, names, flat=False)
+        self.collect_values, self.pack_values = self._functions(types, ros_type, dict(names), flat=True)
+
+    def _functions(
+        self, types: Typestore, ros_type: str, names: dict[str, Any], flat: bool
+    ) -> tuple[Callable[[Any], tuple[tuple[Any, ...], tuple[int, ...]]], Callable[[Any], bytes]]:
+        """Returns `collect` and `pack`, for messages or, if `flat`, for values."""
+        self._fields, variables = [], list[str]()
+        statements, values, lengths = self._take(types, ros_type, "message", names, variables if flat else None)
+        if flat:
+            statements.insert(0, f"{', '.join(variables)}, = message")
         all_values, all_lengths = ("".join(f"{each}, " for each in items) for items in (values, lengths))
         for function, result in (
             ("collect", f"return ({all_values}), ({all_lengths})"),
             ("pack", f"return pack_of(({all_lengths}))(header, {all_values})"),
         ):
             exec("\n ".join([f"def {function}(message):", *statements, result]), names)
-        self.collect: Callable[[Any], tuple[tuple[Any, ...], tuple[int, ...]]] = names["collect"]
-        self.pack: Callable[[Any], bytes] = names["pack"]
+        return names["collect"], names["pack"]
 
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
         """Returns the codes of a message at an offset, and the offset after it.
@@ -161,7 +176,9 @@ class Packer:
     def _new_pack(self, lengths: tuple[int, ...]) -> Callable[..., bytes]:
         return struct.Struct(f"<4s{self.layout(iter(lengths), 0)[0]}").pack
 
-    def _take(self, types: Typestore, ros_type: str, message: str, names: dict[str, Any]) -> _Taken:
+    def _take(
+        self, types: Typestore, ros_type: str, message: str, names: dict[str, Any], variables: list[str] | None
+    ) -> _Taken:
         """Returns the source text that takes the fields of a message, and appends them to the fields of the packer.
 
         Args:
@@ -169,16 +186,20 @@ class Packer:
             ros_type: Name of the type of the message.
             message: Name of the variable that holds the message.
             names: Objects that the text uses, by name.
+            variables: None to take the fields from the message. Else each field is in a variable, whose name is appended.
         """
         taken: _Taken = ([], [], [])
         for name, (node, content) in types.get_msgdef(ros_type).fields:
             source, variable = f"{message}.{name}", f"{message}_{name}"
             if node == Nodetype.NAME:
-                taken[0].append(f"{variable} = {source}")
-                parts = self._take(types, str(content), variable, names)
+                if variables is None:
+                    taken[0].append(f"{variable} = {source}")
+                parts = self._take(types, str(content), variable, names, variables)
             else:
                 self._fields.append(field := _field(types, node, content))
-                parts = field.take(source, variable, names)
+                if variables is not None:
+                    variables.append(source := variable)
+                parts = field.take(source, variable, names, variables is not None)
             for all_parts, part in zip(taken, parts, strict=True):
                 all_parts.extend(part)
         return taken

@@ -9,11 +9,13 @@ import os
 import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import suppress
+from functools import partial
 from operator import index
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn, get_args
 
+from ..message_recipe import MessageRecipe
 from ..messages import Message
 from ..quoting import quoted
 from .format import Format
@@ -76,6 +78,8 @@ class Recorder:
         if format not in get_args(Format):
             raise ValueError(f"format must be one of {', '.join(get_args(Format))}, got {quoted(format)}")
         self._types: dict[str, str] = {}
+        self._classes: dict[str, type[Message]] = {}
+        """Class of the last message of each topic, whose type is that of the topic."""
         self._connections: dict[str, Connection] = {}
         self._pending: list[Any] = []
         """Topic, time [ns] and bytes of each pending message, one after another. Tuples would cost garbage collections."""
@@ -95,18 +99,20 @@ class Recorder:
             self._thread.stop()
             raise
         self._path = Path(path) / self._bag.path.name
+        self._encode, self._end_of_time = self._bag.encode, self._bag.end_of_time
 
     @property
     def path(self) -> Path:
         """The recording itself: a rosbag2 folder or a ROS 1 file. It is there once the recorder is closed."""
         return self._path
 
-    def write(self, topic: str, message: Message, time_ns: int) -> None:
+    def write(self, topic: str, message: Message | partial[Message], time_ns: int) -> None:
         """Adds a message that was published on a topic.
 
         Args:
             topic: Name of the topic. All its messages must have the same type.
-            message: Message to write.
+            message: Message to write, or a call that builds it, which is made now. So this function is a tap for
+                `Simulation.record`, and for `Simulation.record_lazily`, which costs less.
             time_ns: Time of publication [ns]. A ROS 1 bag stores time 0 as 1 ns, because ROS 1 has no time 0 and
                 `rosbag play` skips such messages.
 
@@ -119,14 +125,22 @@ class Recorder:
         if self._closed or self._complete:
             raise ValueError(f"the recording {self.path} is closed")
         time_ns = time_ns if type(time_ns) is int else index(time_ns)
-        if not 0 <= time_ns < self._bag.end_of_time:
-            raise ValueError(f"time_ns must be at least 0 and below {self._bag.end_of_time}, got {quoted(time_ns)}")
-        ros_type = self._types.setdefault(topic, message.ros_type)
-        if ros_type != message.ros_type:
-            raise ValueError(f"topic {topic} carries {ros_type}, got {message.ros_type}")
-        self._pending += (topic, time_ns, self._bag.encode(message))
+        if not 0 <= time_ns < self._end_of_time:
+            raise ValueError(f"time_ns must be at least 0 and below {self._end_of_time}, got {quoted(time_ns)}")
+        if isinstance(message, partial) and type(message.func) is not MessageRecipe:
+            message = message()
+        kind = message.func.kind if isinstance(message, partial) else type(message)  # type: ignore[attr-defined]
+        if self._classes.get(topic) is not kind:
+            self._check_type(topic, kind)
+        self._pending += (topic, time_ns, self._encode(message))
         if len(self._pending) >= 3 * _BATCH:
             self._thread.run(self._write_batch)
+
+    def _check_type(self, topic: str, kind: type[Message]) -> None:
+        ros_type = self._types.setdefault(topic, kind.ros_type)
+        if ros_type != kind.ros_type:
+            raise ValueError(f"topic {topic} carries {ros_type}, got {kind.ros_type}")
+        self._classes[topic] = kind
 
     def companion(self, name: str) -> Path:
         """Ends the recording, and returns the path to write a new companion to.

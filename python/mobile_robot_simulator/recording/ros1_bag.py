@@ -9,7 +9,6 @@ from pathlib import Path
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer
 
-from ..messages import Message
 from .folder import NAME
 from .latching import is_latched
 from .mcap_storage import Written
@@ -45,9 +44,8 @@ class Ros1Bag:
         if self._writer.bio is not None:
             self._writer.bio.flush()
 
-    def encode(self, message: Message) -> bytes | memoryview:
-        """Returns the bytes of a message."""
-        return to_ros1_bytes(message)
+    encode = staticmethod(to_ros1_bytes)
+    """Returns the bytes of a message."""
 
     def connect(self, topic: str, ros_type: str) -> Connection:
         """Adds a topic."""

@@ -10,7 +10,6 @@ from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLi
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
-from ..messages import Message
 from .folder import NAME
 from .latching import is_latched
 from .mcap_storage import McapStorage, Written
@@ -70,9 +69,8 @@ class Ros2Bag:
             self._writer.min_timestamp, self._writer.max_timestamp = self._storage.times
         self._writer.close()
 
-    def encode(self, message: Message) -> bytes | memoryview:
-        """Returns the bytes of a message."""
-        return to_ros2_bytes(message)
+    encode = staticmethod(to_ros2_bytes)
+    """Returns the bytes of a message."""
 
     def connect(self, topic: str, ros_type: str) -> Connection:
         """Adds a topic."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import fields
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
 from typing import Any
 
@@ -14,6 +14,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from ..message_recipe import MessageRecipe
 from ..messages import Message
 from .packer import Packer
 
@@ -45,17 +46,29 @@ def ros1_types() -> Typestore:
     return _register_ackermann(types)
 
 
-def to_ros2_bytes(message: Message) -> bytes:
-    """Returns a message in the encoding of ROS 2, little-endian CDR.
+def to_ros2_bytes(message: Message | partial[Message]) -> bytes:
+    """Returns a message, or what a call builds, in the encoding of ROS 2, little-endian CDR.
+
+    A message with a `MessageRecipe` is not built.
 
     Raises:
         TypeError: An array has another element type than the ROS message.
         ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
     """
+    if isinstance(message, partial):
+        try:
+            recipe: Any = message.func
+            if type(recipe) is MessageRecipe and not message.keywords:
+                packer = _packer(recipe.kind)  # type: ignore[arg-type]
+                if packer is not None:
+                    return packer.pack_values(recipe.values(*message.args))
+        except Exception:  # the same again, with the message
+            pass
+        message = message()
     try:
-        pack = _pack(type(message))  # type: ignore[arg-type]
-        if pack is not None:
-            return pack(message)
+        packer = _packer(type(message))  # type: ignore[arg-type]
+        if packer is not None:
+            return packer.pack(message)
     except Exception:  # rosbags says what is wrong
         pass
     try:
@@ -70,16 +83,18 @@ def to_ros2_bytes(message: Message) -> bytes:
         raise ValueError(f"cannot record this {message.ros_type}: {error}") from error
 
 
-def to_ros1_bytes(message: Message) -> memoryview:
-    """Returns a message in the encoding of ROS 1. Raises the errors of `to_ros2_bytes`."""
+def to_ros1_bytes(message: Message | partial[Message]) -> memoryview:
+    """Returns a message, or what a call builds, in the encoding of ROS 1. Raises the errors of `to_ros2_bytes`."""
+    if isinstance(message, partial):
+        message = message()
     return ros2_types().cdr_to_ros1(to_ros2_bytes(message), message.ros_type)
 
 
 @cache
-def _pack(kind: type[Message]) -> Callable[[Any], bytes] | None:
-    """Returns a function that packs messages of a class quickly, or None if there is none."""
+def _packer(kind: type[Message]) -> Packer | None:
+    """Returns the packer of a class of messages, or None if there is none."""
     try:
-        return Packer(ros2_types(), kind.ros_type).pack
+        return Packer(ros2_types(), kind.ros_type)
     except (KeyError, NotImplementedError):
         return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 import re
 from types import SimpleNamespace
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 from rosbags.interfaces import Nodetype
 
+from mobile_robot_simulator import messages as ros
 from mobile_robot_simulator.recording.packer import CODES, Packer
 from mobile_robot_simulator.recording.serialization import ros2_types
+from recordings import KINDS, filled, values_of
 
 TYPES = ros2_types()
 NAMES = sorted(name for name in TYPES.types if "/msg/" in name)
@@ -63,6 +66,12 @@ def test_a_message_has_the_bytes_that_rosbags_gives_it(name: str) -> None:
     for _ in range(20):
         message = drawn(name, generator)
         assert packed.pack(message) == bytes(TYPES.serialize_cdr(message, name, little_endian=True))
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if packer(kind.ros_type)], ids=lambda kind: kind.__name__)
+def test_the_values_of_a_message_have_the_bytes_of_the_message(kind: type[ros.Message]) -> None:
+    message, packed = filled(kind, itertools.count(1)), Packer(TYPES, kind.ros_type)
+    assert packed.pack_values(values_of(message)) == packed.pack(message)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -14,7 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mobile_robot_simulator as mrs
 from mobile_robot_simulator import messages as ros
+from mobile_robot_simulator.message_recipe import MessageRecipe
 from mobile_robot_simulator.recording import recorder as recording
 from mobile_robot_simulator.recording.recorder import Format, Recorder
 from recordings import FORMATS, SPECIAL, assert_same, contents, drive, read, record
@@ -167,6 +170,38 @@ def test_a_topic_has_one_type(tmp_path: Path) -> None:
         recorder.write("/cmd_vel", ros.Twist(), 1)
         with pytest.raises(ValueError, match=r"/cmd_vel carries geometry_msgs/msg/Twist, got .*TwistStamped"):
             recorder.write("/cmd_vel", ros.TwistStamped(), 2)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_calls_that_build_messages_give_the_bytes_of_the_messages(tmp_path: Path, format: Format) -> None:
+    for name, lazily in (("built", False), ("lazy", True)):
+        with Recorder(tmp_path / name, format=format) as recorder:
+            simulation = mrs.Simulation(mrs.OccupancyGrid(np.zeros((40, 40), np.int8), resolution=0.25), seed=3)
+            (simulation.record_lazily if lazily else simulation.record)(recorder.write)
+            simulation.publish("/cmd_vel", ros.Twist(ros.Vector3(0.3), ros.Vector3(z=0.2)))
+            simulation.run_for(2.0)
+            simulation.laser.set_parameters(laser_intensities=True)
+            simulation.robot.set_parameters(publish_map_transform=False)
+            simulation.run_for(0.5)
+            simulation.robot.set_parameters(odometry_alphas=[0.1] * 6)
+            simulation.run_for(0.5)
+    assert contents(recorder.path) == contents(tmp_path / "built" / recorder.path.name)
+    assert {topic for topic, _, _ in read(recorder.path)} >= {"/odom", "/tf", "/scan", "/clock"}
+
+
+def test_what_a_call_builds_is_checked_as_a_message(tmp_path: Path) -> None:
+    point = MessageRecipe(ros.Point, lambda x: (x, 0.0, 0.0))
+    for build in (point, lambda x: ros.Point(x)):
+        with Recorder(tmp_path, overwrite=True) as recorder:
+            recorder.write("/point", partial(build, 1.5), 1)
+            with pytest.raises(ValueError, match="topic /point carries geometry_msgs/msg/Point, got std_msgs/msg/Bool"):
+                recorder.write("/point", partial(MessageRecipe(ros.Bool, lambda: (True,))), 2)
+            with pytest.raises(ValueError, match="cannot record this geometry_msgs/msg/Point"):
+                recorder.write("/point", partial(build, "far"), 3)
+            with pytest.raises(TypeError, match="argument"):
+                recorder.write("/point", partial(build), 4)
+            recorder.write("/point", ros.Point(2.5), 5)
+        assert [(got.x, time_ns) for _, got, time_ns in read(recorder.path)] == [(1.5, 1), (2.5, 5)]
 
 
 def test_unknown_formats_are_refused(tmp_path: Path) -> None:
