@@ -66,7 +66,7 @@ impl ScanFootprints<'_> {
     #[inline(always)]
     pub fn split(
         &self,
-        group: usize,
+        (group, count): (usize, usize),
         ranges: &Group,
         bits: BeamBits,
         path: impl Fn(usize, f64) -> Option<Path>,
@@ -77,6 +77,8 @@ impl ScanFootprints<'_> {
         for slot in 0..GROUP {
             at_edge[slot] = u32::from(self.footprint.is_at_edge([right[slot], ranges[slot], left[slot]]));
         }
+        // Behind the last beam of a scan, the ranges of a group are those of other beams.
+        at_edge.iter_mut().skip(count).for_each(|at_edge| *at_edge = 0);
         let mut ranges = *ranges;
         if at_edge.iter().fold(0, |any, at_edge| any | at_edge) != 0 {
             for slot in (0..GROUP).filter(|&slot| at_edge[slot] != 0) {

@@ -447,9 +447,9 @@ impl LaserScanner {
         let mut worlds = scans;
         let mut sinks = sinks.map(|sink| {
             let view = views.next().and_then(Option::take);
-            let onward = worlds
-                .next()
-                .and_then(|(map_from_fan, world)| Onward::in_world::<S>(world, map_from_fan, *max_range, caster.kernel()));
+            let onward = worlds.next().and_then(|(map_from_fan, world)| {
+                Onward::in_world::<S>(world, map_from_fan, (*beam_count, *max_range), caster.kernel())
+            });
             Beyond { foreground: view, onward, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };

@@ -25,6 +25,8 @@ pub struct Onward<'a> {
     max_range: f64,
     scene: Scene<'a>,
     takes_intensities: bool,
+    /// Number of beams of the scan.
+    beam_count: usize,
     kernel: Kernel,
 }
 
@@ -126,7 +128,7 @@ impl<'a> Onward<'a> {
     pub fn in_world<S: Sink>(
         World { grid, obstacles, except }: World<'a>,
         map_from_fan: Pose,
-        max_range: f64,
+        (beam_count, max_range): (usize, f64),
         kernel: Kernel,
     ) -> Option<Self> {
         let materials = grid.materials().map(|layer| &**layer).filter(|layer| layer.has_ways_on());
@@ -134,7 +136,7 @@ impl<'a> Onward<'a> {
         let is_needed = takes_intensities || materials.is_some() || obstacles.lead_on();
         is_needed.then(|| {
             let scene = Scene::Instant { start: Start::new(grid, map_from_fan), obstacles, except };
-            Self { grid, materials, max_range, scene, takes_intensities, kernel }
+            Self { grid, materials, max_range, scene, takes_intensities, beam_count, kernel }
         })
     }
 
@@ -143,14 +145,14 @@ impl<'a> Onward<'a> {
         grid: &'a OccupancyGrid,
         passing: &'a Passing<'a>,
         map_from_fan: &'a [PoseColumns],
-        max_range: f64,
+        (beam_count, max_range): (usize, f64),
         kernel: Kernel,
     ) -> Option<Self> {
         let materials = grid.materials().map(|layer| &**layer).filter(|layer| layer.has_ways_on());
         let takes_intensities = S::TAKES_INTENSITIES;
         let is_needed = takes_intensities || materials.is_some() || passing.lead_on();
         let scene = Scene::Passing { map_from_fan, passing };
-        is_needed.then_some(Self { grid, materials, max_range, scene, takes_intensities, kernel })
+        is_needed.then_some(Self { grid, materials, max_range, scene, takes_intensities, beam_count, kernel })
     }
 
     /// Replaces the range \[m\] of each beam of a group that meets glass or a mirror first by the length of its path; or each
@@ -171,6 +173,8 @@ impl<'a> Onward<'a> {
     ) {
         let mut choice = Choice { leads_on: [0; GROUP], cells: [NOWHERE; GROUP] };
         self.kernel.with_features(Choose { onward: self, group, directions, to_walls, ranges, choice: &mut choice });
+        // Behind the last beam of a scan, the ranges of a group are those of other beams.
+        choice.leads_on.iter_mut().skip(self.beam_count - group * GROUP).for_each(|leads| *leads = 0);
         if choice.leads_on.iter().fold(0, |any, leads| any | leads) != 0 {
             self.follow_some(group, directions, &choice, ranges, bits, end_at);
         }

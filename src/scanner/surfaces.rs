@@ -51,7 +51,7 @@ pub trait Scene {
 struct Met {
     /// Cosines of the incidences.
     cosines: Group,
-    /// Numbers of the cells and obstacles.
+    /// Numbers of the cells and obstacles, if errors are fixed for each of them.
     numbers: [u64; GROUP],
     /// Shares of the light that the surfaces return at a right angle.
     shares: Group,
@@ -201,8 +201,12 @@ impl<S: Scene> Surfaced<'_, S> {
             let is_known = (tx != 0.0) | (ty != 0.0);
             let of_wall = (dx[slot] * ty - dy[slot] * tx).abs();
             cosines[slot] = if is_known { of_wall } else { cosines[slot] };
-            numbers[slot] = if places[slot] == NOWHERE { 0 } else { u64::from(places[slot]) };
             is_other[slot] |= u32::from(tx.is_nan());
+        }
+        if self.surface.options().correlation > 0.0 {
+            for slot in 0..GROUP {
+                numbers[slot] = if places[slot] == NOWHERE { 0 } else { u64::from(places[slot]) };
+            }
         }
         if let Some(materials) = self.grid.materials().filter(|_| self.surface.loses_beams()) {
             for slot in (0..GROUP).filter(|&slot| places[slot] != NOWHERE) {
@@ -213,6 +217,9 @@ impl<S: Scene> Surfaced<'_, S> {
             (cosines[end.slot], numbers[end.slot], shares[end.slot]) = (end.cosine, end.number, end.share);
             is_other[end.slot] = 0;
         }
+        // Behind the last beam of a scan, the ranges of a group are those of other beams.
+        let count = self.readings.len() - group * GROUP;
+        is_other.iter_mut().skip(count).for_each(|other| *other = 0);
         if is_other.iter().fold(0, |any, other| any | other) != 0 {
             for slot in (0..GROUP).filter(|&slot| is_other[slot] != 0) {
                 let ray = (DVec2::new(x[slot], y[slot]), DVec2::new(dx[slot], dy[slot]));
@@ -225,13 +232,14 @@ impl<S: Scene> Surfaced<'_, S> {
     /// Returns the ranges of a group of beams, of which some are at edges.
     #[inline(always)]
     fn split(&mut self, footprints: ScanFootprints<'_>, group: usize, ranges: &Group) -> Group {
-        let Self { scene, grid, walls, sampler, max_range, cos, sin, ends, .. } = self;
+        let Self { scene, grid, walls, sampler, max_range, cos, sin, ends, readings, .. } = self;
         let bits = sampler.bits();
         let path = |slot: usize, angle: f64| {
             let (beam, in_fan) = (group * GROUP + slot, DVec2::new(cos[group][slot], sin[group][slot]));
             scene.path(beam, turned(in_fan, angle), *max_range, draws(Some(bits), beam))
         };
-        footprints.split(group, ranges, bits, path, |slot, path| ends.push(End::new(grid, walls, slot, path)))
+        let count = readings.len() - group * GROUP;
+        footprints.split((group, count), ranges, bits, path, |slot, path| ends.push(End::new(grid, walls, slot, path)))
     }
 
     /// Returns the ranges of a group, infinite for beams that have no return because their light is too weak.

@@ -247,9 +247,9 @@ impl LaserScanner {
             let mut scans = swept.map_from_fan.chunks_exact(cos.len());
             let mut sinks = sinks.map(|sink| {
                 let scan = scans.next();
-                let onward = scan.and_then(|poses| {
-                    Onward::passing_by::<S>(caster.grid(), passing, poses, self.options.max_range, caster.kernel())
-                });
+                let limits = (self.options.beam_count, self.options.max_range);
+                let onward =
+                    scan.and_then(|poses| Onward::passing_by::<S>(caster.grid(), passing, poses, limits, caster.kernel()));
                 let foreground = scan.filter(|_| !passing.is_empty() || slant.is_some());
                 let foreground = foreground.map(|map_from_fan| PassingBy { passing, map_from_fan });
                 Beyond { foreground, onward, slant: slant.as_ref(), cos, sin, sink }
