@@ -202,6 +202,7 @@ def good() -> dict[str, Any]:
         "obstacles": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
         "placed": [(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))],
         "obstacle": None,
+        "shape": mrs.Shape.disc(0.1),
         "noise": mrs.BeamModel(),
         "model": mrs.BeamModel(),
         "name": "hokuyo_utm30lx",
@@ -251,7 +252,8 @@ CAR = mrs.Drive.ackermann(wheelbase=2.5, track=1.5, wheel_radius=0.3, steering_l
 
 
 def fleet() -> mrs.Fleet:
-    return mrs.Fleet(grid(), np.full((2, 3), 0.5), scanner=mrs.LaserScanner(beam_count=5))
+    obstacles = [(mrs.Shape.disc(0.1), None, 1)]
+    return mrs.Fleet(grid(), np.full((2, 3), 0.5), scanner=mrs.LaserScanner(beam_count=5), obstacles=obstacles)
 
 
 def instances() -> list[Any]:
@@ -270,6 +272,7 @@ def instances() -> list[Any]:
         mrs.Material(),
         mrs.MotionNoise(),
         grid(),
+        mrs.Obstacles([(mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))]),
         mrs.Pose(),
         mrs.RandomStream(1),
         mrs.Shape.disc(0.1),
@@ -279,6 +282,7 @@ def instances() -> list[Any]:
 
 OF_ITS_OWN = {
     "Fleet": {"grids": grid(), "noise": None, "surfaces": None},
+    "Fleet.replace_obstacles": {"obstacles": [(0, mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))]},
     "Fleet.rollout": {"commands": np.full((2, 4, 3), 0.5)},
     "Material.named": {"name": "glass"},
     "OccupancyGrid.with_materials": {"materials": np.zeros(grid().shape, np.uint8)},

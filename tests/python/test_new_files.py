@@ -164,6 +164,7 @@ def test_a_write_protected_file_is_kept(tmp_path: Path, monkeypatch: pytest.Monk
 WRITES_ITSELF = {
     "new_files.py": "the owner",
     "recording/folder.py": "moves recordings to their place",
+    "recording/mcap_storage.py": "writes the file of a bag in the folder that its caller moves to its place",
     "recording/complete_messages.py": "copies a bag without an end to a folder that its caller removes",
     "datasets/export.py": "moves the folder that another library wrote to its place",
     "plotting/charts.py": "draws into memory",

@@ -177,6 +177,7 @@ OPENS_ITSELF = {
     "user_files.py": "the owner",
     "new_files.py": "opens only its drafts, for writing",
     "recording/folder.py": "looks at the first bytes of a recording, after it has checked that this is a file",
+    "recording/mcap_storage.py": "opens the file that it writes",
     "recording/complete_messages.py": "copies and reads the files of a recording, which can be of any size",
     "recording/bag.py": "opens bags with rosbags",
     "logs/carmen.py": "unpacks a file that user_files has opened",
