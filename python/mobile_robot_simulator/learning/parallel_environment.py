@@ -126,7 +126,7 @@ class NavigationParallelEnv(ParallelEnv):  # type: ignore[misc]
 
         Returns:
             The observations, the rewards, whether episodes have ended, whether their time is over, and the infos, by the
-            name of the robot, for those that were in `agents` before.
+            name of the robot. Robots whose episodes end in this step are included.
 
         Raises:
             ValueError: The actions are not those of `agents`, have the wrong shape, or are not finite.
@@ -160,7 +160,7 @@ class NavigationParallelEnv(ParallelEnv):  # type: ignore[misc]
         self._is_closed = True
 
     def _commands(self, actions: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float64]:
-        """Returns the actions of all robots, (N, A): 0 for those that have ended."""
+        """Returns the actions of all robots, (N, A). A robot whose episode has ended has zeros."""
         if not isinstance(actions, Mapping):
             raise TypeError(f"actions must be a dict, got {quoted(actions)}")
         if set(actions) != set(self.agents):

@@ -354,8 +354,8 @@ class World(Handle):
     def _find_free(self, start_ns: int, end_ns: int) -> None:
         """Finds the robots that touch nothing in a time step, unless those that were found before are still free.
 
-        A robot is free if there is nothing that it or another robot could reach until the next look: neither knows where the
-        other one goes, but how fast. So nobody needs to look for contact with it.
+        A robot is free if everything around it is farther away than it and another robot can drive until the next look, in
+        any direction, at most as fast as `_free_speed`. So nobody needs to look for contact with it.
         """
         grid = self.grid
         if self._free and (end_ns > self._look_again_ns or grid is None or grid.revision != self._free_revision):

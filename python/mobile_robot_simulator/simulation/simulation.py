@@ -535,7 +535,7 @@ class Simulation(Handle):
     def record_lazily(self, tap: LazyTap) -> None:
         """Calls a tap as `record` does, but with the call that builds a message, if nobody else needs the message.
 
-        Most messages of the simulator are only built for those who receive them, so a tap that keeps all and reads few
+        The simulator builds most messages only if somebody receives them, so a tap that keeps all and reads few
         costs far less this way.
 
         Args:
