@@ -46,13 +46,19 @@ class Timed:
 
     def __init__(self, fleet: mrs.Fleet) -> None:
         self._fleet, self.spent = fleet, 0.0
+        # Methods of its own, because each look-up by `__getattr__` takes about a microsecond.
+        for name in ("relative", "replace_obstacles", "reset", "scan", "step"):
+            setattr(self, name, partial(self._call, getattr(fleet, name)))
 
-    def __getattr__(self, name: str) -> Any:
-        """Returns a method or a property of the fleet."""
-        start = time.perf_counter()
-        value = getattr(self._fleet, name)
-        self.spent += time.perf_counter() - start
-        return partial(self._call, value) if callable(value) else value
+    @property
+    def poses(self) -> Any:
+        """The poses of the robots."""
+        return self._call(lambda: self._fleet.poses)
+
+    @property
+    def velocities(self) -> Any:
+        """The velocities of the robots."""
+        return self._call(lambda: self._fleet.velocities)
 
     def _call(self, method: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
         start = time.perf_counter()

@@ -64,6 +64,7 @@ mod free_boxes;
 mod grid;
 mod interrupt;
 mod lazy;
+mod learning;
 mod likelihood_field;
 mod memory;
 mod motion;
@@ -91,6 +92,7 @@ pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, c
 pub use error::Error;
 pub use fleet::{Fleet, FleetObstacle, FleetOptions, FleetState, MAX_COMMAND, Reset, Rollout, Thing, Touch};
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
+pub use learning::{Reward, Steps, Verdicts, commands_from_actions};
 pub use likelihood_field::{LikelihoodField, LikelihoodFieldOptions};
 pub use motion::{
     Course, Drive, DriveCommands, DriveKind, DriveState, Limits, MAX_STEERING, MAX_WHEELS, MotionNoise, Steering, Twist,

@@ -34,7 +34,9 @@ __all__ = [
     "cast_rays",
     "clearance",
     "clearance_batch",
+    "commands_from_actions",
     "integrate_twist",
+    "judge_steps",
     "laser_presets",
     "stays_clear",
     "touches",
@@ -3487,4 +3489,83 @@ def integrate_twist(poses: ArrayLike, twists: ArrayLike, dt: float) -> NDArray[n
         >>> import mobile_robot_simulator as mrs
         >>> mrs.integrate_twist(np.array([[1.0, 2.0, 0.0]]), np.array([[0.5, 0.0, 0.0]]), dt=4.0)
         array([[3., 2., 0.]])
+    """
+
+def commands_from_actions(
+    actions: NDArray[np.float64],
+    max_velocity: NDArray[np.float64],
+    *,
+    out: NDArray[np.float64] | None = None,
+) -> NDArray[np.float64]:
+    """Returns the command of each robot: the shares of the largest velocity that its action asks for, cut to [-1, 1].
+
+    Args:
+        actions: (N, 2), shares along x and in rotation, or (N, 3), along x, along y and in rotation.
+        max_velocity: As many largest velocities [m/s, rad/s].
+        out: (N, 3) float64 in C order to write the commands to; None for a new array.
+
+    Returns:
+        (N, 3) float64, rows (vx, vy, wz) [m/s, m/s, rad/s].
+
+    Raises:
+        ValueError: A shape is wrong, an action is not finite, or a velocity is not positive and finite.
+        TypeError: An argument has the wrong type or dtype.
+
+    Examples:
+        >>> import numpy as np
+        >>> from mobile_robot_simulator._core import commands_from_actions
+        >>> commands_from_actions(np.array([[0.5, -2.0]]), (0.6, 1.5))
+        array([[ 0.3,  0. , -1.5]])
+    """
+
+def judge_steps(
+    *,
+    before: NDArray[np.float64],
+    after: NDArray[np.float64],
+    contacts: NDArray[np.bool_],
+    velocities: NDArray[np.float64],
+    elapsed: NDArray[np.int64],
+    duration: float,
+    weights: Sequence[float],
+    goal_radius: float,
+    step_limit: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Returns what a step of each of some robots on their ways to goals is worth.
+
+    Args:
+        before: (N, 2), distance [m] and bearing [rad] of each robot's goal before the step, as from `Fleet.relative`.
+        after: (N, 2), the same after the step.
+        contacts: (N,) bool, whether each robot touched something.
+        velocities: (N, 3), rows (vx, vy, wz) after the step [m/s, m/s, rad/s].
+        elapsed: (N,) int64, number of steps of the episode of each robot, with this one.
+        duration: Duration of the step [s].
+        weights: Five weights: for each metre of progress, for the goal, for a contact, for each second, and for each radian turned.
+        goal_radius: Distance at which a robot is at its goal, unless it touches something [m].
+        step_limit: Number of steps after which the time of an episode is over.
+
+    Returns:
+        The rewards, (N,) float64; their parts in the order of the weights, (5, N) float64; whether each robot is at its goal, (N,)
+        bool; and whether its time is over, (N,) bool, false for episodes that have ended otherwise.
+
+    Raises:
+        ValueError: A shape is wrong, a weight is not finite, or the duration or the radius is not positive.
+        TypeError: An argument has the wrong type or dtype.
+        OverflowError: `step_limit` is too large.
+
+    Examples:
+        >>> import numpy as np
+        >>> from mobile_robot_simulator._core import judge_steps
+        >>> rewards, parts, reached, truncated = judge_steps(
+        ...     before=np.array([[1.0, 0.0]]),
+        ...     after=np.array([[0.25, 0.0]]),
+        ...     contacts=np.array([False]),
+        ...     velocities=np.zeros((1, 3)),
+        ...     elapsed=np.array([7]),
+        ...     duration=0.5,
+        ...     weights=(1.0, 10.0, -10.0, -0.5, 0.0),
+        ...     goal_radius=0.3,
+        ...     step_limit=600,
+        ... )
+        >>> rewards, parts[:, 0], reached, truncated
+        (array([10.5]), array([ 0.75, 10.  ,  0.  , -0.25,  0.  ]), array([ True]), array([False]))
     """

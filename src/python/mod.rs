@@ -14,6 +14,7 @@ mod fleet;
 mod fleet_commands;
 mod grid;
 mod interrupt;
+mod learning;
 mod likelihood_field;
 mod limits;
 mod material;
@@ -106,6 +107,8 @@ mod _core {
     use super::fleet::{Fleet, FleetState, FleetStep};
     #[pymodule_export]
     use super::grid::OccupancyGrid;
+    #[pymodule_export]
+    use super::learning::{commands_from_actions, judge_steps};
     #[pymodule_export]
     use super::likelihood_field::LikelihoodField;
     #[pymodule_export]

@@ -24,6 +24,10 @@ impl Numbers for [f64; 3] {
     const NEEDED: &'static str = "three numbers";
 }
 
+impl Numbers for [f64; 5] {
+    const NEEDED: &'static str = "five numbers";
+}
+
 /// What was given instead of numbers.
 enum Refused {
     /// Something of another type.

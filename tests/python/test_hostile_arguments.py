@@ -186,6 +186,12 @@ def good() -> dict[str, Any]:
         "wheels": np.ones((2, 4)),
         "states": np.full((2, 4), 0.1),
         **dict.fromkeys(("before", "after"), np.ones(4)),
+        "actions": np.full((2, 2), 0.5),
+        "max_velocity": np.array([0.5, 1.0]),
+        "elapsed": np.ones(2, np.int64),
+        "weights": (1.0, 10.0, -10.0, -0.1, 0.0),
+        "goal_radius": 0.25,
+        "step_limit": 10,
         "ticks": 360.0,
         "fov": 1.0,
         **dict.fromkeys(("angle_min", "angle_max", "angle_increment"), None),
@@ -284,6 +290,7 @@ OF_ITS_OWN = {
     "Fleet": {"grids": grid(), "noise": None, "surfaces": None},
     "Fleet.replace_obstacles": {"obstacles": [(0, mrs.Shape.disc(0.1), (0.5, 0.5, 0.0))]},
     "Fleet.rollout": {"commands": np.full((2, 4, 3), 0.5)},
+    "judge_steps": dict.fromkeys(("before", "after"), np.ones((2, 2))),
     "Material.named": {"name": "glass"},
     "OccupancyGrid.with_materials": {"materials": np.zeros(grid().shape, np.uint8)},
     "FleetStep": {"ranges": np.zeros((2, 5), np.float32)},
@@ -335,7 +342,7 @@ NUMBERS = [
 def test_an_argument_that_is_no_number_is_named(name: str, parameter: str, kind: type) -> None:
     call, parameters = FUNCTIONS[name]
     given = {other: (good() | OF_ITS_OWN.get(name, {}))[other] for other in parameters}
-    count = {"point": "two", "normal": "two"}.get(parameter, "three")
+    count = {"point": "two", "normal": "two", "weights": "five"}.get(parameter, "three")
     needed = f"^{parameter} must be " + ("a number" if kind is float else f"{count} numbers")
     with pytest.raises(TypeError, match=f"{needed}, got 'far'$"):
         call(**given | {parameter: "far"})

@@ -9,10 +9,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Fleet, FleetStep, Shape
+from .._core import Fleet, FleetStep, Shape, commands_from_actions, judge_steps
 from .free_space import FreeSpace
 from .moving_discs import MovingDiscs
-from .task import NavigationTask
+from .task import PARTS, NavigationTask
 
 Observations = dict[str, NDArray[np.float32]]
 """Observations of N environments: ranges (N, beam_count), goal (N, 2) and velocity (N, 2) or (N, 3)."""
@@ -26,8 +26,8 @@ class Outcome(NamedTuple):
 
     rewards: NDArray[np.float64]
     """Sum of the parts of the reward, (N,)."""
-    parts: dict[str, NDArray[np.float64]]
-    """Each part of the reward with its weight, (N,)."""
+    parts: NDArray[np.float64]
+    """Each part of the reward with its weight, (5, N), in the order of `PARTS`."""
     reached: NDArray[np.bool_]
     """Whether the goal was reached, (N,)."""
     contacts: NDArray[np.bool_]
@@ -45,7 +45,7 @@ class Outcome(NamedTuple):
         return {
             "contact": bool(self.contacts[index]),
             "is_success": bool(self.reached[index]),
-            "reward_parts": {name: float(part[index]) for name, part in self.parts.items()},
+            "reward_parts": dict(zip(PARTS, self.parts[:, index].tolist(), strict=True)),
         }
 
 
@@ -78,6 +78,8 @@ class Batch:
         self._axes = (0, 2) if len(task.max_velocity) == 2 else (0, 1, 2)
         self._commands = np.zeros((count, 3))
         self._step_limit = task.step_limit
+        self._max_velocity = np.array(task.max_velocity)
+        self._weights = [task.rewards[name] for name in PARTS]
         self._disturbances = [task.disturbed({})] * count
         self._seeds, self._worlds = np.zeros(count, np.uint64), np.zeros(count, np.intp)
         episode = task.step_limit * task.duration
@@ -88,7 +90,7 @@ class Batch:
         ]
         probe = np.random.default_rng(0)
         for world in range(len(task.grids)):
-            self._drawn(np.full(count if is_shared else 1, world), [probe] * count)
+            self._drawn([world] * (count if is_shared else 1), [probe] * count)
         self.fleet = self._new_fleet(np.zeros((count, 3)))
         self.fleet.scan(np.arange(count) == 0, threads=threads)  # refuses a wrong number of threads
         self._seen = np.zeros((count, 2))
@@ -111,20 +113,21 @@ class Batch:
         chosen = np.flatnonzero(mask)
         generators = [self.generators[index] for index in chosen.tolist()]
         ranges = self.task.randomisation
-        head = np.array([generator.random(2 + len(ranges)) for generator in generators])
-        self._worlds[chosen] = (head[:, 0] * len(self.task.grids)).astype(np.intp)
+        head = [generator.random(2 + len(ranges)).tolist() for generator in generators]
+        # Mostly one episode begins at a time, for which numbers take less time than arrays.
+        for index, (world, seed, *_) in zip(chosen.tolist(), head, strict=True):
+            self._worlds[index], self._seeds[index] = int(world * len(self.task.grids)), int(seed * 2.0**53)
         if self.is_shared:
             self._worlds[:] = self._worlds[0]
-        self._seeds[chosen] = (head[:, 1] * 2.0**53).astype(np.uint64)
         poses = np.zeros((len(mask), 3))
-        poses[chosen], self.goals[chosen] = self._drawn(self._worlds[chosen], generators)
+        poses[chosen], self.goals[chosen] = self._drawn(self._worlds[chosen].tolist(), generators)
         moved = self._draw_discs(chosen, poses, generators)
         if ranges:
             poses[~mask] = self.fleet.poses[~mask]
-            for index, numbers in zip(chosen.tolist(), head[:, 2:].tolist(), strict=True):
+            for index, numbers in zip(chosen.tolist(), head, strict=True):
                 drawn = {
                     name: low + number * (high - low)
-                    for (name, (low, high)), number in zip(ranges.items(), numbers, strict=True)
+                    for (name, (low, high)), number in zip(ranges.items(), numbers[2:], strict=True)
                 }
                 self._disturbances[index] = self.task.disturbed(drawn)
             kept = self.fleet.save(~mask)
@@ -132,7 +135,8 @@ class Batch:
             self.fleet.restore(kept)
         else:
             self.fleet.reset(mask, poses=poses, seeds=self._seeds, grids=self._worlds)
-            self.fleet.replace_obstacles(moved)
+            if moved:
+                self.fleet.replace_obstacles(moved)
         if self._is_released:
             self._ranges, self._is_released = self._ranges.copy(), False
         self._ranges[chosen] = self.fleet.scan(mask, threads=self._threads)
@@ -142,34 +146,24 @@ class Batch:
     def step(self, actions: NDArray[np.floating[Any]]) -> Outcome:
         """Moves all robots by actions (N, A) in [-1, 1] for a step, and judges where they got to."""
         task = self.task
-        shares = np.minimum(np.maximum(actions, -1.0), 1.0)
-        # NumPy is slow with rows of two numbers, so each axis is a call of its own, here and in `observations`.
-        for share, axis, velocity in zip(shares.T, self._axes, task.max_velocity, strict=True):
-            np.multiply(share, velocity, out=self._commands[:, axis], dtype=np.float64)
+        commands_from_actions(np.asarray(actions, np.float64), self._max_velocity, out=self._commands)
         self._step = self.fleet.step(self._commands, task.duration, threads=self._threads, out=self._step)
         assert self._step.ranges is not None
         self._ranges, self._is_released = self._step.ranges, False
-        before, self._seen = self._seen[:, 0], self.fleet.relative(self.goals)
-        distances = self._seen[:, 0]
-        self._steps += 1
+        before, self._seen = self._seen, self.fleet.relative(self.goals)
         contacts = self._step.contacts.copy()
-        reached = (distances <= task.goal_radius) & ~contacts
-        truncated = (self._steps >= self._step_limit) & ~(reached | contacts)
-        weights = task.rewards
-        parts = {
-            "progress": before - distances,
-            "goal": np.zeros(len(contacts)),
-            "contact": np.zeros(len(contacts)),
-            "time": np.full(len(contacts), weights["time"] * task.duration),
-            "turning": np.abs(self._step.velocities[:, 2]),
-        }
-        parts["progress"] *= weights["progress"]
-        parts["goal"][reached] = weights["goal"]
-        parts["contact"][contacts] = weights["contact"]
-        parts["turning"] *= weights["turning"] * task.duration
-        rewards = parts["progress"] + parts["goal"]
-        for name in ("contact", "time", "turning"):
-            rewards += parts[name]
+        self._steps += 1
+        rewards, parts, reached, truncated = judge_steps(
+            before=before,
+            after=self._seen,
+            contacts=contacts,
+            velocities=self._step.velocities,
+            elapsed=self._steps,
+            duration=task.duration,
+            weights=self._weights,
+            goal_radius=task.goal_radius,
+            step_limit=self._step_limit,
+        )
         return Outcome(rewards, parts, reached, contacts, truncated)
 
     def stop(self, mask: NDArray[np.bool_]) -> None:
@@ -179,6 +173,7 @@ class Batch:
     def observations(self) -> Observations:
         """Returns what the robots see now. The next step changes the ranges, unless `release` is called."""
         velocities = self.fleet.velocities
+        # NumPy is slow with rows of two numbers, so each axis is a call of its own.
         along = np.empty((len(velocities), len(self._axes)), np.float32)
         for column, axis in enumerate(self._axes):
             along[:, column] = velocities[:, axis]
@@ -212,19 +207,24 @@ class Batch:
         return moved
 
     def _drawn(
-        self, worlds: NDArray[np.intp], generators: Sequence[np.random.Generator]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Draws a start (M, 3) and a goal (M, 2) in each of the worlds."""
-        poses, goals = np.zeros((len(worlds), 3)), np.zeros((len(worlds), 2))
-        missing = np.arange(len(worlds))
+        self, worlds: Sequence[int], generators: Sequence[np.random.Generator]
+    ) -> tuple[list[tuple[float, float, float]], list[tuple[float, float]]]:
+        """Draws a start (x, y, yaw) and a goal (x, y) in each of the worlds."""
+        starts, goals = [(0.0, 0.0, 0.0)] * len(worlds), [(0.0, 0.0)] * len(worlds)
+        missing = list(range(len(worlds)))
         for _ in range(BLOCKS):
-            numbers = np.array([generators[index].random(FreeSpace.NUMBERS) for index in missing.tolist()])
-            poses[missing], goals[missing], found = self._space.draw(worlds[missing], self.task.goal_distances, numbers)
-            missing = missing[~found]
+            lost = []
+            for row in missing:
+                numbers = generators[row].random(FreeSpace.NUMBERS).tolist()
+                starts[row], goals[row], found = self._space.draw_one(worlds[row], self.task.goal_distances, numbers)
+                if not found:
+                    lost.append(row)
+            missing = lost
             if self.is_shared:
-                missing = np.union1d(missing, np.flatnonzero(self._crowded(poses) | self._crowded(goals)))
-            if not len(missing):
-                return poses, goals
+                crowded = self._crowded(np.array(starts)) | self._crowded(np.array(goals))
+                missing = sorted({*lost, *np.flatnonzero(crowded).tolist()})
+            if not missing:
+                return starts, goals
         low, high = self.task.goal_distances
         if self.is_shared and len(worlds) > 1:
             raise ValueError(

@@ -51,29 +51,12 @@ class FreeSpace:
                 raise ValueError(
                     f"a world must have free space for a robot of radius {radius:g} m, got none in world {index}"
                 )
-        first = np.cumsum([0, *(parts.size for parts in labels)])[:-1]
-        self._labels = np.concatenate([parts.ravel() for parts in labels])
-        cells = [np.flatnonzero(parts).astype(np.int32) for parts in labels]
-        self._counts = np.array([len(some) for some in cells])
-        self._first_cell = np.cumsum([0, *self._counts])[:-1]
-        self._cells = np.concatenate(cells)
-        origins = np.array([tuple(world.origin) for world in worlds])
-        # One table, so that all numbers of some worlds are one look-up.
-        self._frames = np.array(
-            [
-                *origins[:, :2].T,
-                np.cos(origins[:, 2]),
-                np.sin(origins[:, 2]),
-                [world.resolution for world in worlds],
-                *zip(*(parts.shape for parts in labels), strict=True),
-                first,
-            ]
-        )
+        self._worlds = [_World(world, parts) for world, parts in zip(worlds, labels, strict=True)]
 
     def are_connected(self, world: int, start: Sequence[float], goal: Sequence[float]) -> bool:
         """Tells whether two points (x, y) [m] in the map frame of a world are in the same connected part."""
-        one, other = self._labels_at(np.array([world, world]), *np.array([start[:2], goal[:2]], float).T)
-        return bool(one == other and one != 0)
+        one, other = (self._worlds[world].label_at(*point[:2]) for point in (start, goal))
+        return one == other != 0
 
     def draw(
         self, worlds: NDArray[np.intp], distances: tuple[float, float], numbers: NDArray[np.float64]
@@ -93,33 +76,52 @@ class FreeSpace:
             The starts, (M, 3), poses x, y, yaw [m, m, rad] in the map frame; the goals, (M, 2), points x, y [m] in the
             map frame; and whether a goal was found, (M,) bool.
         """
-        left, bottom, cos, sin, resolutions, _, widths, first = self._frames[:, worlds]
-        cells = self._cells[self._first_cell[worlds] + (numbers[:, 0] * self._counts[worlds]).astype(np.intp)]
-        rows, cols = np.divmod(cells, widths)
-        dx, dy = (cols + numbers[:, 1]) * resolutions, (rows + numbers[:, 2]) * resolutions
-        starts = np.empty((len(worlds), 3))
-        starts[:, 0] = left + cos * dx - sin * dy
-        starts[:, 1] = bottom + sin * dx + cos * dy
-        starts[:, 2] = (numbers[:, 3] * 2.0 - 1.0) * math.pi
-        # One row for each attempt: NumPy is slow where it must repeat numbers itself.
-        every = np.repeat(np.arange(len(worlds)), self.ATTEMPTS)
-        directions = numbers[:, 4::2].ravel() * math.tau
-        lengths = distances[0] + numbers[:, 5::2].ravel() * (distances[1] - distances[0])
-        x, y = starts[every, 0] + lengths * np.cos(directions), starts[every, 1] + lengths * np.sin(directions)
-        own = self._labels[first.astype(np.intp) + cells]
-        fits = self._labels_at(worlds[every], x, y) == own[every]
-        chosen = fits.reshape(-1, self.ATTEMPTS).argmax(axis=1) + np.arange(0, len(every), self.ATTEMPTS)
-        return starts, np.array([x[chosen], y[chosen]]).T, fits[chosen]
+        starts, goals, found = np.empty((len(worlds), 3)), np.empty((len(worlds), 2)), np.empty(len(worlds), np.bool_)
+        for row, (world, some) in enumerate(zip(worlds.tolist(), numbers.tolist(), strict=True)):
+            starts[row], goals[row], found[row] = self.draw_one(world, distances, some)
+        return starts, goals, found
 
-    def _labels_at(self, worlds: NDArray[np.intp], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Returns the labels of the parts at points (M,) of the map frames of worlds (M,); 0 where there is none."""
-        left, bottom, cos, sin, resolutions, heights, widths, first = self._frames[:, worlds]
-        dx, dy = x - left, y - bottom
-        cols = np.floor((cos * dx + sin * dy) / resolutions)
-        rows = np.floor((cos * dy - sin * dx) / resolutions)
-        inside = (cols >= 0) & (cols < widths) & (rows >= 0) & (rows < heights)
-        cells = np.where(inside, first + rows * widths + cols, 0.0).astype(np.intp)
-        return np.where(inside, self._labels[cells], np.int32(0))
+    def draw_one(
+        self, world: int, distances: tuple[float, float], numbers: Sequence[float]
+    ) -> tuple[tuple[float, float, float], tuple[float, float], bool]:
+        """Draws a start and a goal in one world, from NUMBERS random numbers; see `draw`."""
+        return self._worlds[world].draw(*distances, numbers)
+
+
+class _World:
+    """The free space of one world. Its methods take single numbers, because mostly one episode begins at a time."""
+
+    def __init__(self, grid: OccupancyGrid, labels: NDArray[np.int32]) -> None:
+        (self._left, self._bottom, yaw), self._resolution = grid.origin, grid.resolution
+        self._cos, self._sin = math.cos(yaw), math.sin(yaw)
+        self._height, self._width = labels.shape
+        self._labels = labels.ravel()
+        self._cells = np.flatnonzero(labels).astype(np.int32)
+
+    def draw(
+        self, low: float, high: float, numbers: Sequence[float]
+    ) -> tuple[tuple[float, float, float], tuple[float, float], bool]:
+        """Draws a start, and a goal at a distance between two limits [m]; see `FreeSpace.draw`."""
+        cell = self._cells.item(int(numbers[0] * len(self._cells)))
+        row, col = divmod(cell, self._width)
+        dx, dy = (col + numbers[1]) * self._resolution, (row + numbers[2]) * self._resolution
+        x = self._left + self._cos * dx - self._sin * dy
+        y = self._bottom + self._sin * dx + self._cos * dy
+        own, goals = self._labels.item(cell), []
+        for turn, share in zip(numbers[4::2], numbers[5::2], strict=True):
+            direction, length = turn * math.tau, low + share * (high - low)
+            goals.append((x + length * math.cos(direction), y + length * math.sin(direction)))
+            if self.label_at(*goals[-1]) == own:
+                return (x, y, (numbers[3] * 2.0 - 1.0) * math.pi), goals[-1], True
+        return (x, y, (numbers[3] * 2.0 - 1.0) * math.pi), goals[0], False
+
+    def label_at(self, x: float, y: float) -> int:
+        """Returns the label of the part at a point [m] of the map frame; 0 where there is none."""
+        dx, dy = x - self._left, y - self._bottom
+        col = math.floor((self._cos * dx + self._sin * dy) / self._resolution)
+        row = math.floor((self._cos * dy - self._sin * dx) / self._resolution)
+        inside = 0 <= col < self._width and 0 <= row < self._height
+        return self._labels.item(row * self._width + col) if inside else 0
 
 
 def _labels(world: OccupancyGrid, radius: float) -> NDArray[np.int32]:

@@ -18,7 +18,7 @@ from .batch import Batch, Observations, Outcome
 from .environment import checked_render_mode
 from .frame import frame_of, grid_of
 from .spaces import action_space, observation_space
-from .task import NavigationTask
+from .task import PARTS, NavigationTask
 
 Flags = NDArray[np.bool_]
 
@@ -164,13 +164,12 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
                 info |= self._final(outcome, started)
         else:
             started = resting
-            if started.any():
-                rewards = np.where(started, 0.0, rewards)
-                terminated, truncated = terminated & ~started, truncated & ~started
+            if len(which := np.flatnonzero(started)):
+                rewards[which], terminated[which], truncated[which] = 0.0, False, False
             self._ended = terminated | truncated
+        info |= _grouped(_judgement(outcome), ~started)
         if started.any():
             self._batch.reset(started)
-        info |= _grouped(_judgement(outcome), ~started)
         info |= {"pose": self._batch.fleet.poses, "_pose": np.ones(self.num_envs, np.bool_)}
         return self._observations(), rewards, terminated, truncated, info
 
@@ -208,7 +207,8 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         last = np.full(self.num_envs, None, dtype=object)
         for which in np.flatnonzero(ended):
             last[which] = {name: values[which].copy() for name, values in observations.items()}
-        info = {**_judgement(outcome), "pose": self._batch.fleet.poses}
+        info = {name: values.copy(order="K") for name, values in _judgement(outcome).items()}
+        info["pose"] = self._batch.fleet.poses
         return {
             "final_obs": last,
             "_final_obs": ended.copy(),
@@ -261,24 +261,23 @@ def _checked_mode(mode: AutoresetMode | str) -> AutoresetMode:
 
 
 def _judgement(outcome: Outcome) -> dict[str, Any]:
-    return {"contact": outcome.contacts, "is_success": outcome.reached, "reward_parts": outcome.parts}
+    return {"contact": outcome.contacts, "is_success": outcome.reached, "reward_parts": outcome.parts.T}
 
 
-def _grouped(info: dict[str, Any], mask: Flags) -> dict[str, Any]:
-    """Returns info as Gymnasium has it: the values of the environments of the mask, 0 for the others, and the mask."""
+def _grouped(info: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
+    """Returns info as Gymnasium has it: the values of the environments of the mask, 0 for the others, and the mask.
+
+    Each array has a row for each environment. It is changed in place.
+    """
     others = np.flatnonzero(~mask)
-    return {} if len(others) == len(mask) else _grouped_without(info, mask, others)
-
-
-def _grouped_without(info: dict[str, Any], mask: Flags, others: NDArray[np.intp]) -> dict[str, Any]:
-    grouped: dict[str, Any] = {}
+    if len(others) == len(mask):
+        return {}
+    mask, grouped = mask.copy(), dict[str, Any]()
     for name, values in info.items():
-        if isinstance(values, dict):
-            grouped[name] = _grouped_without(values, mask, others)
-        elif len(others):
-            grouped[name] = values.copy()
-            grouped[name][others] = 0
-        else:
-            grouped[name] = values
-        grouped[f"_{name}"] = mask.copy()
+        if len(others):
+            values[others] = 0
+        grouped[name], grouped[f"_{name}"] = values, mask
+    if (parts := grouped.get("reward_parts")) is not None:
+        named = zip(PARTS, parts.T, strict=True)
+        grouped["reward_parts"] = {key: value for name, part in named for key, value in ((name, part), (f"_{name}", mask))}
     return grouped

@@ -7,7 +7,7 @@ import numpy as np
 import mobile_robot_simulator as mrs
 from learning.rooms import task
 from mobile_robot_simulator.learning.batch import Batch
-from mobile_robot_simulator.learning.task import NavigationTask
+from mobile_robot_simulator.learning.task import PARTS, NavigationTask
 
 
 def test_contact_comes_before_the_goal_and_the_goal_before_the_end_of_the_time():
@@ -25,6 +25,7 @@ def test_contact_comes_before_the_goal_and_the_goal_before_the_end_of_the_time()
     assert outcome.contacts.tolist() == [True, False, False, False]
     assert outcome.reached.tolist() == [False, True, False, False]
     assert outcome.truncated.tolist() == [False, False, True, True]
-    assert outcome.parts["goal"].tolist() == [0.0, 10.0, 0.0, 0.0]
-    assert outcome.parts["contact"].tolist() == [-10.0, 0.0, 0.0, 0.0]
+    parts = dict(zip(PARTS, outcome.parts.tolist(), strict=True))
+    assert parts["goal"] == [0.0, 10.0, 0.0, 0.0]
+    assert parts["contact"] == [-10.0, 0.0, 0.0, 0.0]
     np.testing.assert_allclose(batch.observations()["goal"][1:3, 0], [0.4, 1.9], rtol=1e-6)

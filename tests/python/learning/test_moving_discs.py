@@ -81,7 +81,7 @@ def test_robots_see_and_touch_discs() -> None:
         assert ahead[0] == pytest.approx(gap, abs=1e-6) and ahead[1] == 4.0
     outcome = batch.step(np.tile([1.0, 0.0], (3, 1)))  # after 1.25 s they meet
     assert outcome.contacts.tolist() == outcome.terminated.tolist() == [True, False, False]
-    assert outcome.parts["contact"].tolist() == [-10.0, 0.0, 0.0]
+    assert [outcome.info(index)["reward_parts"]["contact"] for index in range(3)] == [-10.0, 0.0, 0.0]
 
 
 def test_observations_show_the_discs_of_each_episode() -> None:
