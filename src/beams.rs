@@ -149,15 +149,19 @@ impl Beams {
     }
 
     /// Returns the beams, as a first one and one past the last, that point at angles from `low` to `high` \[rad\] or at
-    /// angles that are whole turns away from these. The interval must be shorter than a turn. Empty intervals are possible.
+    /// angles that are whole turns away from these. Both must be nearer to 0 than a turn. Rounding decides about beams that
+    /// point exactly there. There must be more than one beam.
+    #[inline]
     pub(crate) fn within(self, low: f64, high: f64) -> impl Iterator<Item = (usize, usize)> {
-        let (first, last) = (self.angle(0), self.angle(self.count - 1));
-        let turns = ((first.min(last) - high) / TAU).ceil() as i64..=((first.max(last) - low) / TAU).floor() as i64;
-        turns.map(move |turn| {
-            let position = |angle: f64| (angle + turn as f64 * TAU - first) / self.angle_increment();
-            let (one, other) = (position(low), position(high));
-            // `as usize` saturates: negative values become 0.
-            (one.min(other).ceil() as usize, ((one.max(other).floor() + 1.0) as usize).min(self.count))
+        let (first, per_radian) = (self.angle(0), self.angle_increment().recip());
+        let (one, other) = ((low - first) * per_radian, (high - first) * per_radian);
+        // No beam is farther than a turn from angle 0.
+        [-TAU, 0.0, TAU].into_iter().filter_map(move |turn| {
+            let turn = turn * per_radian;
+            // `as usize` rounds down, and saturates: negative values become 0.
+            let start = (one.min(other) + turn + 1.0) as usize;
+            let end = ((one.max(other) + turn + 1.0) as usize).min(self.count);
+            (start < end).then_some((start, end))
         })
     }
 }

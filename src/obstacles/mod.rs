@@ -55,17 +55,19 @@ pub struct Obstacles {
     /// A circle around each body: side by side, so that a search reads little memory.
     circles: Vec<Circle>,
     squares: Squares,
+    /// Number of obstacles of glass and of mirrors.
+    leading: usize,
 }
 
 impl Default for Obstacles {
     fn default() -> Self {
-        Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE }
+        Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE, leading: 0 }
     }
 }
 
 impl Obstacles {
     /// The empty set.
-    pub const NONE: &'static Self = &Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE };
+    pub const NONE: &'static Self = &Self { bodies: Vec::new(), circles: Vec::new(), squares: Squares::NONE, leading: 0 };
 
     /// Returns the set of the given shapes, each placed at its pose in the map frame.
     ///
@@ -147,7 +149,9 @@ impl Obstacles {
         let body = Body::new(shape, pose.checked()?)?;
         if index < self.len() {
             let before = std::mem::replace(&mut self.circles[index], body.circle());
-            self.bodies[index] = body;
+            self.leading += usize::from(body.material().leads_on());
+            let replaced = std::mem::replace(&mut self.bodies[index], body);
+            self.leading -= usize::from(replaced.material().leads_on());
             self.squares.update(&self.circles, index, Some(before));
             return Ok(());
         }
@@ -160,7 +164,9 @@ impl Obstacles {
     fn add(&mut self, body: Body) -> Result<(), Error> {
         let index = self.len();
         memory::push(OBSTACLES, &mut self.circles, body.circle())?;
+        let leads_on = body.material().leads_on();
         memory::push(OBSTACLES, &mut self.bodies, body).inspect_err(|_| self.circles.truncate(index))?;
+        self.leading += usize::from(leads_on);
         self.squares.update(&self.circles, index, None);
         Ok(())
     }
@@ -179,10 +185,29 @@ impl Obstacles {
 
     /// Returns true if an obstacle is of glass or a mirror.
     pub(crate) fn lead_on(&self) -> bool {
-        self.bodies.iter().any(|body| body.material().leads_on())
+        self.leading > 0
     }
 
     pub(crate) fn bodies(&self) -> &[Body] {
         &self.bodies
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Material;
+
+    #[test]
+    fn beams_follow_no_glass_once_it_is_gone() {
+        let (wall, pose) = (Shape::disc(0.5).expect("a good shape"), Pose::default());
+        let glass = wall.clone().with_material(Material::GLASS).expect("a good material");
+        let mut obstacles = Obstacles::new([(&wall, pose), (&glass, pose)]).expect("good poses");
+        assert!(obstacles.lead_on() && obstacles.try_clone().is_ok_and(|copy| copy.lead_on()));
+        obstacles.place(0, &glass, pose).expect("an index");
+        obstacles.place(1, &wall, pose).expect("an index");
+        assert!(obstacles.lead_on());
+        obstacles.place(0, &wall, pose).expect("an index");
+        assert!(!obstacles.lead_on());
     }
 }

@@ -436,11 +436,12 @@ impl LaserScanner {
             count += 1;
         }
         debug_assert!(scans.clone().nth(Fans::MAX).is_none(), "too many scans for one call");
-        // Views are large. Without obstacles and slant, the array is neither filled nor moved.
+        // Without obstacles and slant, the array is neither filled nor moved.
         let has_views = slant.is_some() || scans.clone().any(|(_, world)| !world.obstacles.is_empty());
         let mut views = has_views.then_some([const { None }; Fans::MAX]);
         for (view, (map_from_fan, world)) in views.iter_mut().flatten().zip(scans.clone()) {
-            let seen = View::new((world.obstacles, world.except), map_from_fan, self.horizontal, *beam_count, *max_range)?;
+            let (obstacles, beams) = ((world.obstacles, world.except), self.horizontal);
+            let seen = View::new(obstacles, map_from_fan, beams, (cos, sin), *beam_count, *max_range)?;
             *view = (!seen.is_empty() || slant.is_some()).then_some(seen);
         }
         let mut views = views.iter_mut().flatten();

@@ -1,11 +1,9 @@
 //! Where the ranges of scans go: to one sink per scan, past obstacles, through noise, into an array.
 
-use glam::DVec2;
-
 use super::onward::Onward;
 use crate::beam_model::Sampler;
 use crate::motion::PoseColumns;
-use crate::numeric::{GROUP, Group};
+use crate::numeric::Group;
 use crate::obstacles::{Passing, View};
 use crate::random::BeamBits;
 use crate::raycast::{Sink, store};
@@ -50,10 +48,10 @@ pub trait Foreground {
     fn shorten(&self, group: usize, directions: (&Group, &Group), ranges: &mut Group);
 }
 
-impl Foreground for View<'_> {
+impl Foreground for View {
     #[inline(always)]
-    fn shorten(&self, group: usize, (cos, sin): (&Group, &Group), ranges: &mut Group) {
-        View::shorten(self, group * GROUP, |lane| DVec2::new(cos[lane], sin[lane]), ranges);
+    fn shorten(&self, group: usize, _: (&Group, &Group), ranges: &mut Group) {
+        View::shorten(self, group, ranges);
     }
 }
 
