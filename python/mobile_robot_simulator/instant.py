@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, overload
 
 from . import messages
@@ -95,3 +96,16 @@ class Instant:
 
 _set_nanoseconds = Instant.__dict__["nanoseconds"].__set__
 """Sets the field of a new `Instant`. Clocks make many, and this is twice as fast as `object.__setattr__`."""
+
+_new_instant = partial(object.__new__, Instant)
+
+
+def instant_at(nanoseconds: int) -> Instant:
+    """Returns `Instant(nanoseconds)` in half the time, for clocks.
+
+    Args:
+        nanoseconds: Time [ns].
+    """
+    instant = _new_instant()
+    _set_nanoseconds(instant, nanoseconds)
+    return instant

@@ -4,7 +4,7 @@
 """
 
 from ..nodes.message_filters import Filter
-from .bus import Bus, BusSnapshot, LazyTap, Tap
+from .bus import Bus, BusSnapshot
 from .clock import BusClock
 from .logger import BusLogger
 from .node import BusNode, NoCopyNode, Node
@@ -17,7 +17,7 @@ from .parameter import (
 )
 from .service import BusClient, BusService
 from .timer import BusTimer
-from .topic import BusPublisher, BusSubscription, BusTopic
+from .topic import BusPublisher, BusSubscription, BusTopic, LazyTap, Tap
 
 __all__ = [
     "Bus",

@@ -41,6 +41,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from operator import itemgetter
 from typing import Any, Protocol
 
 from ..handle import Handle
@@ -53,8 +54,8 @@ from ..quoting import quoted
 from .current import reset_current, set_current
 from .service import BusService, ServiceHandler
 from .task import BusTask
-from .timer import BusTimer, TimerSnapshot
-from .topic import BusPublisher, BusTopic, NoCopyPublisher, TopicSnapshot, absolute
+from .timer import BusTimer, Firing, TimerSnapshot
+from .topic import BusPublisher, BusTopic, LazyTap, NoCopyPublisher, Tap, TopicSnapshot, absolute
 from .waiting import Response, Waiting
 
 Action = Callable[[], None]
@@ -65,12 +66,6 @@ Event = tuple[int, int, int, Action]
 
 MESSAGE, TIMER = 0, 1
 """Kinds of events. At the same time, messages run before timers."""
-
-Tap = Callable[[str, Message, int], None]
-"""Called for every message that is sent, with the topic's name, the message and the simulated time [ns]."""
-
-LazyTap = Callable[[str, "Message | partial[Message]", int], None]
-"""A tap that can also take the call that builds a message, and makes it later or never."""
 
 MAX_CHAIN_LENGTH = 10_000
 """Longest chain of events at the same time in which each event causes the next. A longer one counts as an endless loop."""
@@ -99,7 +94,7 @@ class BusSnapshot:
         clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
         scheduled_count: Number of actions scheduled for a later time so far.
         timer_count: Number of timers created so far.
-        events: Scheduled events, as a heap.
+        events: Scheduled events.
         immediate: Actions that are due now, each with its position in its chain (see `MAX_CHAIN_LENGTH`).
         filters: Message filters, in the order in which they apply.
         topics: All topics with their states.
@@ -150,6 +145,11 @@ class Bus(Handle):
         self.tasks: dict[BusTask, None] = {}
         self.waiting = Waiting(self)
         self._events: list[Event] = []
+        """Delayed messages, and for each time in `_firings` an event without an action, as a heap."""
+        self._firings: dict[int, list[Firing]] = {}
+        """Timers that are due later, by their times [ns]. Many are due at few times, and a list is faster than a heap."""
+        self._due: deque[Firing] = deque()
+        """Timers that are due now, after all messages, by rank."""
         self._immediate: deque[tuple[Action, int]] = deque()
         self._chain_length, self._reply_count = 0, 0
         self._calls: dict[Future, None] = {}
@@ -218,7 +218,7 @@ class Bus(Handle):
 
     def next_ns(self) -> int | None:
         """Returns the time of the next event [ns], or None if there is none."""
-        if self._immediate:
+        if self._immediate or self._due:
             return self.time_ns
         return self._events[0][0] if self._events else None
 
@@ -235,9 +235,13 @@ class Bus(Handle):
             self._scheduled_count += 1
             heapq.heappush(self._events, (time_ns, MESSAGE, self._scheduled_count, action))
 
-    def schedule_timer(self, time_ns: int, order: int, fire: Action) -> None:
-        """Calls `fire` at a time [ns], after the messages of that time. Timers of one time fire by ascending `order`."""
-        heapq.heappush(self._events, (time_ns, TIMER, order, fire))
+    def schedule_timer(self, time_ns: int, firing: Firing) -> None:
+        """Fires a timer at a time [ns], after the messages of that time. Timers of one time fire by ascending rank."""
+        firings = self._firings.get(time_ns)
+        if firings is None:
+            firings = self._firings[time_ns] = []
+            heapq.heappush(self._events, (time_ns, TIMER, 0, _nothing))
+        firings.append(firing)
 
     def next_timer_order(self) -> int:
         """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank.
@@ -280,7 +284,7 @@ class Bus(Handle):
 
     def publisher(self, name: str, msg_type: type[M]) -> NoCopyPublisher[M]:
         """Returns a publisher of messages that do not change once they are sent. Arguments and errors as for `topic`."""
-        return NoCopyPublisher(self.publish, self.topic(name, msg_type))
+        return NoCopyPublisher(self, self.topic(name, msg_type))
 
     def find_topic(self, name: str) -> BusTopic | None:
         """Returns the topic of a name, or None if it does not exist."""
@@ -296,25 +300,17 @@ class Bus(Handle):
         """Returns the messages that new subscriptions to latched topics receive, each with its topic and time [ns]."""
         return [(topic.name, message, time_ns) for topic in self.topics() for message, time_ns in topic.kept.values()]
 
-    def publish(self, publisher: BusPublisher[Any], message: Message | partial[Message]) -> None:
+    def publish(self, publisher: BusPublisher[Any], message: Message) -> None:
         """Passes a message through the filters, then sends it to the current subscriptions. Does not copy it.
 
         Args:
             publisher: Publisher that sends it.
-            message: The message, or a call that builds it. The call is made now if anybody receives the message, else when
-                `latest` is read.
+            message: The message.
 
         Raises:
             TypeError: The message is not of the topic's message class.
         """
         topic = publisher.topic
-        if isinstance(message, partial):
-            if not (topic.subscriptions or self.taps or self.filters or publisher.latched):
-                topic.last, topic.latest_ns = message, self.time_ns
-                for lazy_tap in self.lazy_taps:
-                    lazy_tap(topic.name, message, self.time_ns)
-                return
-            message = message()
         if not isinstance(message, topic.msg_type):
             raise TypeError(f"{topic.name} carries {topic.msg_type.__name__}, got {type(message).__name__}")
         if self.filters:
@@ -382,7 +378,7 @@ class Bus(Handle):
             clock_offset_ns=self.clock_offset_ns,
             scheduled_count=self._scheduled_count,
             timer_count=self._timer_count,
-            events=tuple(self._events),
+            events=self._scheduled(),
             immediate=tuple(self._immediate),
             filters=tuple(self.filters),
             topics={topic: topic.save() for topic in self._topics.values()},
@@ -403,7 +399,13 @@ class Bus(Handle):
         self._check_idle("restore it")
         self.time_ns, self._rounded, self.clock_offset_ns = state.time_ns, state.rounded, state.clock_offset_ns
         self._scheduled_count, self._timer_count = state.scheduled_count, state.timer_count
-        self._events, self._immediate, self.filters = list(state.events), deque(state.immediate), list(state.filters)
+        self._immediate, self.filters = deque(state.immediate), list(state.filters)
+        self._events, self._firings, self._due = [], {}, deque()
+        for time_ns, kind, order, action in state.events:
+            if kind == TIMER:
+                self.schedule_timer(time_ns, (order, action))
+            else:
+                heapq.heappush(self._events, (time_ns, kind, order, action))
         self._deactivate()
         for task in tuple(self.tasks):
             task.close()
@@ -444,8 +446,14 @@ class Bus(Handle):
         for timer in self.timers:
             timer.cancel()
 
+    def _scheduled(self) -> tuple[Event, ...]:
+        """Returns all scheduled events."""
+        messages = (event for event in self._events if event[1] == MESSAGE)
+        later = ((time_ns, TIMER, *firing) for time_ns, firings in self._firings.items() for firing in firings)
+        return (*messages, *((self.time_ns, TIMER, *firing) for firing in self._due), *later)
+
     def _run_events(self, time_ns: int) -> None:
-        events, immediate = self._events, self._immediate
+        events, immediate, due = self._events, self._immediate, self._due
         while True:
             # A message in `events` that is due now was sent at an earlier time than those in `immediate`.
             if immediate and not (events and events[0][0] <= self.time_ns and events[0][1] == MESSAGE):
@@ -454,11 +462,16 @@ class Bus(Handle):
                 if self._chain_length > MAX_CHAIN_LENGTH or self._reply_count > MAX_REPLIES:
                     seconds = self.time_ns / NANOSECONDS
                     raise RuntimeError(f"time stands still at {seconds} s: callbacks keep sending messages to each other")
+            elif due:
+                action, self._chain_length = due.popleft()[1], 0
             elif events and events[0][0] <= time_ns:
-                due_ns, _, _, action = heapq.heappop(events)
+                due_ns, kind, _, action = heapq.heappop(events)
                 self._chain_length = 0
                 if due_ns != self.time_ns:
                     self.time_ns, self._reply_count = due_ns, 0
+                if kind == TIMER:
+                    due.extend(sorted(self._firings.pop(due_ns), key=_rank))
+                    continue
             else:
                 break
             action()
@@ -505,3 +518,10 @@ class Bus(Handle):
             raise RuntimeError("the simulation is closed")
         if self._is_running:
             raise RuntimeError(f"the bus is already running: a callback must not {action}")
+
+
+_rank = itemgetter(0)
+
+
+def _nothing() -> None:
+    """Does nothing."""

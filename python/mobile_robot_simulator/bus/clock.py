@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..handle import Handle
-from ..instant import Duration, Instant
+from ..instant import Duration, Instant, instant_at
 from .current import Times, current_bus
 
 
@@ -27,7 +27,7 @@ class BusClock(Handle):
             RuntimeError: The clock has no bus yet, because it was neither made nor called by a node.
         """
         bus = self._found or self._bus
-        return Instant(bus.time_ns + bus.clock_offset_ns)
+        return instant_at(bus.time_ns + bus.clock_offset_ns)
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:
         """Lets simulated time pass. The simulation runs meanwhile.

@@ -143,7 +143,7 @@ class BusNode(Handle):
             ValueError: The name is empty.
         """
         found = self._bus.topic(self.resolve_topic_name(topic), msg_type)
-        publisher = (publisher_class or self.publisher_class)(self._bus.publish, found, _is_latched(qos_profile))
+        publisher = (publisher_class or self.publisher_class)(self._bus, found, _is_latched(qos_profile))
         found.publishers = (*found.publishers, publisher)
         found.latched = found.latched or publisher.latched
         self._handles[publisher] = partial(self.destroy_publisher, publisher)

@@ -11,6 +11,9 @@ from ..handle import Handle, check_callback
 from ..instant import NANOSECONDS
 from ..quoting import quoted
 
+Firing = tuple[int, Callable[[], None]]
+"""Rank of a timer, and what fires it."""
+
 
 class TimerQueue(Protocol):
     """What a timer needs from the bus.
@@ -26,8 +29,8 @@ class TimerQueue(Protocol):
     def next_timer_order(self) -> int:
         """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank."""
 
-    def schedule_timer(self, time_ns: int, order: int, fire: Callable[[], None]) -> None:
-        """Calls `fire` at a time [ns], after the messages of that time. Timers of one time fire by ascending `order`."""
+    def schedule_timer(self, time_ns: int, firing: Firing) -> None:
+        """Fires a timer at a time [ns], after the messages of that time. Timers of one time fire by ascending rank."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ class BusTimer(Handle):
             raise ValueError(f"a timer's period must be at least 1 ns and finite, got {period} s")
         check_callback(callback)
         self._queue, self._period, self._callback = queue, period, callback
-        self._order, self._due_ns = queue.next_timer_order(), 0
+        self._firing, self._due_ns = (queue.next_timer_order(), self._fire), 0
         queue.timers[self] = None
         self.reset()
 
@@ -108,7 +111,7 @@ class BusTimer(Handle):
         due_ns = self._start_ns + round((self._fired + 1) * self._period * NANOSECONDS)
         if due_ns != self._due_ns:
             self._due_ns = due_ns
-            self._queue.schedule_timer(due_ns, self._order, self._fire)
+            self._queue.schedule_timer(due_ns, self._firing)
 
     def _fire(self) -> None:
         # The event may be stale: `reset` changes the due time but leaves the old event in the queue.

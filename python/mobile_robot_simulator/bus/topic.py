@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Generic
+from typing import Any, Generic, Protocol
 
 from ..handle import Handle
 from ..messages import Message, checked_copy
 from ..nodes.interface import M
+from ..nodes.message_filters import Filter
 from ..quoting import quoted
+
+Tap = Callable[[str, Message, int], None]
+"""Called for every message that is sent, with the topic's name, the message and the simulated time [ns]."""
+
+LazyTap = Callable[[str, "Message | partial[Message]", int], None]
+"""A tap that can also take the call that builds a message, and makes it later or never."""
 
 Sent = tuple[Message, int]
 """A message and the simulated time at which it was sent [ns]."""
@@ -130,17 +137,36 @@ class BusTopic(Handle):
             subscription.active = True
 
 
+class Sender(Protocol):
+    """What a publisher needs from the bus.
+
+    Attributes:
+        time_ns: Simulated time [ns].
+        taps: Functions that see every message when it is sent.
+        lazy_taps: Those that get the call that builds a message, if nobody else needs the message.
+        filters: Functions that can replace, delay or drop a message before it is sent.
+    """
+
+    time_ns: int
+    taps: list[Tap]
+    lazy_taps: list[LazyTap]
+    filters: list[Filter]
+
+    def publish(self, publisher: BusPublisher[Any], message: Message, /) -> None:
+        """Passes a message through the filters, then sends it to the current subscriptions. Does not copy it."""
+
+
 @dataclass(eq=False)
 class BusPublisher(Handle, Generic[M]):
     """Sends copies of messages to a topic.
 
     Attributes:
-        send: Function that sends a publisher's message, or what a call builds, without copying it (`Bus.publish`).
+        bus: The bus.
         topic: Topic that the messages go to.
         latched: True if later subscriptions receive the last message.
     """
 
-    send: Callable[[BusPublisher[Any], Message | partial[Message]], None]
+    bus: Sender
     topic: BusTopic
     latched: bool = False
 
@@ -158,7 +184,7 @@ class BusPublisher(Handle, Generic[M]):
         """
         if not isinstance(message, self.topic.msg_type):
             raise TypeError(f"{self.topic.name} carries {self.topic.msg_type.__name__}, got {quoted(message)}")
-        self.send(self, checked_copy(message))
+        self.bus.publish(self, checked_copy(message))
 
     def publish_lazily(self, build: Callable[..., Message], *arguments: Any) -> None:
         """Sends the message that `build(*arguments)` returns.
@@ -169,7 +195,13 @@ class BusPublisher(Handle, Generic[M]):
         Raises:
             TypeError: The topic carries messages of another type.
         """
-        self.send(self, partial(build, *arguments))
+        bus, topic, message = self.bus, self.topic, partial(build, *arguments)
+        if topic.subscriptions or bus.taps or bus.filters or self.latched:
+            bus.publish(self, message())
+            return
+        topic.last, topic.latest_ns = message, bus.time_ns
+        for lazy_tap in bus.lazy_taps:
+            lazy_tap(topic.name, message, bus.time_ns)
 
     def get_subscription_count(self) -> int:
         """Returns the number of subscriptions of the topic."""
@@ -181,4 +213,4 @@ class NoCopyPublisher(BusPublisher[M]):
 
     def publish(self, message: M) -> None:
         """Sends the message without copying it. The caller must not change it afterwards."""
-        self.send(self, message)
+        self.bus.publish(self, message)

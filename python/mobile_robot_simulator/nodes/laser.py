@@ -123,7 +123,7 @@ class LaserScannerSimulator(Handle):
         carrier: Carrier | None = None,
         listener: TransformListener | None = None,
     ) -> None:
-        self._node = node
+        self._node, self._clock = node, node.get_clock()
         parameters = parameters or LaserParameters()
         self._maps = MapListener(node, self._prepare, parameters.unknown, grid)
         self._prepared_grid: OccupancyGrid | None = None
@@ -285,7 +285,7 @@ class LaserScannerSimulator(Handle):
             self._node.get_logger().warning(f"the noise weights must sum to 1, got {weights}; normalised to {normalised}")
 
     def _now_ns(self) -> int:
-        return self._node.get_clock().now().nanoseconds
+        return self._clock.now().nanoseconds
 
     def _find_missing(self) -> dict[str, str]:
         """Returns what is missing for a scan, and how the node gets it."""

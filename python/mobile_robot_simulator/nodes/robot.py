@@ -128,6 +128,27 @@ class RobotPublishers:
     joints: Publisher[JointState] | None
 
 
+@dataclass(frozen=True, slots=True)
+class ExactOutput:
+    """What a robot publishes periodically while its odometry is exact. Chosen once, because it is published often.
+
+    Attributes:
+        clock: Publisher of the clock, None if it has a timer of its own.
+        odometry: Publisher of the odometry.
+        transforms: Publisher of /tf.
+        frames: Frame of the odometry, and the robot's frame.
+        map_frame: Name of the map frame, None if its transform is not published.
+        has_others: True if other topics are published too.
+    """
+
+    clock: Publisher[Clock] | None
+    odometry: Publisher[Odometry]
+    transforms: Publisher[TFMessage]
+    frames: tuple[str, str]
+    map_frame: str | None
+    has_others: bool
+
+
 @dataclass(frozen=True)
 class RobotSnapshot:
     """Saved state of a `MobileRobotSimulator`.
@@ -219,16 +240,18 @@ class MobileRobotSimulator(Handle):
         world: World | None = None,
         name: str = "",
     ) -> None:
-        self._node = node
+        self._node, self._clock = node, node.get_clock()
         self.body_name = name
         self._parameters = parameters or RobotParameters()
-        self._world = world or World(SteadyTime(node.get_clock()))
+        self._world = world or World(SteadyTime(self._clock))
         self._waiting = WaitingLog(node, "the robot", self._find_missing)
         self._is_map_given = self._world.grid is not None
         self._maps = MapListener(node, self._use_map, self._parameters.unknown, self._world.grid)
         self._start_pose = start_pose
         self._running: Handles | None = None
         self._publishers: RobotPublishers | None = None
+        self._exact: ExactOutput | None = None
+        """What the node publishes periodically, None while its odometry is not exact. See `_choose_output`."""
         self._transforms_ns: int | None = None
         self._footprint = self._parameters.shape
         self._slip_share: float | None = None
@@ -236,7 +259,7 @@ class MobileRobotSimulator(Handle):
         self._drift: tuple[MotionNoise | None, int] = (None, 0)
         self._contact_time = -math.inf
         self._is_stalled = False
-        self.reset()
+        self._begin()
         self._world.join(self)
 
     def __repr__(self) -> str:
@@ -305,6 +328,11 @@ class MobileRobotSimulator(Handle):
 
         Slip, push and drift that are set (`slip`, `push`, `drift`) stay in effect.
         """
+        self._begin()
+        self._world.changed()
+
+    def _begin(self) -> None:
+        """Puts the robot at its start pose, and sets up its motion and its odometers."""
         now_ns, parameters, start = self._world.now_ns(), self._parameters, self.start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
@@ -316,7 +344,7 @@ class MobileRobotSimulator(Handle):
         self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
         self._wheel_odometer = self._create_wheel_odometer(now_ns, odom_from_base)
         self._believed: Pose | WheelCourse = odom_from_base
-        self._world.changed()
+        self._choose_output()
 
     def set_parameters(self, **values: Any) -> None:
         """Changes parameters by name, with immediate effect.
@@ -382,6 +410,7 @@ class MobileRobotSimulator(Handle):
             raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self._slip_share = share
         self._motion.slip(self._lost_share(), self._world.now_ns())
+        self._choose_output()
 
     def push(self, push: Push | None) -> None:
         """Pushes the robot from now on. Neither its wheels nor its odometry notice it.
@@ -396,6 +425,7 @@ class MobileRobotSimulator(Handle):
             raise ValueError(f"a push must be two finite speeds of at most {MAX_COMMAND:g} m/s, got {quoted(push)}")
         self._push = push
         self._motion.push(push, self._world.now_ns())
+        self._choose_output()
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """Changes the noise of the odometry from now on. The error and the covariance so far stay.
@@ -414,6 +444,7 @@ class MobileRobotSimulator(Handle):
         now_ns, self._drift = self._world.now_ns(), (noise, seed)
         self._odometer.read(self._read_wheels(now_ns)[0], now_ns)
         self._odometer.set_noise(*self._odometry_noise())
+        self._choose_output()
 
     def start(self) -> None:
         """Starts to follow commands and to publish, first after one period. Has no effect if the node is running."""
@@ -421,6 +452,7 @@ class MobileRobotSimulator(Handle):
             return
         with Handles() as handles:
             self._publishers = self._create_publishers(handles)
+            self._choose_output()
             self._create_subscriptions(handles)
             self._create_services(handles)
             if not self._is_map_given:
@@ -490,6 +522,7 @@ class MobileRobotSimulator(Handle):
             self._wheel_odometer.restore(wheel_reading)
         self._maps.restore(state.maps)
         self._contact_time, self._is_stalled = state.contacts
+        self._choose_output()
 
     def _odometry_noise(self) -> tuple[MotionNoise | None, int]:
         """Returns the noise of the odometry and its seed: those of `drift`, or else those of the parameters."""
@@ -546,6 +579,7 @@ class MobileRobotSimulator(Handle):
             self.slip(self._slip_share)
         if (after.odometry_alphas, after.odometry_seed) != (before.odometry_alphas, before.odometry_seed):
             self.drift(*self._drift)
+        self._choose_output()
 
     def _lost_share(self) -> float:
         """Returns the share of the commanded motion that is lost: that of `slip`, or else that of the parameters."""
@@ -690,17 +724,24 @@ class MobileRobotSimulator(Handle):
 
     def _publish(self) -> None:
         """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
-        assert self._publishers is not None
-        now_ns, stamp_ns, publishers = self._world.now_ns(), self._stamp_ns(), self._publishers
-        if self._parameters.clock_rate == 0.0:
-            self._send_clock(stamp_ns)
-        if self._tells_the_truth():
-            self._send_truth(now_ns, stamp_ns)
-        else:
+        now_ns, stamp_ns, exact = self._world.now_ns(), self._clock.now().nanoseconds, self._exact
+        if exact is None:
+            if self._parameters.clock_rate == 0.0:
+                self._send_clock(stamp_ns)
             stamp = Time.from_nanoseconds(stamp_ns)
             self._send_odometry(now_ns, stamp)
             if stamp_ns != self._transforms_ns:
                 self._send_transforms(now_ns, stamp, self.believed_pose)
+            self._publish_others(now_ns, stamp_ns)
+            return
+        self._publish_exactly(exact, now_ns, stamp_ns)
+        if exact.has_others:
+            self._publish_others(now_ns, stamp_ns)
+
+    def _publish_others(self, now_ns: int, stamp_ns: int) -> None:
+        """Publishes contacts, joints and the ground truth, as far as they are wanted."""
+        publishers = self._publishers
+        assert publishers is not None
         if publishers.contacts is not None or publishers.stalled is not None:
             self._publish_contacts(now_ns, Time.from_nanoseconds(stamp_ns))
         if publishers.joints is not None:
@@ -712,22 +753,31 @@ class MobileRobotSimulator(Handle):
             pose, velocity = self._motion.map_pose(now_ns), self._motion.velocity(now_ns)
             publishers.truth.publish_lazily(odometry_message, Time.from_nanoseconds(stamp_ns), frames, pose, velocity)
 
-    def _tells_the_truth(self) -> bool:
-        """True if the odometry reports the true motion, and no other frame is published."""
-        is_exact = self._wheel_odometer is None and self._odometer.is_exact and not self._motion.slipped
-        return is_exact and not self._parameters.ground_truth_frame
-
-    def _send_truth(self, now_ns: int, stamp_ns: int) -> None:
+    def _publish_exactly(self, output: ExactOutput, now_ns: int, stamp_ns: int) -> None:
         """Publishes odometry that is exact, and its transforms: to be computed when they are needed, which may be never."""
-        assert self._publishers is not None
-        frames, parameters, course = self._parameters.frames, self._parameters, self._motion.wheel_course(now_ns)
-        self._believed = course
-        base = frames["odom_frame_id"], frames["base_link_frame"]
-        self._publishers.odometry.publish_lazily(exact_odometry_message, stamp_ns, base, course)
+        if output.clock is not None:
+            output.clock.publish_lazily(clock_message, stamp_ns)
+        motion = self._motion
+        self._believed = course = motion.wheel_course(now_ns)
+        output.odometry.publish_lazily(exact_odometry_message, stamp_ns, output.frames, course)
         if stamp_ns != self._transforms_ns:
             self._transforms_ns = stamp_ns
-            map_frame = (parameters.map_frame_id, self._motion.map_from_own) if parameters.publish_map_transform else None
-            self._publishers.transforms.publish_lazily(exact_transforms_message, stamp_ns, map_frame, base, course)
+            map_frame = None if output.map_frame is None else (output.map_frame, motion.map_from_own)
+            output.transforms.publish_lazily(exact_transforms_message, stamp_ns, map_frame, output.frames, course)
+
+    def _choose_output(self) -> None:
+        """Chooses what is published periodically. Must be called after a change of what this depends on."""
+        publishers, parameters, self._exact = self._publishers, self._parameters, None
+        if publishers is None or self._wheel_odometer is not None or self._motion.slipped or not self._odometer.is_exact:
+            return
+        if parameters.ground_truth_frame:
+            return
+        others = publishers.contacts, publishers.stalled, publishers.joints, publishers.truth
+        has_others = any(publisher is not None for publisher in others)
+        frames = parameters.frames["odom_frame_id"], parameters.frames["base_link_frame"]
+        clock = publishers.clock if parameters.clock_rate == 0.0 else None
+        map_frame = parameters.map_frame_id if parameters.publish_map_transform else None
+        self._exact = ExactOutput(clock, publishers.odometry, publishers.transforms, frames, map_frame, has_others)
 
     def _send_odometry(self, now_ns: int, stamp: Time) -> None:
         """Reads the odometer and publishes what it says."""
@@ -798,4 +848,4 @@ class MobileRobotSimulator(Handle):
             self._publishers.clock.publish_lazily(clock_message, stamp_ns)
 
     def _stamp_ns(self) -> int:
-        return self._node.get_clock().now().nanoseconds
+        return self._clock.now().nanoseconds

@@ -200,8 +200,9 @@ class ConstrainedMotion(Motion):
 
     def wheel_course(self, time_ns: int) -> WheelCourse:
         """Where the wheels are at a time; see `Motion.wheel_course`."""
-        at = self if time_ns <= self._stepped_ns else self._at(time_ns)
-        return Motion.wheel_course(at, time_ns)
+        if time_ns <= self._stepped_ns:
+            return super().wheel_course(time_ns)
+        return Motion.wheel_course(self._at(time_ns), time_ns)
 
     def velocity(self, time_ns: int) -> Velocity:
         """Velocity of the robot."""

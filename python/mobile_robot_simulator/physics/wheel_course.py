@@ -16,6 +16,8 @@ class WheelCourse:
 
     """
 
+    __slots__ = ("_pose", "_profile", "_start", "_time_ns")
+
     def __init__(self, profile: VelocityProfile, start: Pose, time_ns: int) -> None:
         self._profile, self._start, self._time_ns = profile, start, time_ns
         self._pose: Pose | None = None

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import OccupancyGrid, Pose, Shape
-from ..bus.bus import Bus, LazyTap, Tap
+from ..bus.bus import Bus
 from ..bus.node import BusNode, NoCopyNode, spawn_context
-from ..bus.topic import BusSubscription
+from ..bus.topic import BusSubscription, LazyTap, Tap
 from ..handle import Handle
 from ..instant import NANOSECONDS
 from ..messages import Message, TFMessage

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
-from ..bus.bus import Bus, LazyTap, Tap
+from ..bus.bus import Bus
 from ..bus.node import BusNode
-from ..bus.topic import BusPublisher, BusSubscription, absolute
+from ..bus.topic import BusPublisher, BusSubscription, LazyTap, Tap, absolute
 from ..handle import check_callback
 from ..instant import NANOSECONDS
 from ..messages import Message

@@ -59,3 +59,46 @@ def test_a_timer_can_be_cancelled_and_reset(bus: Bus, node: BusNode) -> None:
 def test_a_period_that_is_too_short_or_not_finite_is_refused(node: BusNode, period: float) -> None:
     with pytest.raises(ValueError, match="period"):
         node.create_timer(period, lambda: None)
+
+
+def test_timers_of_one_time_fire_in_the_order_of_their_creation_whatever_their_periods(bus: Bus, node: BusNode) -> None:
+    fired: list[tuple[int, int]] = []
+    periods = [0.3, 0.1, 0.2, 0.6, 0.1, 0.3]
+    for index, period in enumerate(periods):
+        node.create_timer(period, lambda index=index: fired.append((bus.time_ns, index)))
+    bus.run_until(6 * SECOND)
+    times = {index: round(period * SECOND) for index, period in enumerate(periods)}
+    due = [(time_ns, index) for index, period in times.items() for time_ns in range(period, 6 * SECOND + 1, period)]
+    assert fired == sorted(due)
+
+
+def test_after_an_exception_the_other_timers_of_that_time_still_fire_also_on_a_restored_bus(bus: Bus, node: BusNode) -> None:
+    fired: list[str] = []
+
+    def fail() -> None:
+        raise ArithmeticError
+
+    node.create_timer(1.0, lambda: fired.append("first"))
+    failing = node.create_timer(1.0, fail)
+    node.create_timer(0.5, lambda: fired.append("last"))
+    with pytest.raises(ArithmeticError):
+        bus.run_until(SECOND)
+    assert fired == ["last", "first"] and bus.next_ns() == bus.time_ns == SECOND
+    state = bus.save()
+    failing.cancel()
+    for _ in range(2):
+        fired.clear()
+        bus.run_until(2 * SECOND)
+        assert fired == ["last", "last", "first", "last"]
+        bus.restore(state)
+        failing.cancel()
+
+
+def test_a_timer_that_is_reset_twice_fires_once(bus: Bus, node: BusNode) -> None:
+    fired: list[int] = []
+    timer = node.create_timer(1.0, lambda: fired.append(bus.time_ns))
+    bus.run_until(SECOND // 2)
+    timer.reset()
+    timer.reset()
+    bus.run_until(2 * SECOND)
+    assert fired == [3 * SECOND // 2]
