@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic, TypeAlias, TypeVar
 
-from .._core import Obstacles, Pose, Shape
+import numpy as np
+
+from .._core import Obstacles, OccupancyGrid, Pose, Shape, touches
 
 T = TypeVar("T")
+
+OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
+"""A map without walls, to ask for obstacles alone."""
 
 Placed: TypeAlias = tuple[Shape, Pose]
 """A shape and its pose in the map frame."""
@@ -47,8 +52,30 @@ class Crowd(Generic[T]):
 
     def insert(self, index: int, thing: T, placed: Placed) -> None:
         """Adds a thing before the one at an index of `things`."""
+        is_last = index == len(self.things)
         self.things.insert(index, (thing, placed))
-        self._core = None
+        if self._core is None or self._around or not is_last:
+            # Results of `around` stay as they are.
+            self._core = None
+            return
+        self._core.place(index, *placed)
+        self._index_of[thing] = index
+
+    def touches(self, shape: Shape, pose: Pose, besides: T | None = None) -> list[T]:
+        """Returns the things that a shape at a pose touches, in their order.
+
+        Args:
+            shape: The shape.
+            pose: Its pose in the map frame.
+            besides: A thing that does not count.
+        """
+        self._prepare()
+        assert self._core is not None
+        others = self._core if besides is None else self._core.without(self._index_of.get(besides))
+        if not touches(OPEN, shape, pose, obstacles=others):
+            return []
+        near = [thing for thing, placed in self.things if touches(OPEN, shape, pose, obstacles=[placed])]
+        return [thing for thing in near if thing is not besides]
 
     def around(self, thing: T) -> Obstacles:
         """Returns everything but one thing, whose index remains. Always the same object until something is inserted."""

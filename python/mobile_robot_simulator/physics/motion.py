@@ -224,6 +224,8 @@ class Motion:
         """Time of the last call of `pose`; None if a segment has begun since."""
         self._read_pose, self._read_profile = start, VelocityProfile(time_ns, STANDING, STANDING, time_ns)
         """Result of that call, and the profile at that time."""
+        self._read_map_pose: Pose | None = None
+        """The same pose in the map frame, None until it is needed."""
         self._limits = limits
         self._steering = None if drive is None else Steering(drive, time_ns)
         self._rolled = None if drive is None else np.zeros(drive.wheel_count)
@@ -283,13 +285,18 @@ class Motion:
             pose = profile.move(self._start, time_ns, self._grip)
             if self._acting_push is not None:
                 pose = displaced(pose, self._acting_push, _seconds_between(profile.start_ns, time_ns))
-            self._read_pose = pose
+            self._read_pose, self._read_map_pose = pose, None
             self._read_ns, self._read_profile = time_ns, profile
         return self._read_pose
 
     def map_pose(self, time_ns: int) -> Pose:
         """Pose of the robot in the map frame, now."""
-        return (self.map_from_own * self.pose(time_ns)).wrapped()
+        if self._read_map_pose is None or self._read_ns != time_ns or self._read_profile is not self._profile:
+            pose = (self.map_from_own * self.pose(time_ns)).wrapped()
+            if self._read_ns != time_ns:
+                return pose
+            self._read_map_pose = pose
+        return self._read_map_pose
 
     def map_pose_at(self, time_ns: int) -> Pose:
         """Pose of the robot in the map frame, at a time in the past."""

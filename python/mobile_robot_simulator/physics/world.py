@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import compress
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -27,9 +28,6 @@ SKIPPED_NS = 10 * STEP_NS
 
 HEADROOM, HEADROOM_SPEED = 1.25, 0.1
 """Robots that are free may drive faster than the fastest one does by this factor and this speed [m/s]."""
-
-OPEN = OccupancyGrid(np.zeros((1, 1), np.int8), resolution=1.0)
-"""A map without walls, to ask for obstacles alone."""
 
 SHOWN_NAMES = 10
 """Number of obstacles that a message names at most."""
@@ -130,8 +128,12 @@ class World(Handle):
         """Robots that advance in time steps."""
         self._lone: Body | None = None
         """The robot that advances in time steps, if it is the only one and no other robot has a footprint."""
-        self._free: set[Body] = set()
+        self._free: list[Body] = []
         """Robots that touch nothing and that nobody touches until `_look_again_ns`. Their places in `_frozen` are old."""
+        self._free_motions: list[Motion] = []
+        """Their motions."""
+        self._bound: list[Body] = []
+        """The other robots that advance in time steps."""
         self._free_speed = 0.0
         """Speed that no robot exceeds meanwhile [m/s]."""
         self._free_revision = 0
@@ -155,9 +157,22 @@ class World(Handle):
 
     def join(self, body: Body) -> None:
         """Adds a robot."""
-        self.now_ns()
+        now = self.now_ns()
         self._bodies.append(body)
-        self.changed()
+        if now > self._stepped_ns or len(self._stepped) < 2:
+            self.changed()
+            return
+        # Everything is where it was frozen, so only what is new is computed, and many robots can be added.
+        self.changes += 1
+        self._wake()
+        self._look_again_ns = 0
+        if body.motion.is_stepped:
+            self._stepped.append(body)
+        if body.footprint is not None:
+            self._frozen.insert(len(self._frozen.things), body, (body.footprint, body.motion.pose_for_others(now)))
+            if self._latest is not None and self._latest[0] == now:
+                present = self._latest[1]
+                present.insert(len(present.things), body, (body.footprint, body.motion.map_pose(now)))
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Replaces the map from now on."""
@@ -258,13 +273,9 @@ class World(Handle):
             return
         if touches(self.grid, shape, pose):
             raise ValueError(f"{what} must leave the robot room beside walls, got {shown}")
-        present = self._present()
-        others = present.around(body) if body is not None else [placed for _, placed in present.things]
-        if not touches(OPEN, shape, pose, obstacles=others):
-            return
-        for other, placed in present.things:
-            if other is not body and touches(OPEN, shape, pose, obstacles=[placed]):
-                raise ValueError(f"{what} must leave the robot room beside {_name_of(other)}, got {shown}")
+        touched = self._present().touches(shape, pose, body)
+        if touched:
+            raise ValueError(f"{what} must leave the robot room beside {_name_of(touched[0])}, got {shown}")
 
     def everybody(self) -> list[tuple[Body | Obstacle, Placed]]:
         """All obstacles and all robots with a footprint, where they are now."""
@@ -342,11 +353,10 @@ class World(Handle):
         self._stepped_ns = time_ns
         for index, obstacle in self._moving:
             self._frozen.move(index, obstacle.pose(time_ns))
-        for body in self._stepped:
+        for motion in self._free_motions:
+            motion.skip_to(time_ns)
+        for body in self._bound:
             motion = body.motion
-            if body in self._free:
-                motion.skip_to(time_ns)
-                continue
             motion.step(time_ns)
             if len(self._bodies) > 1 and (own := self._frozen.index_of(body)) is not None:
                 self._frozen.move(own, motion.pose_for_others(time_ns))
@@ -368,7 +378,10 @@ class World(Handle):
             return
         self._free_speed, self._free_revision = speed, grid.revision
         seconds = (self._look_again_ns - start_ns) / NANOSECONDS
-        self._free = {body for body in self._stepped if body.motion.stays_clear(2.0 * speed, seconds)}
+        free = [body.motion.stays_clear(2.0 * speed, seconds) for body in self._stepped]
+        self._free = list(compress(self._stepped, free))
+        self._free_motions = [body.motion for body in self._free]
+        self._bound = [body for body, is_free in zip(self._stepped, free, strict=True) if not is_free]
 
     def expect_speed(self, speed: float) -> None:
         """Must be called before a robot may exceed the speed that it had so far.
@@ -381,7 +394,8 @@ class World(Handle):
 
     def _wake(self) -> None:
         """Ends the time of the free robots. Their places become those after the last time step."""
-        free, self._free = self._free, set()
+        free = self._free
+        self._free, self._free_motions, self._bound = [], [], self._stepped
         for body in free:
             index = self._frozen.index_of(body)
             assert index is not None
@@ -393,7 +407,7 @@ class World(Handle):
         if any(body is not self._lone and body.footprint is not None for body in self._bodies):
             self._lone = None
         self._moving = [(index, obstacle) for index, obstacle in enumerate(self.obstacles) if not obstacle.stands]
-        self._free, self._look_again_ns = set(), 0
+        self._free, self._free_motions, self._bound, self._look_again_ns = [], [], self._stepped, 0
         self._frozen = Crowd(self._everybody(self._stepped_ns, lambda body: body.motion.pose_for_others(self._stepped_ns)))
 
     def _everybody(self, time_ns: int, pose_of: Callable[[Body], Pose]) -> list[tuple[Body | Obstacle, Placed]]:

@@ -372,3 +372,38 @@ def test_a_robot_that_speeds_up_meets_another_where_it_is_now(monkeypatch: pytes
     assert free[0] == 2
     monkeypatch.setattr(world.World, "_find_free", lambda *_: None)
     assert end() == fast
+
+
+@pytest.mark.parametrize("step", [0.0, 0.02, 0.1, 0.033])
+def test_robots_that_come_one_by_one_do_what_they_do_if_everything_is_looked_at_again(
+    monkeypatch: pytest.MonkeyPatch, step: float
+) -> None:
+    grid = mrs.OccupancyGrid(cells=np.pad(np.zeros((80, 80), np.int8), 2, constant_values=100), resolution=0.05)
+
+    def ends() -> tuple[list[object], int]:
+        rng, refused = np.random.default_rng(5), 0
+        sim = mrs.Simulation(grid, parameters={"velocity_timeout": 0.0, "laser_beam_count": 31}, robots={}, seed=1)
+        sim.add_obstacle(mrs.Shape.disc(0.1), [(0.0, 0.4, 0.4, 0.0), (3.0, 3.6, 3.6, 3.0)])
+        for index in range(30):
+            radius = {} if index % 10 == 3 else {"robot_radius": 0.15}
+            try:
+                sim.add_robot(f"r{index}", start=(*rng.uniform(0.0, 4.0, 2), index), parameters=radius)
+            except ValueError:
+                refused += 1
+            for name in sim.robots:
+                drive(sim, rng.uniform(0.2, 0.8), rng.uniform(-0.5, 0.5), topic=f"/{name}/cmd_vel")
+            sim.run_for(step)
+        sim.run_for(1.0)
+        found = [(tuple(robot.pose), robot.truth.contacts, robot.truth.clearance) for robot in sim.robots.values()]
+        assert sum(len(contacts) for _, contacts, _ in found) > 5
+        return [*found, *(sim.latest(f"/{name}/scan").ranges.tobytes() for name in sim.robots)], refused
+
+    def join(self: world.World, body: Any) -> None:
+        self.now_ns()
+        self._bodies.append(body)
+        self.changed()
+
+    found, refused = ends()
+    assert refused > 5
+    monkeypatch.setattr(world.World, "join", join)
+    assert ends() == (found, refused)
