@@ -72,6 +72,7 @@ mod mount;
 mod numeric;
 mod obstacles;
 mod pose;
+mod prefetch;
 mod preset;
 #[cfg(feature = "python")]
 mod python;
@@ -90,7 +91,7 @@ pub use beam_model::{BeamModel, BeamModelOptions};
 pub use beams::{BeamLayout, FULL_TURN_TOLERANCE, MAX_BEAMS};
 pub use contact::{CONTACT_TOLERANCE, Contact, ContactMode, advance, clearance, clearance_batch, stays_clear, touches};
 pub use error::Error;
-pub use fleet::{Fleet, FleetObstacle, FleetOptions, FleetState, MAX_COMMAND, Reset, Rollout, Thing, Touch};
+pub use fleet::{Fleet, FleetObstacle, FleetOptions, FleetState, MAX_COMMAND, Report, Reset, Rollout, Thing, Touch};
 pub use grid::{Cell, GridOptions, MAX_CELLS, MAX_SIDE, OCCUPIED_THRESHOLD, OccupancyGrid, Unknown};
 pub use learning::{Reward, Steps, Verdicts, commands_from_actions};
 pub use likelihood_field::{LikelihoodField, LikelihoodFieldOptions};

@@ -37,6 +37,21 @@ pub enum Thing {
     Robot(usize),
 }
 
+/// What a caller is told about a robot after a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Report {
+    /// Pose in the map frame, with its yaw in (-π, π].
+    pub pose: Pose,
+    /// Velocity in its own frame.
+    pub velocity: Twist,
+    /// Pose that its odometry reports, in the odometry frame.
+    pub odometry: Pose,
+    /// What it touched first; `None` for nothing.
+    pub touch: Option<Touch>,
+    /// Distance to the nearest thing \[m\]; NaN if it was not measured.
+    pub clearance: f64,
+}
+
 /// A robot of a fleet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member {
@@ -127,6 +142,12 @@ impl Member {
         seconds(self.robot.time_ns())
     }
 
+    /// Returns what a caller is told about the robot.
+    pub fn report(&self) -> Report {
+        let Self { pose, velocity, touch, clearance, .. } = *self;
+        Report { pose, velocity, odometry: self.odometer.pose, touch, clearance }
+    }
+
     /// Returns the pose that its odometry reports, in the odometry frame.
     pub fn odometry(&self) -> Pose {
         self.odometer.pose
@@ -195,8 +216,8 @@ impl Member {
         self.put(pose, time_ns, options.body(robot))
     }
 
-    /// Notes that a scan was taken, so that the next one has other noise.
-    pub fn end_scan(&mut self) {
+    /// Counts a scan, so that the next one has other noise.
+    pub fn count_scan(&mut self) {
         self.scans = self.scans.wrapping_add(1);
     }
 

@@ -9,7 +9,8 @@ use crate::memory;
 use crate::scanner::{Shot, ShotNoise};
 
 impl Fleet {
-    /// Writes the next scan of each chosen robot, as `members` stand, to `readings`, in the order of the robots.
+    /// Writes a scan of each chosen robot, as `members` stand, to `readings`, in the order of the robots: the next one, or if the
+    /// scans are counted already, the last one.
     ///
     /// # Errors
     /// - [`Error::Length`]: `readings` does not have room for just these scans.
@@ -19,7 +20,7 @@ impl Fleet {
     /// If the fleet has no scanner.
     pub(super) fn scan_members(
         &self,
-        members: &[Member],
+        (members, are_counted): (&[Member], bool),
         is_chosen: impl Fn(usize) -> bool,
         threads: Option<usize>,
         readings: &mut [f32],
@@ -60,7 +61,12 @@ impl Fleet {
             let (robot, member) = (worlds.order[place], &members[place]);
             let surface = of_robot(&options.surfaces, robot);
             let noise = of_robot(&options.noise, robot);
-            let noise = noise.map(|model| ShotNoise { model, surface, seed: member.seed, index: member.scans });
+            let noise = noise.map(|model| ShotNoise {
+                model,
+                surface,
+                seed: member.seed,
+                index: member.scans.wrapping_sub(u64::from(are_counted)),
+            });
             shots.push(Shot { world: scene.world_of(robot, around), map_from_base: member.pose, noise });
             rows_in_order.push(row);
         }

@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::error::Error;
 use crate::interrupt::Watch;
 use crate::memory;
+use crate::prefetch::prefetch;
 
 /// Marks a row without blocking cells to that side. A side of a grid is shorter than this.
 const NONE: u16 = u16::MAX;
@@ -83,6 +84,11 @@ impl Distances {
     pub fn is_clear(&self, col: usize, row: usize, radius: f64) -> bool {
         // A point of a cell is at most half a diagonal from its centre.
         f64::from(self.between_centers[row * self.width + col]) * (1.0 - 1e-6) - std::f64::consts::SQRT_2 > radius
+    }
+
+    /// Loads into the cache what [`is_clear`](Self::is_clear) reads of a cell.
+    pub fn prefetch(&self, col: usize, row: usize) {
+        prefetch(&self.between_centers, size_of::<f32>() * (row * self.width + col));
     }
 
     /// Returns the exact distance from a point on the grid to the nearest blocking cell, or `limit` if that is smaller.

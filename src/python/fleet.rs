@@ -26,7 +26,7 @@ use super::shape::{FootprintArgument, Shape};
 use super::surface_model::SurfaceModel;
 use super::{Recipe, recipe, thread_count, whole_number};
 use crate::memory;
-use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout, Thing, Trajectory};
+use crate::{ContactMode, FleetObstacle, FleetOptions, Report, Reset, Rollout, Thing, Trajectory};
 
 /// Many robots that are stepped together, each alone in a world of its own, or several in one.
 ///
@@ -554,13 +554,14 @@ impl Fleet {
             core.step(commands, duration, threads, ranges)?;
             let (poses, velocities, points) =
                 (poses.as_chunks_mut().0, velocities.as_chunks_mut().0, points.as_chunks_mut().0);
-            poses.iter_mut().zip(core.poses()).for_each(|(row, pose)| *row = pose.to_array());
-            velocities.iter_mut().zip(core.velocities()).for_each(|(row, velocity)| *row = velocity.to_array());
-            odometry.as_chunks_mut().0.iter_mut().zip(core.odometry()).for_each(|(row, pose)| *row = pose.to_array());
-            if let Some(clearances) = clearances {
-                clearances.iter_mut().zip(core.clearances()).for_each(|(number, clearance)| *number = clearance);
-            }
-            for (robot, touch) in core.touches().enumerate() {
+            let (odometry, mut clearances) = (odometry.as_chunks_mut().0, clearances);
+            for (robot, Report { pose, velocity, odometry: reported, touch, clearance }) in core.reports().enumerate() {
+                poses[robot] = pose.to_array();
+                velocities[robot] = velocity.to_array();
+                odometry[robot] = reported.to_array();
+                if let Some(clearances) = &mut clearances {
+                    clearances[robot] = clearance;
+                }
                 contacts[robot] = touch.is_some();
                 points[robot] = touch.map_or([f64::NAN; 2], |touch| touch.point.to_array());
                 (obstacles[robot], robots[robot]) = match touch.map(|touch| touch.what) {

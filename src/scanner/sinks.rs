@@ -3,7 +3,7 @@
 use super::onward::Onward;
 use crate::beam_model::Sampler;
 use crate::motion::PoseColumns;
-use crate::numeric::Group;
+use crate::numeric::{GROUP, Group};
 use crate::obstacles::{Passing, View};
 use crate::random::BeamBits;
 use crate::raycast::{Sink, store};
@@ -139,6 +139,15 @@ impl Sink for Noisy<'_> {
 
     #[inline(always)]
     fn take(&mut self, group: usize, ranges: &Group) {
+        // Nobody sees what is behind the last beam. A beam without a return takes the least time to draw.
+        let padded;
+        let count = self.readings.len() - group * GROUP;
+        let ranges = if count < GROUP {
+            padded = std::array::from_fn(|lane| if lane < count { ranges[lane] } else { f64::INFINITY });
+            &padded
+        } else {
+            ranges
+        };
         store(self.readings, group, &self.sampler.sample(group, ranges));
     }
 }

@@ -24,9 +24,9 @@
 use std::array::from_fn;
 
 use super::lanes::{Lanes, Work};
-use super::prefetch::{LINE, prefetch};
 use crate::free_boxes::{FreeBoxes, Sector};
 use crate::numeric::{GROUP, Group};
+use crate::prefetch::{LINE, prefetch};
 use crate::raycast::Ray;
 use crate::raycast::block::{Axis32, BLOCK, Block};
 use crate::raycast::sink::Sink;

@@ -10,7 +10,6 @@ mod avx512;
 mod lanes;
 mod march;
 mod portable;
-mod prefetch;
 #[cfg(target_arch = "x86_64")]
 mod processor;
 mod scalar;
