@@ -50,7 +50,7 @@ def default_of(model: type[Parameters], name: str) -> str:
 
 def command_line_page() -> str:
     """Returns a page with the help texts of the command and of its subcommands, as Typer prints them."""
-    command = [sys.executable, "-m", "typer", "mobile_robot_simulator.cli.main", "utils", "docs"]
+    command = [sys.executable, "-m", "typer", "mobile_robot_simulator.cli.app", "utils", "docs"]
     options = ["--name", "mobile-robot-simulator", "--title", "Command line"]
     text = subprocess.run([*command, *options], capture_output=True, text=True, check=True, timeout=60).stdout.strip()
     # Typer cuts long help texts in its list of commands. The whole text stands below the command's own heading.

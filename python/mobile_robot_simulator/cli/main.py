@@ -3,54 +3,61 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable, Mapping
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
 from .. import __version__
-from .audit import audit
-from .compare import compare
 from .console import console, error_console, text_of, warnings_as_notes
-from .convert import convert
-from .dataset import dataset
-from .falsify import falsify
-from .floor_plan import generate_floor_plan
 from .help_page import Command, Group
-from .info import info
-from .live import live
-from .parameters import parameters
-from .recover import recover
-from .ros import PASSED_ON, ros1, ros2
-from .run import run
-from .scan import scan
 
-app = typer.Typer(
-    cls=Group,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
-)
-app.command(cls=Command)(run)
-app.command(cls=Command)(live)
-app.command(cls=Command)(recover)
-app.command(cls=Command)(audit)
-app.command(cls=Command)(compare)
-app.command(cls=Command)(falsify)
-app.command(cls=Command)(scan)
-app.command(cls=Command)(info)
-app.command(cls=Command)(parameters)
-app.command(cls=Command)(convert)
-app.command(cls=Command)(dataset)
-app.command("floor-plan", cls=Command)(generate_floor_plan)
-app.command(cls=Command, context_settings=PASSED_ON)(ros1)
-app.command(cls=Command, context_settings=PASSED_ON)(ros2)
+COMMANDS: Mapping[str, tuple[str, str]] = {
+    "run": ("run", "run"),
+    "live": ("live", "live"),
+    "recover": ("recover", "recover"),
+    "audit": ("audit", "audit"),
+    "compare": ("compare", "compare"),
+    "falsify": ("falsify", "falsify"),
+    "scan": ("scan", "scan"),
+    "info": ("info", "info"),
+    "parameters": ("parameters", "parameters"),
+    "convert": ("convert", "convert"),
+    "dataset": ("dataset", "dataset"),
+    "floor-plan": ("floor_plan", "generate_floor_plan"),
+    "ros1": ("ros", "ros1"),
+    "ros2": ("ros", "ros2"),
+}
+"""Module and function of each subcommand."""
+
+PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
+"""Typer settings for commands that pass their extra arguments on to ROS."""
+
+
+def app_of(names: Iterable[str]) -> typer.Typer:
+    """Returns the app with some of the subcommands, whose modules are imported now."""
+    app = typer.Typer(
+        cls=Group,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        help="Simulate mobile robots and laser scanners on occupancy grids: exact, fast and deterministic.",
+    )
+    app.callback()(_common_options)
+    for name in names:
+        module, function = COMMANDS[name]
+        command = getattr(import_module(f".{module}", __package__), function)
+        app.command(name, cls=Command, context_settings=PASSED_ON if module == "ros" else None)(command)
+    return app
 
 
 def main() -> None:
     """Runs the command. Invalid input prints a message and exits with status 1."""
     try:
         with warnings_as_notes():
-            app()
+            first = sys.argv[1] if len(sys.argv) > 1 else ""
+            # The modules of all commands take longer to import than many a command takes.
+            app_of([first] if first in COMMANDS else COMMANDS)()
     except (ValueError, TypeError, OSError, ImportError) as error:
         error_console.print(f"error: {text_of(error)}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
@@ -62,7 +69,6 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _common_options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")

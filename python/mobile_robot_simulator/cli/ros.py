@@ -12,9 +12,6 @@ import typer
 
 from .options import FaultTexts, read_faults
 
-PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
-"""Typer settings for commands that pass their extra arguments on to ROS."""
-
 
 class RosNode(str, Enum):
     """Nodes that run on ROS."""

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import mobile_robot_simulator as mrs
 from foxglove_client import connected
 from mobile_robot_simulator.cli import live as live_command
-from mobile_robot_simulator.cli.main import app
+from mobile_robot_simulator.cli.app import app
 from mobile_robot_simulator.recording.serialization import ros2_types
 
 

@@ -1,0 +1,36 @@
+"""The app: all subcommands, of which a command imports only its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from mobile_robot_simulator.cli.app import app
+from mobile_robot_simulator.cli.main import COMMANDS
+
+
+def test_the_help_page_lists_all_commands() -> None:
+    shown = CliRunner().invoke(app, ["--help"]).output
+    assert all(f" {name} " in shown for name in COMMANDS)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_has_a_help_page(name: str) -> None:
+    ran = CliRunner().invoke(app, [name, "--help"])
+    assert ran.exit_code == 0 and f" {name} " in ran.output.split("\n")[1]
+
+
+@pytest.mark.parametrize(("name", "imported"), [("floor-plan", False), ("run", True)])
+def test_a_command_imports_no_other_one(name: str, imported: bool) -> None:
+    code = (
+        f"import sys; sys.argv[1:] = [{name!r}, '--help']\n"
+        "from mobile_robot_simulator.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print('mobile_robot_simulator.simulation' in sys.modules, 'mobile_robot_simulator.cli.live' in sys.modules)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert ran.stdout.splitlines()[-1] == f"{imported} False"
