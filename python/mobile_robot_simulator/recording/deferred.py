@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,10 @@ class DeferredRecorder:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._messages: list[Any] = []
-        """Topic, message and time [ns] of each message, one after another. Tuples would cost garbage collections."""
+        """Topic, time [ns], message and None of each message, one after another. For a call that builds a message: topic,
+        time, function, number of arguments, and the arguments. Objects that hold them would cost garbage collections."""
+        self._room = MOST_IN_MEMORY
+        """Number of messages that can be kept before `_move_to_disk` must be called. 0 after that, and once it is closed."""
         self._recorder: Recorder | None = None
         self._error: Exception | None = None
         self._open, self._saved = True, False
@@ -40,15 +44,28 @@ class DeferredRecorder:
 
         The message must not change afterwards. A call is only made when the messages are moved to disk.
         """
+        messages = self._messages
+        if type(message) is partial and not message.keywords:
+            arguments = message.args
+            messages += (topic, time_ns, message.func, len(arguments))
+            messages += arguments
+        else:
+            messages += (topic, time_ns, message, None)
+        self._room -= 1
+        if self._room <= 0:
+            self._make_room()
+
+    def _make_room(self) -> None:
+        """Moves the messages to disk, unless the recorder is closed, or could not move those before."""
+        self._room = 0
         if not self._open or self._error is not None:
+            self._messages.clear()
             return
-        self._messages += (topic, message, time_ns)
-        if self._recorder is not None or len(self._messages) >= 3 * MOST_IN_MEMORY:
-            try:
-                self._move_to_disk()
-            except Exception as error:
-                self._error = error
-                self._messages.clear()
+        try:
+            self._move_to_disk()
+        except Exception as error:
+            self._error = error
+            self._messages.clear()
 
     def save(self) -> Path:
         """Finishes the recording and returns its path. Saving again returns the same path.
@@ -68,7 +85,7 @@ class DeferredRecorder:
 
     def discard(self) -> None:
         """Deletes the messages in memory and on disk. A saved recording is kept, and what a full disk has broken off."""
-        self._open = False
+        self._open, self._room = False, 0
         self._messages.clear()
         if self._recorder is not None and not self._saved:
             self._recorder.discard()
@@ -80,12 +97,13 @@ class DeferredRecorder:
 
             self._recorder = Recorder(self._folder, overwrite=True)
         kept = iter(self._messages)
-        for topic, message, time_ns in zip(kept, kept, kept, strict=True):
-            self._recorder.write(topic, message, time_ns)
+        for topic, time_ns, message, count in zip(kept, kept, kept, kept, strict=True):
+            whole = message if count is None else partial(message, *islice(kept, count))
+            self._recorder.write(topic, whole, time_ns)
         self._messages.clear()
 
     def _close(self) -> None:
-        self._open = False
+        self._open, self._room = False, 0
         self._messages.clear()
         if self._recorder is not None:
             self._recorder.close()

@@ -91,3 +91,16 @@ def test_without_rosbags_messages_are_dropped_and_saving_fails(tmp_path, monkeyp
     assert not recorder._messages
     with pytest.raises(ImportError):
         recorder.save()
+
+
+def test_a_call_is_made_with_all_its_arguments(tmp_path):
+    def text(*words: str, end: str = ".") -> mrs.messages.String:
+        return mrs.messages.String(" ".join(words) + end)
+
+    calls = [partial(text), partial(text, "one"), partial(text, "one", "two", "three"), partial(text, "one", end="!")]
+    recorders = [DeferredRecorder(tmp_path / name) for name in ("calls", "built")]
+    for time_ns, call in enumerate(calls):
+        recorders[0].write("/text", call, time_ns)
+        recorders[1].write("/text", call(), time_ns)
+    called, built = (recorder.save() / "recording.mcap" for recorder in recorders)
+    assert called.read_bytes() == built.read_bytes()
