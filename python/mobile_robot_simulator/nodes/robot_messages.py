@@ -20,9 +20,10 @@ from ..physics.velocity_profile import Velocity
 from ..physics.wheel_course import WheelCourse
 
 
-def clock_message(stamp_ns: int) -> Clock:
+@recipe(Clock)
+def clock_message(stamp_ns: int) -> tuple[Any, ...]:
     """Returns the message for /clock, for a time [ns]."""
-    return Clock(Time.from_nanoseconds(stamp_ns))
+    return divmod(stamp_ns, NANOSECONDS)
 
 
 @recipe(Odometry)

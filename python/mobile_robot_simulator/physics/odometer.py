@@ -30,8 +30,11 @@ def _spatial_covariance(plane: NDArray[np.float64]) -> NDArray[np.float64]:
     return flat
 
 
-PLANAR_COVARIANCE = _spatial_covariance(np.zeros((3, 3)))
-"""Covariance (36,) of exact odometry in the plane: x, y and yaw are exact; height, roll and pitch are not measured."""
+PLANAR_COVARIANCE = np.frombuffer(_spatial_covariance(np.zeros((3, 3))).tobytes())
+"""Covariance (36,) of exact odometry in the plane: x, y and yaw are exact; height, roll and pitch are not measured.
+
+As an array of a `bytes`, it can never change, so recordings convert it only once.
+"""
 
 
 @dataclass(slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -35,6 +35,12 @@ CODES = {
 LAYOUTS = 256
 """Number of layouts that are kept for each type. Messages whose texts and arrays have the same lengths share one."""
 
+TEXTS = 10_000
+"""Number of texts that are kept with their bytes. Names of frames recur in each message."""
+
+ARRAYS = 100
+"""Number of arrays that are kept with their bytes for each field, if they can never change."""
+
 _Taken: TypeAlias = tuple[list[str], list[str], list[str]]
 """Source text that takes a field from a message, or from a variable if it is `flat`: statements, values for `struct`, and
 lengths of those that vary."""
@@ -56,12 +62,14 @@ class _Number:
 @dataclass(frozen=True)
 class _Text:
     def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
-        statements = [f"{name} = {source}.encode()", f"{name}_length = len({name})"]
-        return statements, [f"{name}_length + 1", name], [f"{name}_length"]
+        names["known_texts"], names["encoded"] = _known_texts, _encoded
+        statements = [f"{name}_size, {name} = known_texts.get({source}) or encoded({source})"]
+        return statements, [f"{name}_size", name], [f"{name}_size"]
 
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
-        count, padding = next(lengths), -offset % 4
-        return f"{padding}xI{count}sx", offset + padding + 4 + count + 1
+        # The size counts the zero at the end, with which `struct` fills up.
+        size, padding = next(lengths), -offset % 4
+        return f"{padding}xI{size}s", offset + padding + 4 + size
 
 
 @dataclass(frozen=True)
@@ -72,17 +80,20 @@ class _Array:
     count: int | None
 
     def take(self, source: str, name: str, names: dict[str, Any], flat: bool) -> _Taken:
-        dtype, shape = f"{name}_dtype", f"{name}_shape"
-        names[dtype], names[shape], names["refuse"] = self.dtype, (self.count,), _refuse_array
-        fits = f"len({name}.shape) == 1" if self.count is None else f"{name}.shape == {shape}"
-        statements = [
-            f"{name} = {source}",
-            f"if not ({name}.dtype == {dtype} and {fits}): refuse()",
-            f"{name}_data = {name}.tobytes()",
-        ]
-        if self.count is not None:
-            return statements, [f"{name}_data"], []
-        return [*statements, f"{name}_length = len({name})"], [f"{name}_length", f"{name}_data"], [f"{name}_length"]
+        known: dict[int, tuple[int, bytes, Any]] = {}
+        names[f"{name}_known"], names[f"{name}_converted"] = known, partial(self._converted, known)
+        convert = f"{name}_known.get(id({source})) or {name}_converted({source})"
+        values = [f"{name}_data"] if self.count is not None else [f"{name}_length", f"{name}_data"]
+        return [f"{name}_length, {name}_data, _ = {convert}"], values, [] if self.count is not None else [f"{name}_length"]
+
+    def _converted(self, known: dict[int, tuple[int, bytes, Any]], array: Any) -> tuple[int, bytes, Any]:
+        """Returns the length of an array, its bytes, and the array, and keeps them in `known` if it can never change."""
+        if array.dtype != self.dtype or len(array.shape) != 1 or self.count not in (None, len(array)):
+            raise ValueError("the array does not fit")
+        result = len(array), array.tobytes(), array
+        if type(array.base) is bytes and len(known) < ARRAYS:
+            known[id(array)] = result
+        return result
 
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
         before, size, count = "", self.dtype.itemsize, self.count
@@ -205,8 +216,16 @@ class Packer:
         return taken
 
 
-def _refuse_array() -> None:
-    raise ValueError("the array does not fit")
+_known_texts: dict[str, tuple[int, bytes]] = {}
+"""The bytes of texts, and their number with the zero at the end."""
+
+
+def _encoded(text: str) -> tuple[int, bytes]:
+    """Returns the number of bytes of a text with the zero at the end, and the bytes, and keeps them."""
+    data = text.encode()
+    if len(_known_texts) < TEXTS:
+        _known_texts[text] = len(data) + 1, data
+    return len(data) + 1, data
 
 
 def _field(types: Typestore, node: Nodetype, content: Any) -> Any:

@@ -127,9 +127,15 @@ class Recorder:
         time_ns = time_ns if type(time_ns) is int else index(time_ns)
         if not 0 <= time_ns < self._end_of_time:
             raise ValueError(f"time_ns must be at least 0 and below {self._end_of_time}, got {quoted(time_ns)}")
-        if isinstance(message, partial) and type(message.func) is not MessageRecipe:
-            message = message()
-        kind = message.func.kind if isinstance(message, partial) else type(message)  # type: ignore[attr-defined]
+        if isinstance(message, partial):
+            recipe: Any = message.func
+            if type(recipe) is MessageRecipe:
+                kind = recipe.kind
+            else:
+                message = message()
+                kind = type(message)
+        else:
+            kind = type(message)
         if self._classes.get(topic) is not kind:
             self._check_type(topic, kind)
         self._pending += (topic, time_ns, self._encode(message))

@@ -56,14 +56,12 @@ def to_ros2_bytes(message: Message | partial[Message]) -> bytes:
         ValueError: The ROS message cannot hold a value, or the type of the message is unknown.
     """
     if isinstance(message, partial):
-        try:
-            recipe: Any = message.func
-            if type(recipe) is MessageRecipe and not message.keywords:
-                packer = _packer(recipe.kind)  # type: ignore[arg-type]
-                if packer is not None:
-                    return packer.pack_values(recipe.values(*message.args))
-        except Exception:  # the same again, with the message
-            pass
+        recipe: Any = message.func
+        if type(recipe) is MessageRecipe and not message.keywords:
+            try:
+                return _packer(recipe.kind).pack_values(recipe.values(*message.args))  # type: ignore[arg-type, union-attr]
+            except Exception:  # the same again, with the message
+                pass
         message = message()
     try:
         packer = _packer(type(message))  # type: ignore[arg-type]

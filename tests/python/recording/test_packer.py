@@ -13,6 +13,7 @@ import pytest
 from rosbags.interfaces import Nodetype
 
 from mobile_robot_simulator import messages as ros
+from mobile_robot_simulator.recording import packer as packing
 from mobile_robot_simulator.recording.packer import CODES, Packer
 from mobile_robot_simulator.recording.serialization import ros2_types
 from recordings import KINDS, filled, values_of
@@ -96,3 +97,29 @@ def test_values_that_do_not_fit_are_not_packed(name: str, change: dict[str, Any]
     vars(message).update(change)
     with pytest.raises(Exception, match=re.compile(".")):
         packed.pack(message)
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+def test_an_array_is_kept_with_its_bytes_only_if_it_can_never_change(frozen: bool) -> None:
+    packed, numbers = Packer(TYPES, "geometry_msgs/msg/PoseWithCovariance"), np.arange(36.0)
+    for _ in range(3):
+        numbers += 1.0
+        covariance = np.frombuffer(numbers.tobytes()) if frozen else numbers.view()
+        covariance.flags.writeable = False
+        message = ros.PoseWithCovariance(covariance=covariance)
+        expected = bytes(TYPES.serialize_cdr(message, message.ros_type, little_endian=True))
+        assert packed.pack(message) == packed.pack(message) == expected
+        if not frozen:
+            numbers += 1.0
+            expected = bytes(TYPES.serialize_cdr(message, message.ros_type, little_endian=True))
+            assert packed.pack(message) == expected
+
+
+def test_more_texts_and_arrays_than_are_kept_are_packed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(packing, "TEXTS", 0)
+    monkeypatch.setattr(packing, "ARRAYS", 2)
+    odometry = Packer(TYPES, "nav_msgs/msg/Odometry")
+    for number in range(5):
+        message = ros.Odometry(child_frame_id=f"frame of number {number}")
+        message.pose.covariance = np.frombuffer(np.full(36, float(number)).tobytes())
+        assert odometry.pack(message) == bytes(TYPES.serialize_cdr(message, message.ros_type, little_endian=True))
