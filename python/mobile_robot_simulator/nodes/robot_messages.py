@@ -45,8 +45,12 @@ def exact_transforms_message(
         course: What the wheels do at that time.
     """
     sec, nanosec = divmod(stamp_ns, NANOSECONDS)
-    links = [] if map_frame is None else [_transform(sec, nanosec, map_frame[0], frames[0], map_frame[1])]
-    return ([*links, _transform(sec, nanosec, *frames, course.pose)],)
+    frame, child = frames
+    transform = _transform(sec, nanosec, frame, child, course.pose)
+    if map_frame is None:
+        return ([transform],)
+    name, pose = map_frame
+    return ([_transform(sec, nanosec, name, frame, pose), transform],)
 
 
 @recipe(Odometry)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -151,7 +151,8 @@ class Packer:
 
     def __init__(self, types: Typestore, ros_type: str) -> None:
         self._fields: list[Any] = []
-        names: dict[str, Any] = {"header": HEADER, "pack_of": lru_cache(LAYOUTS)(self._new_pack)}
+        self._packs: dict[tuple[int, ...], Callable[..., bytes]] = {}
+        names: dict[str, Any] = {"header": HEADER, "packs": self._packs, "new_pack": self._new_pack}
         self.collect, self.pack = self._functions(types, ros_type, names, flat=False)
         self.collect_values, self.pack_values = self._functions(types, ros_type, dict(names), flat=True)
 
@@ -166,7 +167,7 @@ class Packer:
         all_values, all_lengths = ("".join(f"{each}, " for each in items) for items in (values, lengths))
         for function, result in (
             ("collect", f"return ({all_values}), ({all_lengths})"),
-            ("pack", f"return pack_of(({all_lengths}))(header, {all_values})"),
+            ("pack", f"lengths = ({all_lengths})\n return (packs.get(lengths) or new_pack(lengths))(header, {all_values})"),
         ):
             exec("\n ".join([f"def {function}(message):", *statements, result]), names)
         return names["collect"], names["pack"]
@@ -185,7 +186,10 @@ class Packer:
         return "".join(codes), offset
 
     def _new_pack(self, lengths: tuple[int, ...]) -> Callable[..., bytes]:
-        return struct.Struct(f"<4s{self.layout(iter(lengths), 0)[0]}").pack
+        if len(self._packs) >= LAYOUTS:
+            self._packs.clear()
+        pack = self._packs[lengths] = struct.Struct(f"<4s{self.layout(iter(lengths), 0)[0]}").pack
+        return pack
 
     def _take(
         self, types: Typestore, ros_type: str, message: str, names: dict[str, Any], variables: list[str] | None

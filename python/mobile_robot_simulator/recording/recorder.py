@@ -219,12 +219,15 @@ class Recorder:
 
     def _taken(self) -> Iterator[Written]:
         """Takes the messages that are pending. Each topic gets a connection before its first message."""
-        pending, connections = iter(self._pending), self._connections
-        self._pending = []
-        for topic, time_ns, data in zip(pending, pending, pending, strict=True):
-            if topic not in connections:
-                connections[topic] = self._bag.connect(topic, self._types[topic])
-            yield connections[topic], time_ns, data
+        pending, self._pending = self._pending, []
+        topics, times, data = pending[::3], pending[1::3], pending[2::3]
+        return zip(map(self._connection, topics), times, data, strict=True)
+
+    def _connection(self, topic: str) -> Connection:
+        connection = self._connections.get(topic)
+        if connection is None:
+            connection = self._connections[topic] = self._bag.connect(topic, self._types[topic])
+        return connection
 
     def _end(self) -> None:
         """Completes the recording where it is."""
