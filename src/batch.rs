@@ -1,11 +1,12 @@
 //! Batches: sharing the work between threads, and checking that all rows are finite.
 
 use std::num::NonZero;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
+use crate::crew;
 use crate::error::Error;
 use crate::fork::Lock;
 use crate::interrupt::{Watch, is_pool_thread};
@@ -101,13 +102,42 @@ fn for_each_chunk_in<T: Send>(
     length: usize,
     work: impl Fn(usize, &mut [T]) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
+    let count = elements.len().div_ceil(length);
     let work = |(index, chunk): (usize, &mut [T])| watch.check().and_then(|()| work(index, chunk));
-    match pool {
-        None => elements.chunks_mut(length).enumerate().try_for_each(work)?,
-        Some(pool) => watch.run(&pool, || elements.par_chunks_mut(length).enumerate().try_for_each(work))?,
+    let Some(pool) = pool.filter(|_| count > 1) else {
+        elements.chunks_mut(length).enumerate().try_for_each(work)?;
+        return watch.end();
+    };
+    let chunks = Mutex::new(elements.chunks_mut(length).enumerate());
+    let failure: Mutex<Option<(usize, Error)>> = Mutex::new(None);
+    let next = || locked(&chunks).next();
+    crew::work(&pool, helpers(&pool, count), watch, &|| {
+        while let Some((index, chunk)) = next() {
+            let Err(error) = work((index, chunk)) else { continue };
+            *locked(&chunks) = <&mut [T]>::default().chunks_mut(length).enumerate();
+            let mut failure = locked(&failure);
+            // The chunks before this one have all been begun, so the first error is the same for any number of threads.
+            if failure.as_ref().is_none_or(|&(first, _)| index < first) {
+                *failure = Some((index, error));
+            }
+        }
+    });
+    if let Some((_, error)) = locked(&failure).take() {
+        return Err(error);
     }
     // If the call was interrupted while the last chunks were worked on, the exception of the hook must not get lost.
     watch.end()
+}
+
+/// Returns how many threads of a pool help the calling thread with some chunks.
+fn helpers(pool: &ThreadPool, chunks: usize) -> usize {
+    // A pool thread gets no help: those who could help may wait for what it does.
+    if is_pool_thread() { 0 } else { pool.current_num_threads().min(chunks - 1) }
+}
+
+/// Locks a mutex that only one call uses, in which nothing panics.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Returns true if `holds` is true for every chunk of `length` elements; runs on `threads` threads (default: all cores).
@@ -121,13 +151,22 @@ pub fn all_chunks<T: Sync>(
     holds: impl Fn(&[T]) -> bool + Sync + Send,
 ) -> Result<bool, Error> {
     let watch = Watch::new();
-    let holds = |chunk: &[T]| watch.is_interrupted() || holds(chunk);
-    let all = match pool_for(threads, elements.len())? {
-        None => elements.chunks(length).all(holds),
-        Some(pool) => watch.run(&pool, || elements.par_chunks(length).all(holds)),
+    let (next, all) = (AtomicUsize::new(0), AtomicBool::new(true));
+    let check = || {
+        while all.load(Ordering::Relaxed) && !watch.is_interrupted() {
+            let start = next.fetch_add(length, Ordering::Relaxed);
+            let Some(rest) = elements.get(start..).filter(|rest| !rest.is_empty()) else { break };
+            if !holds(&rest[..length.min(rest.len())]) {
+                all.store(false, Ordering::Relaxed);
+            }
+        }
     };
+    match pool_for(threads, elements.len())?.filter(|_| elements.len() > length) {
+        None => check(),
+        Some(pool) => crew::work(&pool, helpers(&pool, elements.len().div_ceil(length)), &watch, &check),
+    }
     watch.end()?;
-    Ok(all)
+    Ok(all.into_inner())
 }
 
 /// Checks that every row is finite, on `threads` threads (default: all cores).
@@ -164,11 +203,11 @@ pub fn thread_count(threads: Option<usize>, elements: usize) -> Result<usize, Er
     }
 }
 
-/// Returns the pool that works on a batch of this many elements; `None` if the calling thread does the work.
+/// Returns the pool that helps the calling thread with a batch of this many elements; `None` if it needs no help.
 fn pool_for(threads: Option<usize>, elements: usize) -> Result<Option<Arc<ThreadPool>>, Error> {
     match thread_count(threads, elements)? {
         1 => Ok(None),
-        threads => pool(threads).map(Some),
+        threads => pool(threads - 1).map(Some),
     }
 }
 

@@ -3,10 +3,8 @@
 use std::cell::Cell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
-use std::thread::{self, Thread};
+use std::thread;
 use std::time::{Duration, Instant};
-
-use rayon::ThreadPool;
 
 use crate::error::Error;
 
@@ -142,40 +140,15 @@ impl Watch {
         is_interrupted
     }
 
-    /// Runs work on a pool. The calling thread asks the hook meanwhile; the work has to look at
-    /// [`is_interrupted`](Self::is_interrupted).
-    pub fn run<R: Send>(&self, pool: &ThreadPool, work: impl FnOnce() -> R + Send) -> R {
-        let Some(hook) = self.hook.filter(|_| !is_pool_thread()) else { return pool.install(work) };
-        let (mut result, has_ended, caller) = (None, AtomicBool::new(false), thread::current());
-        pool.in_place_scope(|scope| {
-            scope.spawn(|_| {
-                let _end = End { has_ended: &has_ended, caller };
-                result = Some(work());
-            });
-            loop {
-                thread::park_timeout(INTERVAL);
-                if has_ended.load(Ordering::Acquire) {
-                    break;
-                }
-                if !self.is_interrupted.load(Ordering::Relaxed) && ask(hook) {
-                    self.is_interrupted.store(true, Ordering::Relaxed);
-                }
+    /// Waits until `has_ended` returns true, and asks the hook meanwhile. Who makes it true has to unpark the calling thread.
+    pub fn wait(&self, has_ended: impl Fn() -> bool) {
+        while !has_ended() {
+            thread::park_timeout(INTERVAL);
+            let hook = self.hook.filter(|_| !is_pool_thread() && !self.is_interrupted.load(Ordering::Relaxed));
+            if hook.is_some_and(ask) {
+                self.is_interrupted.store(true, Ordering::Relaxed);
             }
-        });
-        result.expect("a result, because a panic of the work is passed on")
-    }
-}
-
-/// Wakes the calling thread when work ends, also by a panic.
-struct End<'a> {
-    has_ended: &'a AtomicBool,
-    caller: Thread,
-}
-
-impl Drop for End<'_> {
-    fn drop(&mut self) {
-        self.has_ended.store(true, Ordering::Release);
-        self.caller.unpark();
+        }
     }
 }
 
@@ -195,13 +168,18 @@ mod tests {
         let watch = Watch { hook: Some(|| HAS_BEGUN.load(Ordering::Relaxed)), ..Watch::never() };
         let mut done = [0_u8; 10_000];
         let work = |_: usize, chunk: &mut [u8]| {
-            HAS_BEGUN.store(true, Ordering::Relaxed);
-            // Long enough for the calling thread to ask the hook.
-            thread::sleep(4 * INTERVAL);
+            if is_pool_thread() {
+                HAS_BEGUN.store(true, Ordering::Relaxed);
+                // Long enough for the calling thread to ask the hook.
+                thread::sleep(4 * INTERVAL);
+            }
+            while !HAS_BEGUN.load(Ordering::Relaxed) {
+                thread::yield_now();
+            }
             chunk.fill(1);
             Ok(())
         };
-        let ended = for_each_chunk_watched(&watch, Some(2), &mut done, 10_000, work);
+        let ended = for_each_chunk_watched(&watch, Some(2), &mut done, 5_000, work);
         assert_eq!(ended, Err(Error::Interrupted));
         assert!(done == [1; 10_000]);
     }
@@ -218,19 +196,10 @@ mod tests {
     }
 
     #[test]
-    fn the_threads_of_a_pool_end() {
-        let (watch, pool) = (interrupted(), rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool"));
-        watch.run(&pool, || while !watch.is_interrupted() {});
+    fn who_waits_asks_the_hook() {
+        let watch = interrupted();
+        watch.wait(|| watch.is_interrupted.load(Ordering::Relaxed));
         assert_eq!(watch.end(), Err(Error::Interrupted));
-    }
-
-    #[test]
-    fn without_an_interruption_the_work_of_a_pool_ends_with_its_result_or_its_panic() {
-        let watch = Watch { hook: Some(|| false), ..Watch::never() };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
-        assert_eq!((watch.run(&pool, || 7), watch.end()), (7, Ok(())));
-        let panics = || watch.run(&pool, || -> u8 { panic!("a bug") });
-        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(panics)).is_err());
     }
 
     #[test]

@@ -55,6 +55,7 @@ mod beam_fit;
 mod beam_model;
 mod beams;
 mod contact;
+mod crew;
 mod distance_field;
 mod error;
 mod fleet;
