@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import fields
-from functools import cache
+from functools import cache, partial
 from itertools import count
 from typing import Any, Generic, TypeVar, get_args, get_origin, get_type_hints
 
 from .messages import Message
 
 M = TypeVar("M", bound=Message)
+
+Split = Callable[..., tuple[Hashable, tuple[float, ...]]]
+"""What many messages have in common, and the numbers in which they differ: seconds, nanoseconds and floats."""
 
 
 class MessageRecipe(Generic[M]):
@@ -20,14 +23,20 @@ class MessageRecipe(Generic[M]):
         kind: Class of the messages.
         values: Function that returns the values of the fields in the order of the definition. In place of an inner message
             come its values; in place of a list of messages comes a list of tuples of values.
+        split: None, or a function that takes the arguments of a call in place of `values`. It returns what many messages
+            have in common, which must be hashable, and the numbers in which they differ: seconds, nanoseconds and floats.
+            `values` then takes the two, each number as an argument of its own, and puts them into their places unchanged.
 
     Attributes:
         kind: Class of the messages.
-        values: The function.
+        values: Returns the values of the fields for the arguments of a call.
+        split: As given.
+        join: The function `values`, as given.
     """
 
-    def __init__(self, kind: type[M], values: Callable[..., tuple[Any, ...]]) -> None:
-        self.kind, self.values = kind, values
+    def __init__(self, kind: type[M], values: Callable[..., tuple[Any, ...]], split: Split | None = None) -> None:
+        self.kind, self.split, self.join = kind, split, values
+        self.values = values if split is None else partial(_values, split, values)
         self.__doc__ = values.__doc__
         self._build: Callable[[tuple[Any, ...]], M] = _builder(kind)  # type: ignore[arg-type]
 
@@ -36,9 +45,14 @@ class MessageRecipe(Generic[M]):
         return self._build(self.values(*arguments))
 
 
-def recipe(kind: type[M]) -> Callable[[Callable[..., tuple[Any, ...]]], MessageRecipe[M]]:
+def recipe(kind: type[M], split: Split | None = None) -> Callable[[Callable[..., tuple[Any, ...]]], MessageRecipe[M]]:
     """Makes a `MessageRecipe` of the function below it."""
-    return lambda values: MessageRecipe(kind, values)
+    return lambda values: MessageRecipe(kind, values, split)
+
+
+def _values(split: Split, join: Callable[..., tuple[Any, ...]], *arguments: Any) -> tuple[Any, ...]:
+    common, numbers = split(*arguments)
+    return join(common, *numbers)
 
 
 @cache

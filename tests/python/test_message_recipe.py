@@ -38,3 +38,17 @@ def test_a_message_and_its_inner_messages_are_new_each_time() -> None:
 def test_a_wrong_number_of_values_is_refused() -> None:
     with pytest.raises(ValueError, match="not enough values"):
         MessageRecipe(ros.Point, lambda: (0.0, 0.0))()
+
+
+def test_a_recipe_can_say_what_its_messages_have_in_common() -> None:
+    def split(stamp_ns: int, frame: str, x: float) -> tuple[str, tuple[float, ...]]:
+        return frame, (*divmod(stamp_ns, 10**9), 2.0 * x)
+
+    @recipe(ros.PointStamped, split)
+    def point(frame: str, sec: int, nanosec: int, x: float) -> tuple[Any, ...]:
+        """Returns a point."""
+        return sec, nanosec, frame, x, x, 0.0
+
+    assert point.values(5_000_000_007, "map", 0.5) == (5, 7, "map", 1.0, 1.0, 0.0)
+    assert point(5_000_000_007, "map", 0.5) == ros.PointStamped(ros.Header(ros.Time(5, 7), "map"), ros.Point(1.0, 1.0))
+    assert point.split is split and point.join("a", 1, 2, 3.0) == (1, 2, "a", 3.0, 3.0, 0.0)

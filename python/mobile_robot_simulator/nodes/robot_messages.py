@@ -6,6 +6,7 @@ A function below `@recipe` returns the values of its message; see `MessageRecipe
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,31 +27,41 @@ def clock_message(stamp_ns: int) -> tuple[Any, ...]:
     return divmod(stamp_ns, NANOSECONDS)
 
 
-@recipe(Odometry)
-def exact_odometry_message(stamp_ns: int, frames: tuple[str, str], course: WheelCourse) -> tuple[Any, ...]:
-    """Returns the message for odometry without errors: `odometry_message` for a stamp [ns] and what the wheels do then."""
-    return _odometry(*divmod(stamp_ns, NANOSECONDS), frames, course.pose, course.velocity)
+def _split_odometry(
+    stamp_ns: int, frames: tuple[str, str], course: WheelCourse
+) -> tuple[tuple[str, str], tuple[float, ...]]:
+    return frames, (*divmod(stamp_ns, NANOSECONDS), *course.place, *course.velocity)
 
 
-@recipe(TFMessage)
-def exact_transforms_message(
-    stamp_ns: int, map_frame: tuple[str, Pose] | None, frames: tuple[str, str], course: WheelCourse
+@recipe(Odometry, _split_odometry)
+def exact_odometry_message(
+    frames: tuple[str, str], sec: int, nanosec: int, x: float, y: float, z: float, w: float, *velocity: float
 ) -> tuple[Any, ...]:
+    """Returns the message for odometry without errors: `odometry_message` for a stamp [ns] and what the wheels do then.
+
+    Its arguments are the stamp, the frame of the odometry with the robot's frame, and a `WheelCourse`.
+    """
+    return _odometry(sec, nanosec, frames, (x, y, z, w), velocity)
+
+
+def _split_transforms(
+    stamp_ns: int, map_frame: tuple[str, Pose] | None, frames: tuple[str, str], course: WheelCourse
+) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    if map_frame is None:
+        return frames, (*divmod(stamp_ns, NANOSECONDS), *course.place)
+    name, pose = map_frame
+    return (name, *frames), (*divmod(stamp_ns, NANOSECONDS), pose.x, pose.y, *pose.quaternion, *course.place)
+
+
+@recipe(TFMessage, _split_transforms)
+def exact_transforms_message(chain: tuple[str, ...], sec: int, nanosec: int, *places: float) -> tuple[Any, ...]:
     """Returns the transforms that belong to `exact_odometry_message`.
 
-    Args:
-        stamp_ns: Time of the transforms [ns].
-        map_frame: Name of the map frame, and the pose of the odometry frame in it; None if it is not published.
-        frames: Frame of the odometry, and the robot's frame.
-        course: What the wheels do at that time.
+    Its arguments are the stamp [ns], the name of the map frame with the pose of the odometry frame in it, or None if that is
+    not published, the frame of the odometry with the robot's frame, and a `WheelCourse`.
     """
-    sec, nanosec = divmod(stamp_ns, NANOSECONDS)
-    frame, child = frames
-    transform = _transform(sec, nanosec, frame, child, course.pose)
-    if map_frame is None:
-        return ([transform],)
-    name, pose = map_frame
-    return ([_transform(sec, nanosec, name, frame, pose), transform],)
+    links = pairwise(chain)
+    return ([(sec, nanosec, *link, *_place(*places[4 * at : 4 * at + 4])) for at, link in enumerate(links)],)
 
 
 @recipe(Odometry)
@@ -72,7 +83,8 @@ def odometry_message(
         covariance: Covariance of the pose, (36,).
         twist_covariance: Covariance of the velocity, (36,).
     """
-    return _odometry(stamp.sec, stamp.nanosec, frames, pose, velocity, covariance, twist_covariance)
+    place = (pose.x, pose.y, *pose.quaternion)
+    return _odometry(stamp.sec, stamp.nanosec, frames, place, velocity, covariance, twist_covariance)
 
 
 @recipe(TFMessage)
@@ -83,30 +95,28 @@ def transforms_message(stamp: Time, links: Iterable[tuple[str, str, Pose]]) -> t
         stamp: Time of the transforms.
         links: Name of the frame, name of the child frame, and pose of the child in the frame, for each transform.
     """
-    return ([_transform(stamp.sec, stamp.nanosec, *link) for link in links],)
+    head = stamp.sec, stamp.nanosec
+    return ([(*head, frame, child, *_place(pose.x, pose.y, *pose.quaternion)) for frame, child, pose in links],)
 
 
 def _odometry(
     sec: int,
     nanosec: int,
     frames: tuple[str, str],
-    pose: Pose,
-    velocity: Velocity,
+    place: tuple[float, float, float, float],
+    velocity: tuple[float, ...],
     covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
     twist_covariance: NDArray[np.float64] = PLANAR_COVARIANCE,
 ) -> tuple[Any, ...]:
     """Returns the values of an Odometry: header, child frame, position, orientation, linear and angular velocity."""
-    frame, child = frames
-    z, w = pose.quaternion
     vx, vy, wz = velocity
     twist = vx, vy, 0.0, 0.0, 0.0, wz, twist_covariance
-    return sec, nanosec, frame, child, pose.x, pose.y, 0.0, 0.0, 0.0, z, w, covariance, *twist
+    return sec, nanosec, *frames, *_place(*place), covariance, *twist
 
 
-def _transform(sec: int, nanosec: int, frame: str, child: str, pose: Pose) -> tuple[Any, ...]:
-    """Returns the values of a TransformStamped: header, child frame, translation and rotation."""
-    z, w = pose.quaternion
-    return sec, nanosec, frame, child, pose.x, pose.y, 0.0, 0.0, 0.0, z, w
+def _place(x: float, y: float, z: float, w: float) -> tuple[float, ...]:
+    """Returns the values of a position, or a translation, and of a rotation with these components of its quaternion."""
+    return x, y, 0.0, 0.0, 0.0, z, w
 
 
 def joint_states_message(

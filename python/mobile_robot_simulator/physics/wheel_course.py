@@ -16,11 +16,12 @@ class WheelCourse:
 
     """
 
-    __slots__ = ("_pose", "_profile", "_start", "_time_ns")
+    __slots__ = ("_place", "_pose", "_profile", "_start", "_time_ns")
 
     def __init__(self, profile: VelocityProfile, start: Pose, time_ns: int) -> None:
         self._profile, self._start, self._time_ns = profile, start, time_ns
         self._pose: Pose | None = None
+        self._place: tuple[float, float, float, float] | None = None
 
     @property
     def pose(self) -> Pose:
@@ -29,6 +30,14 @@ class WheelCourse:
         if self._pose is None:
             self._pose = self._profile.move(self._start, self._time_ns).wrapped()
         return self._pose
+
+    @property
+    def place(self) -> tuple[float, float, float, float]:
+        """The same pose as numbers: x and y [m], and the components z and w of its quaternion."""
+        if self._place is None:
+            pose = self.pose
+            self._place = (pose.x, pose.y, *pose.quaternion)
+        return self._place
 
     @property
     def velocity(self) -> Velocity:

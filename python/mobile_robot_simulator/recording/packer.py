@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -172,6 +173,43 @@ class Packer:
             exec("\n ".join([f"def {function}(message):", *statements, result]), names)
         return names["collect"], names["pack"]
 
+    def template(self, join: Callable[..., tuple[Any, ...]], common: Any, count: int) -> Callable[..., bytes]:
+        """Returns a function that packs what `join(common, *numbers)` returns. It takes the numbers.
+
+        Everything else is packed once. Where the numbers stand is found with numbers that stand for them.
+
+        Args:
+            join: As in `MessageRecipe`: puts the numbers into their places as they are.
+            common: What the messages have in common.
+            count: Number of numbers: seconds, nanoseconds and floats.
+
+        Raises:
+            ValueError: `join` does more with the numbers than to put them into their places.
+        """
+        codes = ["i", "I", *"d" * (count - 2)]
+        first, second = _marks(0x5A3C_0001, 3.0, codes), _marks(0x6B4D_1001, -7.0, codes)
+        data = self.pack_values(join(common, *first))
+        places = sorted(
+            (found.start(), codes[index], index)
+            for index, mark in enumerate(first)
+            for found in re.finditer(re.escape(struct.pack(f"<{codes[index]}", mark)), data)
+        )
+        names: dict[str, Any] = {}
+        layout, values, end = "<", list[str](), 0
+        for place, code, index in places:
+            if place > end:
+                layout, names[f"bytes{end}"] = f"{layout}{place - end}s", data[end:place]
+                values.append(f"bytes{end}")
+            layout, end = layout + code, place + struct.calcsize(code)
+            values.append(f"number{index}")
+        names["pack"], names["rest"] = struct.Struct(f"{layout}{len(data) - end}s").pack, data[end:]
+        numbers = ", ".join(f"number{index}" for index in range(count))
+        exec(f"def fill({numbers}): return pack({', '.join(values)}, rest)", names)
+        fill: Callable[..., bytes] = names["fill"]
+        if fill(*second) != self.pack_values(join(common, *second)):
+            raise ValueError("the numbers must be put into their places as they are")
+        return fill
+
     def layout(self, lengths: Iterator[int], offset: int) -> tuple[str, int]:
         """Returns the codes of a message at an offset, and the offset after it.
 
@@ -222,6 +260,11 @@ class Packer:
 
 _known_texts: dict[str, tuple[int, bytes]] = {}
 """The bytes of texts, and their number with the zero at the end."""
+
+
+def _marks(start: int, divisor: float, codes: list[str]) -> list[float]:
+    """Returns numbers whose bytes occur nowhere else in a message."""
+    return [start + index if code in "iI" else (start + index) / divisor for index, code in enumerate(codes)]
 
 
 def _encoded(text: str) -> tuple[int, bytes]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import fields
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from operator import attrgetter
 from typing import Any
 
@@ -17,6 +17,9 @@ from rosbags.typesys.store import Typestore
 from ..message_recipe import MessageRecipe
 from ..messages import Message
 from .packer import Packer
+
+TEMPLATES = 5_000
+"""Number of templates that are kept. A robot has two, for its odometry and its transforms."""
 
 ACKERMANN = {
     "ackermann_msgs/msg/AckermannDrive": "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\n"
@@ -59,6 +62,9 @@ def to_ros2_bytes(message: Message | partial[Message]) -> bytes:
         recipe: Any = message.func
         if type(recipe) is MessageRecipe and not message.keywords:
             try:
+                if recipe.split is not None:
+                    common, numbers = recipe.split(*message.args)
+                    return _template(recipe, common, len(numbers))(*numbers)
                 return _packer(recipe.kind).pack_values(recipe.values(*message.args))  # type: ignore[arg-type, union-attr]
             except Exception:  # the same again, with the message
                 pass
@@ -95,6 +101,15 @@ def _packer(kind: type[Message]) -> Packer | None:
         return Packer(ros2_types(), kind.ros_type)
     except (KeyError, NotImplementedError):
         return None
+
+
+@lru_cache(TEMPLATES)
+def _template(recipe: MessageRecipe[Any], common: Hashable, count: int) -> Callable[..., bytes]:
+    """Returns the function that packs messages of a recipe that have something in common; see `Packer.template`."""
+    packer = _packer(recipe.kind)  # type: ignore[arg-type]
+    if packer is None:
+        raise NotImplementedError
+    return packer.template(recipe.join, common, count)
 
 
 @cache

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 import re
+import struct
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 from rosbags.interfaces import Nodetype
 
 from mobile_robot_simulator import messages as ros
+from mobile_robot_simulator.nodes.robot_messages import exact_transforms_message
 from mobile_robot_simulator.recording import packer as packing
 from mobile_robot_simulator.recording.packer import CODES, Packer
 from mobile_robot_simulator.recording.serialization import ros2_types
@@ -123,3 +125,23 @@ def test_more_texts_and_arrays_than_are_kept_are_packed(monkeypatch: pytest.Monk
         message = ros.Odometry(child_frame_id=f"frame of number {number}")
         message.pose.covariance = np.frombuffer(np.full(36, float(number)).tobytes())
         assert odometry.pack(message) == bytes(TYPES.serialize_cdr(message, message.ros_type, little_endian=True))
+
+
+def test_a_template_packs_what_is_packed_without_it() -> None:
+    generator, transforms = random.Random(SEED), Packer(TYPES, "tf2_msgs/msg/TFMessage")
+    for chain in (("odom", "base"), ("map", "odom", "ä"), ("", "", "")):
+        count = 2 + 4 * (len(chain) - 1)
+        fill = transforms.template(exact_transforms_message.join, chain, count)
+        for _ in range(50):
+            floats = [drawn_value("float64", generator) for _ in range(count - 2)]
+            numbers = (generator.randrange(-(2**31), 2**31), generator.randrange(2**32), *floats)
+            assert fill(*numbers) == transforms.pack_values(exact_transforms_message.join(chain, *numbers))
+    with pytest.raises(struct.error):
+        fill(2**31, 0, *[0.0] * 8)
+
+
+def test_a_template_needs_numbers_that_stay_as_they_are() -> None:
+    points = Packer(TYPES, "geometry_msgs/msg/PointStamped")
+    for changed in (lambda x: 2.0 * x, abs, lambda x: float(np.float32(x)), lambda x: min(x, 0.0)):
+        with pytest.raises(ValueError, match="as they are"):
+            points.template(lambda frame, *n, changed=changed: (*n[:2], frame, changed(n[2]), 0.0, 0.0), "map", 3)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import itertools
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mobile_robot_simulator import messages as ros
+from mobile_robot_simulator.message_recipe import recipe
 from mobile_robot_simulator.recording.recorder import Format, Recorder
+from mobile_robot_simulator.recording.serialization import to_ros2_bytes
 from recordings import FORMATS, KINDS, SPECIAL, assert_same, filled, read, record
 
 
@@ -62,3 +66,22 @@ def test_messages_that_do_not_fit_their_ros_type_are_refused(
             recorder.write("/topic", message, 1)
         recorder.write("/clock", ros.Clock(), 2)
     assert [time_ns for _, _, time_ns in read(recorder.path)] == [2]
+
+
+def test_of_messages_that_have_much_in_common_only_the_first_is_packed_as_a_whole() -> None:
+    joined: list[str] = []
+
+    @recipe(ros.PointStamped, lambda frame, *numbers: (frame, numbers))
+    def point(frame: str, sec: int, nanosec: int, x: float) -> tuple[Any, ...]:
+        joined.append(frame)
+        return sec, nanosec, frame, x, x, 0.0
+
+    for frame in ("map", "odom"):
+        for number in range(20):
+            call = partial(point, frame, number, number + 1, 0.1 * number)
+            once = len(joined)
+            packed = to_ros2_bytes(call)
+            assert (len(joined) > once) == (number == 0)
+            assert packed == to_ros2_bytes(call())
+    with pytest.raises(ValueError, match="cannot record this geometry_msgs/msg/PointStamped"):
+        to_ros2_bytes(partial(point, "map", 2**31, 0, 0.0))
