@@ -103,15 +103,13 @@ impl Drop for Closing<'_> {
 /// # Panics
 /// If a call of the task does.
 pub fn work(pool: &ThreadPool, helpers: usize, watch: &Watch, task: &(impl Fn() + Sync)) {
-    let task: *const (dyn Fn() + Sync + '_) = task;
     // SAFETY: only the lifetime of what the task borrows is changed, which `Crew::help` and `Closing` see to.
-    let task = Task(unsafe { std::mem::transmute::<*const (dyn Fn() + Sync + '_), *const (dyn Fn() + Sync)>(task) });
-    let crew = Arc::new(Crew { task, door: Mutex::default(), caller: thread::current() });
-    call_in(&crew, helpers, Some(pool));
+    let lasting = unsafe { std::mem::transmute::<&(dyn Fn() + Sync), &'static (dyn Fn() + Sync)>(task) };
+    let crew = Arc::new(Crew { task: Task(lasting), door: Mutex::default(), caller: thread::current() });
     {
         let _closing = Closing(&crew, watch);
-        // SAFETY: the task lives until the end of this call.
-        unsafe { (*crew.task.0)() };
+        call_in(&crew, helpers, Some(pool));
+        task();
     }
     if let Some(panic) = crew.door().panic.take() {
         resume_unwind(panic);
