@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -35,6 +36,10 @@ PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
 """Typer settings for commands that pass their extra arguments on to ROS."""
 
 
+COLLECTED_AFTER = 50_000
+"""Number of new objects after which Python looks for garbage. By default it is 700, and imports alone make far more."""
+
+
 def app_of(names: Iterable[str]) -> typer.Typer:
     """Returns the app with some of the subcommands, whose modules are imported now."""
     app = typer.Typer(
@@ -53,6 +58,7 @@ def app_of(names: Iterable[str]) -> typer.Typer:
 
 def main() -> None:
     """Runs the command. Invalid input prints a message and exits with status 1."""
+    gc.set_threshold(COLLECTED_AFTER)
     try:
         with warnings_as_notes():
             first = sys.argv[1] if len(sys.argv) > 1 else ""
