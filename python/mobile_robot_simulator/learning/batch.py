@@ -110,7 +110,7 @@ class Batch:
 
     def reset(self, mask: NDArray[np.bool_]) -> None:
         """Begins a new episode in each environment of the mask."""
-        chosen = np.flatnonzero(mask)
+        (chosen,) = mask.nonzero()
         generators = [self.generators[index] for index in chosen.tolist()]
         ranges = self.task.randomisation
         head = [generator.random(2 + len(ranges)).tolist() for generator in generators]

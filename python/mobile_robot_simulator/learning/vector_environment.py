@@ -86,6 +86,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         self._copy = copy
         self._batch = Batch(self.task, count, threads)
         self._ended = np.zeros(count, np.bool_)
+        self._every = np.ones(count, np.bool_)
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
@@ -126,7 +127,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         self._batch.seed(self._seeds(seed), mask)
         self._batch.reset(mask)
         self._ended[mask] = False
-        return self._observations(), _grouped({"pose": self._batch.fleet.poses}, mask)
+        return self._observations(), _grouped({"pose": self._batch.fleet.poses}, mask.copy(), np.flatnonzero(~mask))
 
     def step(self, actions: NDArray[np.float32]) -> tuple[Observations, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drives all robots for one step.
@@ -160,17 +161,19 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             started = terminated | truncated
-            if started.any():
+            (which,) = started.nonzero()
+            if len(which):
                 info |= self._final(outcome, started)
         else:
             started = resting
-            if len(which := np.flatnonzero(started)):
+            (which,) = started.nonzero()
+            if len(which):
                 rewards[which], terminated[which], truncated[which] = 0.0, False, False
             self._ended = terminated | truncated
-        info |= _grouped(_judgement(outcome), ~started)
-        if started.any():
+        info |= _grouped(_judgement(outcome), ~started, which)
+        if len(which):
             self._batch.reset(started)
-        info |= {"pose": self._batch.fleet.poses, "_pose": np.ones(self.num_envs, np.bool_)}
+        info |= {"pose": self._batch.fleet.poses, "_pose": self._every.copy()}
         return self._observations(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -212,7 +215,7 @@ class NavigationVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[A
         return {
             "final_obs": last,
             "_final_obs": ended.copy(),
-            "final_info": _grouped(info, ended),
+            "final_info": _grouped(info, ended.copy(), np.flatnonzero(~ended)),
             "_final_info": ended.copy(),
         }
 
@@ -264,15 +267,14 @@ def _judgement(outcome: Outcome) -> dict[str, Any]:
     return {"contact": outcome.contacts, "is_success": outcome.reached, "reward_parts": outcome.parts.T}
 
 
-def _grouped(info: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
+def _grouped(info: dict[str, NDArray[Any]], mask: Flags, others: NDArray[np.intp]) -> dict[str, Any]:
     """Returns info as Gymnasium has it: the values of the environments of the mask, 0 for the others, and the mask.
 
     Each array has a row for each environment. It is changed in place.
     """
-    others = np.flatnonzero(~mask)
     if len(others) == len(mask):
         return {}
-    mask, grouped = mask.copy(), dict[str, Any]()
+    grouped: dict[str, Any] = {}
     for name, values in info.items():
         if len(others):
             values[others] = 0
