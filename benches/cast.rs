@@ -25,14 +25,14 @@ fn scans(criterion: &mut Criterion, workload: &str, noise: Option<Noise>) {
         let mut group = criterion.benchmark_group(format!("{workload}/{map}"));
         let ranges = |kernel| {
             let mut ranges = vec![0.0; SCANS * 541];
-            laser(&grid, kernel).scan_batch(&grid, &poses, noise, Some(1), &mut ranges).expect("a scan");
+            laser(&grid, kernel, 541).scan_batch(&grid, &poses, noise, Some(1), &mut ranges).expect("a scan");
             ranges
         };
         let expected = ranges(Kernel::Traversal);
         group.throughput(Throughput::Elements(expected.len() as u64));
         for kernel in kernels() {
             assert!(ranges(kernel) == expected, "{map} by {}", kernel.name());
-            let (laser, mut ranges) = (laser(&grid, kernel), vec![0.0; expected.len()]);
+            let (laser, mut ranges) = (laser(&grid, kernel, 541), vec![0.0; expected.len()]);
             group.bench_function(kernel.name(), |bencher| {
                 bencher.iter(|| laser.scan_batch(&grid, &poses, noise, Some(1), &mut ranges));
             });

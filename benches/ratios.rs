@@ -77,7 +77,7 @@ fn scans(grid: &OccupancyGrid, kernels: &[Kernel]) -> [Vec<f64>; 2] {
     let model = BeamModel::new(BeamModelOptions::default()).expect("a model");
     let noise = [None, Some(Noise { model, surface: None, seed: 1, first_index: 0 })];
     in_turns(kernels, poses.len() * 541, |kernel, way, ranges| {
-        laser(grid, kernel).scan_batch(grid, &poses, noise[way], Some(1), ranges).expect("a scan");
+        laser(grid, kernel, 541).scan_batch(grid, &poses, noise[way], Some(1), ranges).expect("a scan");
     })
 }
 

@@ -7,9 +7,7 @@ mod workloads;
 
 use std::time::Instant;
 
-use mobile_robot_simulator::{
-    BeamModel, BeamModelOptions, LaserScanner, LikelihoodField, LikelihoodFieldOptions, Readings, ScannerOptions, Score,
-};
+use mobile_robot_simulator::{BeamModel, BeamModelOptions, LikelihoodField, LikelihoodFieldOptions, Readings, Score};
 
 use workloads::{kernels, laser, maps, poses};
 
@@ -25,8 +23,7 @@ fn main() {
     println!("{:16}{:>16}{:>24}{:>24}{:>24}", "", "casting", "AMCL's model", "without short part", "likelihood field");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     for (map, grid) in maps().filter(|(map, _)| wanted.is_empty() || wanted.iter().any(|name| name == map)) {
-        let options = ScannerOptions { beam_count: BEAMS, ..laser(&grid, kernel).options() };
-        let laser = LaserScanner::new(options).expect("a scanner").with_kernel(kernel);
+        let laser = laser(&grid, kernel, BEAMS);
         let poses = poses(&grid, POSES);
         let mut readings = vec![0.0; BEAMS];
         laser.scan_batch(&grid, &poses[..1], None, None, &mut readings).expect("a scan");

@@ -48,7 +48,7 @@ fn crowd(around: Pose) -> Vec<(Shape, Pose, Twist)> {
 
 /// Measures all ways to scan on a map and prints a line.
 fn measure(map: &str, grid: &OccupancyGrid, kernel: Kernel) {
-    let (laser, poses) = (laser(grid, kernel), poses(grid, SCANS));
+    let (laser, poses) = (laser(grid, kernel, 541), poses(grid, SCANS));
     let twists = |turn: f64| vec![[0.7, 0.0, turn]; SCANS];
     let (straight, turning) = (twists(0.0), twists(1.5));
     // Each obstacle is in view of the robot that it stands around, so each robot gets a batch of its own.

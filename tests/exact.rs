@@ -56,6 +56,19 @@ const SCANS: usize = 6000 / REDUCTION;
 /// Scans on each real map.
 const REAL_SCANS: usize = 1500 / REDUCTION;
 
+/// Layout and beam count of scanners with dense beams: 0.13°, 0.09° and 0.04° apart, then 0.006° and turning clockwise, then almost
+/// as close as the coarse beams allow.
+const DENSE: [(BeamLayout, usize); 5] = [
+    (BeamLayout::Fov(TAU), 2771),
+    (BeamLayout::Fov(TAU), 4100),
+    (BeamLayout::Fov(4.71), 6743),
+    (BeamLayout::Ends { angle_min: 0.4, angle_max: -0.4 }, 7993),
+    (BeamLayout::Steps { angle_min: -0.03, angle_increment: 1.01e-5 }, 5900),
+];
+
+/// Scans with each of them on each grid.
+const DENSE_SCANS: usize = 30_usize.div_ceil(REDUCTION);
+
 /// Unrelated rays on each grid.
 const RAYS: usize = 400_000 / REDUCTION;
 
@@ -126,6 +139,27 @@ fn check(what: &str, kernel: Kernel, found: &[f32], expected: &[f32], poses: &[[
     let beam = found.iter().zip(expected).position(|(a, b)| a.to_bits() != b.to_bits()).expect("a difference");
     let pose = poses[beam * poses.len() / found.len()];
     panic!("{what} by {}: beam {beam} from {pose:?} is {}, not {}", kernel.name(), found[beam], expected[beam]);
+}
+
+#[test]
+fn dense_scans_are_exact() {
+    for (index, (name, grid)) in (1..).zip(grids()) {
+        for (layout, beam_count) in DENSE {
+            let options = ScannerOptions { layout, beam_count, max_range: 100.0, ..ScannerOptions::default() };
+            let laser = LaserScanner::new(options).expect("a scanner");
+            let starts = poses(&grid, DENSE_SCANS, 2000 + index);
+            let scan = |kernel| {
+                let mut ranges = vec![0.0; starts.len() * beam_count];
+                let laser = laser.clone().with_kernel(kernel);
+                laser.scan_batch(&grid, &starts, None, None, &mut ranges).expect("scans");
+                ranges
+            };
+            let expected = scan(Kernel::Traversal);
+            for kernel in kernels() {
+                check(&format!("{name}, {layout:?}"), kernel, &scan(kernel), &expected, &starts);
+            }
+        }
+    }
 }
 
 #[test]

@@ -92,11 +92,11 @@ pub fn poses(grid: &OccupancyGrid, count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|_| draw()).collect()
 }
 
-/// Returns a scanner with 541 beams over 270° and a maximum range of 600 cells.
-pub fn laser(grid: &OccupancyGrid, kernel: Kernel) -> LaserScanner {
+/// Returns a scanner with a field of 270° and a maximum range of 600 cells.
+pub fn laser(grid: &OccupancyGrid, kernel: Kernel, beam_count: usize) -> LaserScanner {
     let options = ScannerOptions {
         layout: BeamLayout::Fov(0.75 * TAU),
-        beam_count: 541,
+        beam_count,
         max_range: 600.0 * grid.resolution(),
         ..ScannerOptions::default()
     };

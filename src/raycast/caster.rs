@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::Ray;
 use super::block::{self, Block};
 use super::fans::Fans;
-use super::kernel::{self, Kernel, Work};
+use super::kernel::{self, Dense, Kernel, Work};
 use super::rays::{RayColumns, Rays};
 use super::sink::{InMetres, Sink, StoreRanges};
 use super::source::{RayGroup, Source};
@@ -90,12 +90,12 @@ impl<'grid> Caster<'grid> {
     /// If the sink itself starts a cast, or if there is no memory for free boxes that are not prepared.
     pub(super) fn cast(&self, source: impl Source, sink: impl Sink) {
         thread_local! {
-            static BLOCK: RefCell<Box<Block>> = RefCell::new(Block::new());
+            static BUFFERS: RefCell<(Box<Block>, Dense)> = RefCell::new((Block::new(), Dense::default()));
         }
-        // This comes before the block is borrowed: while the free boxes are built, this thread may run another cast.
+        // This comes before the buffers are borrowed: while the free boxes are built, this thread may run another cast.
         self.prepare(None).expect("enough memory");
         let sink = InMetres { resolution: self.grid.resolution(), max_range: self.max_range, sink };
-        BLOCK.with_borrow_mut(|block| kernel::cast(self.kernel, self.grid, source, self.limit, block, sink));
+        BUFFERS.with_borrow_mut(|buffers| kernel::cast(self.kernel, self.grid, source, self.limit, buffers, sink));
     }
 
     /// Returns the number of fans to cast together on one thread, for a batch of `fans` fans with `groups` groups each that

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::Ray;
+use super::coarse::CoarseBeams;
 use super::ray::flush_tiny;
 use super::source::{RayGroup, SAMPLES, Source};
 use crate::free_boxes::Sector;
@@ -21,6 +22,8 @@ pub struct Fans<'a> {
     pub sin: &'a [Group],
     /// Number of rays in a fan.
     pub count: usize,
+    /// Those that are cast first, if the beams are dense.
+    pub coarse: Option<&'a CoarseBeams>,
 }
 
 /// Origin and heading of a fan, in cells.
@@ -104,6 +107,11 @@ impl Source for Fans<'_> {
     fn group(&self, fan: usize, group: usize) -> impl RayGroup {
         let Start { origin, cell, heading } = self.starts[fan];
         FanGroup { origin, cell: cell.unwrap_or_default(), heading, cos: &self.cos[group], sin: &self.sin[group] }
+    }
+
+    #[inline(always)]
+    fn dense(&self) -> Option<(Fans<'_>, &CoarseBeams)> {
+        self.coarse.map(|coarse| (*self, coarse))
     }
 
     fn is_cluttered(&self, grid: &OccupancyGrid, length: i32) -> bool {

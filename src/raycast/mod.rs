@@ -5,6 +5,7 @@
 
 mod block;
 mod caster;
+mod coarse;
 mod fans;
 mod hit;
 mod kernel;
@@ -20,6 +21,7 @@ mod track;
 mod traversal;
 
 pub use caster::{Caster, cast_rays};
+pub(crate) use coarse::CoarseBeams;
 pub(crate) use fans::{Fans, Start};
 pub(crate) use hit::{cell_hit, hit_of};
 pub(crate) use kernel::Work;

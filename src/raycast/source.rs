@@ -1,6 +1,8 @@
 //! Where the rays of a cast come from.
 
 use super::Ray;
+use super::coarse::CoarseBeams;
+use super::fans::Fans;
 use crate::free_boxes::Sector;
 use crate::grid::OccupancyGrid;
 
@@ -27,6 +29,11 @@ pub trait Source: Copy {
     /// Returns true if every sampled ray starts where free boxes are at most `length` cells long. Always false for fewer
     /// than [`SAMPLES`] rays.
     fn is_cluttered(&self, grid: &OccupancyGrid, length: i32) -> bool;
+
+    /// Returns the fans and their coarse beams, if they are dense.
+    fn dense(&self) -> Option<(Fans<'_>, &CoarseBeams)> {
+        None
+    }
 
     /// Returns the input of the next cast, which a kernel may prefetch.
     fn upcoming(&self) -> &[[f64; 3]] {

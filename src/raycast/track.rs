@@ -106,6 +106,16 @@ impl Track {
         }
     }
 
+    /// Returns the cell along the minor axis in which the ray enters cell `major` along the major axis; the same cell as in the plain
+    /// traversal.
+    #[inline(always)]
+    #[must_use]
+    pub fn row_in(&self, major: i32) -> i32 {
+        let to_major = self.major.distance(major);
+        let steep = self.sector.is_steep();
+        self.minor.cell_at(to_major, 0, |to_line| to_line < to_major || (!steep && to_line == to_major))
+    }
+
     /// Returns the distance from the start of the ray, which may be off the grid, to the boundary at which it enters a cell;
     /// infinite if that cell is off the grid.
     ///

@@ -25,7 +25,7 @@ use crate::mount::{Attitude, Mount};
 use crate::numeric::{GROUP, Group};
 use crate::obstacles::View;
 use crate::pose::Pose;
-use crate::raycast::{Caster, Fans, Kernel, Sink, Start, StoreRanges};
+use crate::raycast::{Caster, CoarseBeams, Fans, Kernel, Sink, Start, StoreRanges};
 use crate::slant::Slant;
 use crate::surface::SurfaceModel;
 use crate::world::World;
@@ -130,6 +130,8 @@ pub struct LaserScanner {
     sin: Vec<Group>,
     /// Slant of the beams; `None` if the scanner is not tilted.
     slant: Option<Slant>,
+    /// Beams that are cast first; `None` if the beams are not dense.
+    coarse: Option<CoarseBeams>,
     kernel: Option<Kernel>,
 }
 
@@ -168,7 +170,11 @@ impl LaserScanner {
             }
         }
         let base_from_fan = Pose { yaw: heading, ..mount.planar() };
-        Ok(Self { options, beams, base_from_fan, horizontal, cos, sin, slant, kernel: None })
+        let coarse = match horizontal {
+            Some(beams) => CoarseBeams::new(beams.angle_increment().abs(), &cos, &sin, beam_count)?,
+            None => None,
+        };
+        Ok(Self { options, beams, base_from_fan, horizontal, cos, sin, slant, coarse, kernel: None })
     }
 
     /// Returns the parameters that the scanner was made with.
@@ -454,7 +460,7 @@ impl LaserScanner {
             Beyond { foreground: view, onward, slant: slant.as_ref(), cos, sin, sink }
         });
         let Some(sink) = sinks.next() else { return Ok(()) };
-        let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count };
+        let fans = Fans { starts: &starts[..count], cos, sin, count: *beam_count, coarse: self.coarse.as_ref() };
         caster.cast_fans(fans, SinkPerScan { sink, upcoming: sinks, groups: cos.len(), first: 0 })
     }
 }

@@ -203,7 +203,7 @@ impl LaserScanner {
         let (cos, sin) = (of(&self.cos, 1.0)?, of(&self.sin, 0.0)?);
         let slant = self.slant.as_ref().map(|slant| slant.selected(beams)).transpose()?;
         let options = ScannerOptions { beam_count: beams.len(), ..self.options };
-        Ok(Self { options, cos, sin, slant, horizontal: None, ..*self })
+        Ok(Self { options, cos, sin, slant, horizontal: None, coarse: None, ..*self })
     }
 }
 

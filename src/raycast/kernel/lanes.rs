@@ -21,6 +21,8 @@ pub trait Lanes: Copy {
     const STEPS_PER_PASS: usize = 2;
     /// Number of vectors that take their steps in turn, 2 or 3: the processor works on one while another waits for memory.
     const IN_FLIGHT: usize = 3;
+    /// Least number of beams from one coarse beam to the next for which it is faster to cast these first. Measured.
+    const MIN_STEP: usize = 8;
     /// A vector of float32.
     type Float: Copy;
     /// A vector of int32.

@@ -21,8 +21,7 @@
 //! rounding errors. Near a corner, [`Track::step`] decides in float64. So the last cell of each ray is exact. The distance
 //! of a ray is computed once, from its last cell.
 
-use std::array::from_fn;
-
+use super::dense::{self, Dense};
 use super::lanes::{Lanes, Work};
 use crate::free_boxes::{FreeBoxes, Sector};
 use crate::numeric::{GROUP, Group};
@@ -67,11 +66,15 @@ pub fn cast<L: Lanes, S: Source>(
     free_boxes: &FreeBoxes,
     source: S,
     limit: f64,
-    block: &mut Block,
+    buffers: &mut (Box<Block>, Dense),
     sink: &mut impl Sink,
 ) {
     // No ray moves farther than this on the grid. The sum is below 2²⁴, so it is exact in float32.
     let limit = limit.min((free_boxes.width() + free_boxes.height()) as f64) as f32;
+    let (block, dense) = buffers;
+    if let Some((fans, coarse)) = source.dense().filter(|(_, coarse)| coarse.step >= L::MIN_STEP) {
+        return dense::cast(lanes, free_boxes, (fans, coarse), limit, (block, dense), sink);
+    }
     let (fans, groups) = (source.fans(), source.count().div_ceil(GROUP));
     assert!(fans <= 1 || fans * groups <= BLOCK / GROUP, "{fans} fans of {groups} groups do not fit into a block");
     for first_group in (0..groups).step_by(BLOCK / GROUP) {
@@ -84,10 +87,10 @@ pub fn cast<L: Lanes, S: Source>(
 }
 
 /// Sends the distances of some groups to the sink.
-struct SendDistances<'a, S> {
-    first_group: usize,
-    distances: &'a [Group],
-    sink: &'a mut S,
+pub struct SendDistances<'a, S> {
+    pub first_group: usize,
+    pub distances: &'a [Group],
+    pub sink: &'a mut S,
 }
 
 impl<S: Sink> Work for SendDistances<'_, S> {
@@ -113,18 +116,19 @@ impl<L: Lanes, S: Source> Work for Trace<'_, L, S> {
 }
 
 /// The rays of a block, and the grid that they march over.
-struct March<'a, L, S> {
-    lanes: L,
-    free_boxes: &'a FreeBoxes,
-    source: S,
+pub struct March<'a, L, S> {
+    pub lanes: L,
+    pub free_boxes: &'a FreeBoxes,
+    pub source: S,
     /// First group of each fan that is in the block.
-    first_group: usize,
+    pub first_group: usize,
     /// Number of rays of each fan that are in the block.
-    rays_per_fan: usize,
-    limit: f32,
+    pub rays_per_fan: usize,
+    pub limit: f32,
 }
 
 /// A vector of rays.
+#[derive(Clone, Copy)]
 struct Vector<L: Lanes> {
     /// Place of its first ray in the block.
     at: usize,
@@ -137,6 +141,45 @@ struct Vector<L: Lanes> {
 }
 
 impl<L: Lanes, S: Source> March<'_, L, S> {
+    /// Puts the rays of a single fan into the block, and returns their number.
+    #[inline(always)]
+    pub fn fill(&self, block: &mut Block) -> usize {
+        let count = self.rays_per_fan.min(BLOCK);
+        for group in 0..count.div_ceil(GROUP) {
+            block.set_group(self.free_boxes, &self.source.group(0, self.first_group + group), group * GROUP);
+        }
+        count
+    }
+
+    /// Moves the first rays of a block, which are in their first cells, to where they enter these columns along their major axis. The
+    /// cells before must be free. Rays stay where they are for column 0.
+    #[inline(always)]
+    pub fn start_in(&self, block: &mut Block, columns: &[i32]) {
+        let lanes = self.lanes;
+        let all = lanes.first_lanes(L::COUNT);
+        for (columns, at) in columns.chunks(L::COUNT).zip((0..).step_by(L::COUNT)) {
+            let mut list = [0; 16];
+            list[..columns.len()].copy_from_slice(columns);
+            let column = lanes.load_int(&list, 0);
+            let moved = lanes.is_positive(all, column);
+            // The first cell of a ray has number -1 in the block.
+            let major = lanes.to_float(all, lanes.add_int(column, lanes.splat_int(-1)));
+            let across =
+                lanes.multiply_add(major, lanes.load(&block.major.slope, at), lanes.load(&block.major.intercept, at));
+            let near = lanes.multiply_add(major, lanes.splat(TIE_PER_CELL), lanes.splat(TIE));
+            let mut ties = lanes.bits(lanes.is_not_greater(moved, lanes.distance_to_integer(across), near));
+            let mut minor = [0.0; 16];
+            lanes.store(&mut minor, 0, lanes.select(moved, lanes.floor(across), lanes.splat(-1.0)));
+            while ties != 0 {
+                let lane = ties.trailing_zeros() as usize;
+                ties &= ties - 1;
+                minor[lane] = (Track::new(self.free_boxes, &self.ray(at + lane)).row_in(list[lane]) - 1) as f32;
+            }
+            lanes.store(&mut block.major.cell, at, major);
+            lanes.store(&mut block.minor.cell, at, lanes.load(&minor, 0));
+        }
+    }
+
     /// Fills the block with rays, moves them, and stores their distances.
     #[inline(always)]
     fn trace(&self, block: &mut Block) {
@@ -174,7 +217,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
 
     /// Moves each of the first `count` rays until it enters a blocking cell, leaves the grid, or is beyond the limit.
     #[inline(always)]
-    fn run(&self, block: &mut Block, count: usize) {
+    pub fn run(&self, block: &mut Block, count: usize) {
         const { assert!(L::IN_FLIGHT == 2 || L::IN_FLIGHT == 3) };
         match L::IN_FLIGHT {
             2 => self.passes::<2>(block, count),
@@ -200,8 +243,12 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                 (prefetched..prefetched + LINES_PER_PREFETCH).for_each(|line| prefetch(upcoming, line * LINE));
                 prefetched += LINES_PER_PREFETCH;
                 let place = |nth: usize| at + nth * L::COUNT;
-                let started: [L::Mask; IN_FLIGHT] = from_fn(|nth| self.lanes.first_lanes(active.saturating_sub(place(nth))));
-                let mut vectors: [Vector<L>; IN_FLIGHT] = from_fn(|nth| self.load(block, place(nth), started[nth]));
+                // Not `array::from_fn`: the compiler leaves it a function, and copies the vectors through memory.
+                let started = |nth: usize| self.lanes.first_lanes(active.saturating_sub(place(nth)));
+                let mut vectors = [self.load(block, place(0), started(0)); IN_FLIGHT];
+                for (nth, rays) in vectors.iter_mut().enumerate().skip(1) {
+                    *rays = self.load(block, place(nth), started(nth));
+                }
                 for step in 0..steps {
                     if step >= L::STEPS_PER_PASS && vectors.iter().all(|rays| self.lanes.bits(rays.active) == 0) {
                         break;
@@ -221,9 +268,9 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                         more => more.iter_mut().for_each(|rays| *rays = self.step(lengths, block, rays)),
                     }
                 }
-                for nth in 0..IN_FLIGHT {
-                    ended += self.store_ended(block, ended, &vectors[nth], started[nth]);
-                    kept += self.move_up(block, kept, &vectors[nth]);
+                for (nth, rays) in vectors.iter().enumerate() {
+                    ended += self.store_ended(block, ended, rays, started(nth));
+                    kept += self.move_up(block, kept, rays);
                 }
             }
             active = kept;

@@ -7,6 +7,8 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod dense;
+mod gaps;
 mod lanes;
 mod march;
 mod portable;
@@ -23,6 +25,7 @@ use crate::error::Error;
 use crate::grid::OccupancyGrid;
 use crate::lazy::Lazy;
 use crate::numeric::GROUP;
+pub use dense::Dense;
 use lanes::Lanes;
 pub use lanes::Work;
 
@@ -150,7 +153,14 @@ impl Kernel {
 ///
 /// In clutter, where jumps gain nothing, every kernel uses the plain traversal. A kernel that this machine cannot run is
 /// replaced by the portable one. On a grid that is too large for int32 indices, rays are cast one at a time.
-pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f64, block: &mut Block, mut sink: impl Sink) {
+pub fn cast<S: Source>(
+    kernel: Kernel,
+    grid: &OccupancyGrid,
+    source: S,
+    limit: f64,
+    buffers: &mut (Box<Block>, Dense),
+    mut sink: impl Sink,
+) {
     if kernel == Kernel::Traversal || source.is_cluttered(grid, kernel.break_even_length()) {
         return kernel.with_features(Traverse { grid, source, limit, sink });
     }
@@ -161,16 +171,16 @@ pub fn cast<S: Source>(kernel: Kernel, grid: &OccupancyGrid, source: S, limit: f
     #[cfg(target_arch = "x86_64")]
     {
         if let (Kernel::Avx512Gather, Some(lanes)) = (kernel, avx512::Avx512::<true>::new()) {
-            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
+            return march::cast(lanes, free_boxes, source, limit, buffers, &mut sink);
         }
         if let (Kernel::Avx512, Some(lanes)) = (kernel, avx512::Avx512::<false>::new()) {
-            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
+            return march::cast(lanes, free_boxes, source, limit, buffers, &mut sink);
         }
         if let (Kernel::Avx2, Some(lanes)) = (kernel, avx2::Avx2::new()) {
-            return march::cast(lanes, free_boxes, source, limit, block, &mut sink);
+            return march::cast(lanes, free_boxes, source, limit, buffers, &mut sink);
         }
     }
-    march::cast(portable::Portable, free_boxes, source, limit, block, &mut sink);
+    march::cast(portable::Portable, free_boxes, source, limit, buffers, &mut sink);
 }
 
 /// Casts all rays by the plain traversal.

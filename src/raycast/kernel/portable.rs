@@ -47,6 +47,7 @@ fn store_selected<T: Copy>(bits: u32, numbers: &mut [T], at: usize, a: [T; COUNT
 impl Lanes for Portable {
     const COUNT: usize = COUNT;
     const STEPS_PER_PASS: usize = 4;
+    const MIN_STEP: usize = 4;
     const IN_FLIGHT: usize = 2;
     type Float = [f32; COUNT];
     type Int = [i32; COUNT];
