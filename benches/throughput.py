@@ -3,7 +3,7 @@
 Run: python benches/throughput.py [MAP...]. Each kernel runs in its own process. The processes take turns on the same work,
 so a busy machine slows all of them equally. Each figure is a median. All work is done on one thread unless the printed
 line says otherwise. Peak memory is that of the whole process, including Python and NumPy. The Rust call needs cargo.
-raycast2D and ir-sim are measured if they are installed, with one scan per call.
+Other packages are measured if they are installed; see `casters.py`.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from casters import BATCHES, BEAMS, CELLS, FOV, PACKAGES, Cast, our_batches
 from PIL import Image
 
 import mobile_robot_simulator as mrs
@@ -34,13 +35,6 @@ SEED = 5
 TURNS = 7
 SCANS = 1000
 RAYS = 100_000
-BEAMS = 541
-FOV = 0.75 * math.tau
-CELLS = 600
-"""Maximum range in cells."""
-
-Scan = Callable[[np.ndarray], np.ndarray]
-Scans = Callable[[mrs.OccupancyGrid], Scan]
 
 FOLDER = Path(__file__).parents[1]
 REAL = {
@@ -131,10 +125,10 @@ def work(folder: Path) -> None:
         task = line.strip()
         if task == "memory":
             print(peak_memory(), flush=True)
-        elif task in PACKAGES:
+        elif task in PACKAGES | BATCHES:
             # What packages print must not mix with the answer on standard output.
             with contextlib.redirect_stdout(sys.stderr):
-                found = single_scans(grid, starts[:50].copy(), PACKAGES[task])
+                found = single_scans(grid, starts, task) if task in PACKAGES else batches(grid, starts[:SCANS], task)
             print(json.dumps(found), flush=True)
         else:
             start = time.perf_counter()
@@ -209,84 +203,66 @@ def measure(name: str, grid: mrs.OccupancyGrid, names: list[str]) -> None:
         print(f"one scan from Python over the Rust call: {(times['python'] - times['rust']) * 1e6:.1f} us more")
         for worker in {id(worker): worker for worker in workers.values()}.values():
             worker.close()
-        for package in PACKAGES:
-            if importlib.util.find_spec(package) is None:
-                print(f"skipped: {package} is not installed")
+        for package in (*PACKAGES, *BATCHES):
+            module = package.split()[0]
+            if importlib.util.find_spec(module) is None:
+                print(f"skipped: {module} is not installed")
                 continue
-            worker = Worker([sys.executable, __file__, "--work", scratch], {"MPLBACKEND": "Agg"})
-            found = worker.ask(package)
-            line = f"{'single scan/' + name + '/' + package:40s}{found['seconds'] / BEAMS * 1e9:9.0f} ns"
-            print(
-                f"{line}{found['memory']:8.0f} MB   {found['scans']} scans, mean error {found['mean']:.3f} cells, "
-                f"largest {found['most']:.0f}, {found['far']:.2%} off by more than 2"
-            )
+            worker = Worker([sys.executable, __file__, "--work", scratch], {"MPLBACKEND": "Agg", "NUMBA_NUM_THREADS": "1"})
+            print(f"{package:36s}{worker.ask(package)}")
             worker.close()
 
 
-def single_scans(grid: mrs.OccupancyGrid, starts: np.ndarray, make: Scans) -> dict[str, float]:
+def at_centers(grid: mrs.OccupancyGrid, starts: np.ndarray) -> np.ndarray:
+    """Returns poses at the centres of their cells, because some packages know no others."""
+    places = (np.floor(starts[:, :2] / grid.resolution) + 0.5) * grid.resolution
+    return np.column_stack((places, starts[:, 2]))
+
+
+def errors(grid: mrs.OccupancyGrid, starts: np.ndarray, found: np.ndarray) -> str:
+    """Returns how wrong ranges [m] are, as a text."""
+    laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
+    exact = laser.scan_batch(grid, starts)
+    off = np.abs(np.minimum(found, laser.max_range) - exact) / grid.resolution
+    return f"mean error {off.mean():.3f} cells, largest {off.max():.0f}, {np.mean(off > 2.0):.2%} off by more than 2"
+
+
+def single_scans(grid: mrs.OccupancyGrid, starts: np.ndarray, package: str) -> str:
     """Returns the time and the errors of single scans from the centres of cells."""
-    starts[:, :2] = (np.floor(starts[:, :2] / grid.resolution) + 0.5) * grid.resolution
-    scan = make(grid)
+    starts = at_centers(grid, starts[:50])
+    cast = PACKAGES[package](grid)
     seconds, found = [], []
     deadline = time.perf_counter() + 30.0
     for start in starts:
         begun = time.perf_counter()
-        ranges = scan(start)
+        found.append(cast(start))
         seconds.append(time.perf_counter() - begun)
-        found.append(np.minimum(ranges, CELLS * grid.resolution))
         if time.perf_counter() > deadline:
             break
-    memory = peak_memory()
-    laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
-    off = np.abs(np.array(found) - laser.scan_batch(grid, starts[: len(found)])) / grid.resolution
-    errors = {"mean": float(off.mean()), "most": float(off.max()), "far": float(np.mean(off > 2.0))}
-    return {"seconds": statistics.median(seconds), "memory": memory, "scans": len(found), **errors}
+    memory, wrong = peak_memory(), errors(grid, starts[: len(found)], np.array(found))
+    took = statistics.median(seconds) / BEAMS * 1e9
+    return f"single scans: {took:7.0f} ns a beam, {memory:5.0f} MB; {len(found)} scans, {wrong}"
 
 
-def ours(grid: mrs.OccupancyGrid) -> Scan:
-    """Returns a function that scans with this package, one scan per call like the other packages."""
-    laser = mrs.LaserScanner(fov=FOV, beam_count=BEAMS, max_range=CELLS * grid.resolution)
-    return lambda pose: laser.scan(grid, tuple(pose))
-
-
-def raycast2d(grid: mrs.OccupancyGrid) -> Scan:
-    """Returns a function that scans with raycast2D. It measures to the corners of cells."""
-    import raycast2D  # type: ignore[import-untyped]
-
-    image = np.where(grid.cells >= 60, 0, 255).astype(np.uint8)
-    lidar = raycast2D.Lidar2D(num_rays=BEAMS, FOV=270, ray_length=CELLS, occupancy_grid=image)
-
-    def scan(pose: np.ndarray) -> np.ndarray:
-        col, row = int(pose[0] / grid.resolution), int(pose[1] / grid.resolution)
-        hits = lidar.scan((col, row, pose[2] + math.pi / 2), only_true_collisions=False).astype(np.int32)
-        return np.asarray(np.hypot(hits[:, 0] - col, hits[:, 1] - row) * grid.resolution)
-
-    return scan
-
-
-def ir_sim(grid: mrs.OccupancyGrid) -> Scan:
-    """Returns a function that scans with the 2D lidar of ir-sim, which reads the map from an image."""
-    import irsim  # type: ignore[import-untyped]
-    import yaml
-
-    with tempfile.TemporaryDirectory() as scratch:
-        image, world = Path(scratch) / "map.png", Path(scratch) / "world.yaml"
-        Image.fromarray(np.where(grid.cells >= 60, 0, 255).astype(np.uint8)[::-1]).save(image)
-        height, width = (size * grid.resolution for size in grid.cells.shape)
-        lidar = {"type": "lidar2d", "range_max": CELLS * grid.resolution, "angle_range": FOV, "number": BEAMS}
-        robot = {"shape": {"name": "circle", "radius": 0.001}, "state": [0.0, 0.0, 0.0], "sensors": [lidar]}
-        scene = {"height": height, "width": width, "obstacle_map": {"name": "image", "path": str(image)}}
-        world.write_text(yaml.safe_dump({"world": scene, "robot": [robot]}))
-        sensor = irsim.make(str(world), display=False, disable_all_plot=True, log_level="ERROR").robot.lidar
-
-    def scan(pose: np.ndarray) -> np.ndarray:
-        sensor.step(pose.reshape(3, 1))
-        return np.asarray(sensor.range_data)
-
-    return scan
-
-
-PACKAGES: dict[str, Scans] = {"mobile_robot_simulator": ours, "raycast2D": raycast2d, "irsim": ir_sim}
+def batches(grid: mrs.OccupancyGrid, starts: np.ndarray, package: str) -> str:
+    """Returns the time of a batch, as a ratio to that of this package in turns with it, and its errors."""
+    starts = at_centers(grid, starts)
+    begun = time.perf_counter()
+    cast = BATCHES[package](grid)
+    cast(starts[:1])
+    built = time.perf_counter() - begun
+    casts: dict[str, Cast] = {"ours": our_batches(grid), package: cast}
+    times: dict[str, list[float]] = {name: [] for name in casts}
+    for _ in range(TURNS):
+        for name, each in casts.items():
+            begun = time.perf_counter()
+            each(starts)
+            times[name].append(time.perf_counter() - begun)
+    took, own = (statistics.median(times[name]) for name in (package, "ours"))
+    return (
+        f"{len(starts)} scans: {took / (len(starts) * BEAMS) * 1e9:6.1f} ns a beam, {took / own:5.2f} times the time of "
+        f"this package; built in {built:.2f} s; {errors(grid, starts, cast(starts))}"
+    )
 
 
 def main() -> None:
