@@ -16,9 +16,9 @@ use crate::interrupt::Watch;
 /// Length of the free box of each cell of a grid, for each [`Sector`] of directions.
 ///
 /// A free box holds no blocking cell. It has the cell in its near corner, extends `length` cells along the major axis of the
-/// sector, and half as many cells, rounded up, along the minor axis. Its length is the largest even number possible, or 1 if
-/// the cell is free and the next one along the major axis is not. Blocking cells have length 0. A border of length 0, one
-/// cell wide, surrounds the grid and stops rays that leave it.
+/// sector, and half as many cells, rounded up, along the minor axis. Its length is the largest even number possible, up to
+/// [`MAX_LENGTH`], or 1 if the cell is free and the next one along the major axis is not. Blocking cells have length 0. A
+/// border of length 0, one cell wide, surrounds the grid and stops rays that leave it.
 ///
 /// ```text
 ///      .  .  .  #  .  .  .  .     The free box of the cell o in sector 0 has length 6 and breadth 3. A ray from o into this
@@ -33,14 +33,14 @@ use crate::interrupt::Watch;
 /// and rows of its plane, and cells that a ray visits in turn are close to each other in memory.
 #[derive(Debug)]
 pub struct FreeBoxes {
-    /// One byte for each cell and sector: plane by plane, row by row.
-    lengths: Pages,
+    /// One code for each cell and sector, from which [`length`] gives the length: plane by plane, row by row.
+    codes: Pages,
     width: usize,
     height: usize,
 }
 
-/// Longest box. Even, so that adding 2 to a shorter length cannot exceed it.
-pub const MAX_LENGTH: u8 = 254;
+/// Longest box.
+pub const MAX_LENGTH: i32 = length(u8::MAX);
 
 /// Ranges of columns and of rows.
 pub type Region = (Range<usize>, Range<usize>);
@@ -52,12 +52,26 @@ pub fn breadth(length: i32) -> i32 {
     (length + 1) >> 1
 }
 
+/// Returns the length of a box from its code.
+///
+/// Lengths above 1 are even, so a byte can hold half of a length:
+///
+/// | code | 0 | 1 | 2 | 3 | 4 | ... | 255 |
+/// |---|---|---|---|---|---|---|---|
+/// | length | 0 | 1 | 2 | 4 | 6 | ... | 508 |
+/// | breadth | 0 | 1 | 1 | 2 | 3 | ... | 254 |
+#[inline(always)]
+#[must_use]
+pub const fn length(code: u8) -> i32 {
+    if code > 1 { 2 * (code as i32 - 1) } else { code as i32 }
+}
+
 /// What the memory is for, in errors.
 const TABLE: &str = "the free boxes of the grid";
 
 /// Memory for the free boxes of a grid, and for building them.
 pub struct Room {
-    lengths: Pages,
+    codes: Pages,
     by_column: Pages,
     width: usize,
 }
@@ -72,8 +86,8 @@ impl Room {
     /// If there are no cells, or if their number is not a multiple of `width`.
     pub fn new(cells: usize, width: usize) -> Result<Self, Error> {
         assert!(cells > 0 && cells.is_multiple_of(width), "{cells} cells in rows of {width}");
-        let lengths = Pages::zeroed(TABLE, Sector::COUNT * (width + 2) * (cells / width + 2))?;
-        Ok(Self { lengths, by_column: Pages::zeroed(TABLE, cells)?, width })
+        let codes = Pages::zeroed(TABLE, Sector::COUNT * (width + 2) * (cells / width + 2))?;
+        Ok(Self { codes, by_column: Pages::zeroed(TABLE, cells)?, width })
     }
 }
 
@@ -90,21 +104,21 @@ impl FreeBoxes {
         threads: Option<usize>,
         blocks: impl Fn(&T) -> bool + Sync,
     ) -> Result<Self, Error> {
-        let Room { mut lengths, by_column, width } = room;
+        let Room { mut codes, by_column, width } = room;
         let height = cells.len() / width;
         let plane = (width + 2) * (height + 2);
-        let shape = Self { lengths: Pages::empty(), width, height };
+        let shape = Self { codes: Pages::empty(), width, height };
         let watch = Watch::new();
         let free = FreeCells::new(cells, width, (0..width, 0..height), blocks, by_column, &watch)?;
-        let fill = |sector: usize, lengths: &mut [u8]| shape.fill(Sector::numbered(sector), lengths, &free, &watch);
-        match batch::for_each_chunk_watched(&watch, threads, &mut lengths, plane, fill) {
+        let fill = |sector: usize, codes: &mut [u8]| shape.fill(Sector::numbered(sector), codes, &free, &watch);
+        match batch::for_each_chunk_watched(&watch, threads, &mut codes, plane, fill) {
             // The system cannot start threads, so the calling thread does the work.
             Err(Error::Threads { .. }) => {
-                lengths.chunks_exact_mut(plane).enumerate().try_for_each(|(sector, lengths)| fill(sector, lengths))?;
+                codes.chunks_exact_mut(plane).enumerate().try_for_each(|(sector, codes)| fill(sector, codes))?;
             }
             filled => filled?,
         }
-        Ok(Self { lengths, ..shape })
+        Ok(Self { codes, ..shape })
     }
 
     /// Returns a copy.
@@ -112,7 +126,7 @@ impl FreeBoxes {
     /// # Errors
     /// [`Error::Memory`]: there is not enough memory.
     pub fn try_clone(&self) -> Result<Self, Error> {
-        Ok(Self { lengths: self.lengths.try_clone(TABLE)?, ..*self })
+        Ok(Self { codes: self.codes.try_clone(TABLE)?, ..*self })
     }
 
     /// Rebuilds the lengths that depend on the cells of a region. Takes all cells of the grid, like [`new`](Self::new).
@@ -123,12 +137,12 @@ impl FreeBoxes {
     /// # Panics
     /// If the region is not on the grid.
     pub fn update<T>(&mut self, cells: &[T], region: Region, blocks: impl Fn(&T) -> bool) -> Result<(), Error> {
-        let shape = Self { lengths: Pages::empty(), ..*self };
+        let shape = Self { codes: Pages::empty(), ..*self };
         let by_column = Pages::zeroed(TABLE, region.0.len() * region.1.len())?;
         let watch = Watch::never();
         let free = FreeCells::new(cells, self.width, region, blocks, by_column, &watch)?;
-        for (sector, lengths) in Sector::all().zip(self.lengths.chunks_exact_mut(shape.plane())) {
-            shape.fill(sector, lengths, &free, &watch)?;
+        for (sector, codes) in Sector::all().zip(self.codes.chunks_exact_mut(shape.plane())) {
+            shape.fill(sector, codes, &free, &watch)?;
         }
         Ok(())
     }
@@ -137,7 +151,7 @@ impl FreeBoxes {
     fn fill<T>(
         &self,
         sector: Sector,
-        lengths: &mut [u8],
+        codes: &mut [u8],
         free: &FreeCells<'_, T, impl Fn(&T) -> bool>,
         watch: &Watch,
     ) -> Result<(), Error> {
@@ -148,11 +162,13 @@ impl FreeBoxes {
         let (along, across) = (major.range(major_region, major_size), minor.range(minor_region, minor_size));
         let stride = self.stride(sector);
         // Boxes of cells farther away do not reach the region.
-        let reaching = along.start.saturating_sub(MAX_LENGTH.into())..along.end;
+        let (max_along, max_across) = (MAX_LENGTH as usize, breadth(MAX_LENGTH) as usize);
+        let reaching = along.start.saturating_sub(max_along)..along.end;
         let mut filler = RowFiller::default();
-        for row in (across.start.saturating_sub(MAX_LENGTH.into())..across.end).rev() {
+        let mut before = Vec::new();
+        for row in (across.start.saturating_sub(max_across)..across.end).rev() {
             watch.check()?;
-            let (line, next_row) = lengths[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
+            let (line, next_row) = codes[(row + 1) * stride..(row + 3) * stride].split_at_mut(stride);
             if across.contains(&row) {
                 let index = minor.cell(row as i32, minor_size as i32) as usize - minor_region.start;
                 let line = &mut line[1 + along.start..=along.end];
@@ -161,7 +177,17 @@ impl FreeBoxes {
                     line.reverse();
                 }
             }
-            filler.fill(&mut line[1 + reaching.start..], &next_row[1 + reaching.start..], reaching.len());
+            let line = &mut line[1 + reaching.start..];
+            if row < across.start {
+                before.clear();
+                before.extend_from_slice(&line[..reaching.len()]);
+            }
+            filler.fill(line, &next_row[1 + reaching.start..], reaching.len());
+            // The codes of a row depend on its cells and on the next row. If they have not changed, those of the rows before it
+            // stay the same, too.
+            if row < across.start && line[..reaching.len()] == before {
+                break;
+            }
         }
         Ok(())
     }
@@ -178,10 +204,10 @@ impl FreeBoxes {
         self.height
     }
 
-    /// Returns all lengths: plane by plane, row by row, each row and plane with its border.
+    /// Returns the codes of all lengths: plane by plane, row by row, each row and plane with its border.
     #[must_use]
-    pub fn lengths(&self) -> &[u8] {
-        &self.lengths
+    pub fn codes(&self) -> &[u8] {
+        &self.codes
     }
 
     /// Returns the size of a plane in bytes.
@@ -198,7 +224,7 @@ impl FreeBoxes {
         sector.order(self.width, self.height).0 + 2
     }
 
-    /// Returns the index in [`lengths`](Self::lengths) of a cell and sector. Columns and rows -1, width and height are the
+    /// Returns the index in [`codes`](Self::codes) of a cell and sector. Columns and rows -1, width and height are the
     /// border.
     #[inline]
     #[must_use]
@@ -214,7 +240,7 @@ impl FreeBoxes {
     /// Returns the length of the free box of a cell in a sector. Columns and rows -1, width and height are the border.
     #[must_use]
     pub fn length(&self, col: i32, row: i32, sector: Sector) -> i32 {
-        self.lengths[self.index(col, row, sector)].into()
+        length(self.codes[self.index(col, row, sector)])
     }
 }
 
@@ -265,20 +291,20 @@ impl<'a, T, F: Fn(&T) -> bool> FreeCells<'a, T, F> {
     }
 }
 
-/// Computes the lengths of a plane row by row. Holds the buffers for this.
+/// Computes the codes of a plane row by row. Holds the buffers for this.
 #[derive(Default)]
 struct RowFiller {
-    /// Lengths of the row so far, with 0 in place of 1, then those of up to two cells past its end.
-    lengths: Vec<u8>,
+    /// Halves of the lengths of the row so far, rounded down, then those of up to two cells past its end.
+    halves: Vec<u8>,
     /// The same after the next step.
     next: Vec<u8>,
 }
 
 impl RowFiller {
-    /// Computes the first `count` lengths of a row.
+    /// Computes the first `count` codes of a row.
     ///
     /// At the start, `line` holds 0 for each blocking cell of the row and another number for each free one; from index
-    /// `count` on it holds final lengths. `next_row` holds the final lengths of the next row.
+    /// `count` on it holds final codes. `next_row` holds the final codes of the next row.
     ///
     /// Method: dynamic programming. A box at (col, row) that is 2 longer and 1 broader than a box of length L is covered by
     /// the first two cells of its row and by three boxes of length L, which start at cells ahead.
@@ -289,32 +315,35 @@ impl RowFiller {
     ///               col              if both cells f are free, and 1 if only the first of them is.
     /// ```
     fn fill(&mut self, line: &mut [u8], next_row: &[u8], count: usize) {
-        // Two boxes of length 1 whose cells are two apart do not cover the cell between them.
-        let covering = |length: u8| if length == 1 { 0 } else { length };
-        let from_next_row =
-            next_row.iter().zip(&next_row[2..]).map(|(&a, &b)| covering(a).min(covering(b)).min(MAX_LENGTH - 2) + 2);
+        // Half of a length, rounded down: two boxes of length 1 whose cells are two apart do not cover the cell between them.
+        let half = |code: u8| code.saturating_sub(1);
+        // The code of the shorter box is one more than its half, which is what a box that is 2 longer has as its half.
+        let from_next_row = next_row.iter().zip(&next_row[2..]).map(|(&a, &b)| a.min(b).clamp(1, half(u8::MAX)));
         let are_free = line[..count].iter().zip(&line[1..]).map(|(&here, &next)| here != 0 && next != 0);
-        self.lengths.clear();
+        self.halves.clear();
         // At the end of the grid the next row lacks one cell, so the last cell is left out here. Its length is 0 or 1, and
         // the border, which follows, has the 0 that stands for both.
-        self.lengths.extend(from_next_row.zip(are_free).map(|(length, are_free)| if are_free { length } else { 0 }));
-        self.lengths.extend(line[count..].iter().take(2).map(|&length| covering(length)));
-        debug_assert!(self.lengths.len() >= count, "a row lacks cells past its end or in the next row");
-        // The third box is in the same row: length[col] <= length[col + 2] + 2. In a loop over the cells, each cell would
-        // have to wait for the previous one. Instead the bound is applied to the whole row at distances 2, 4, 8 and so on.
-        self.next.resize(self.lengths.len(), 0);
-        let cells = self.lengths.len();
-        for distance in [2, 4, 8, 16, 32, 64, 128].into_iter().take_while(|&distance| distance < cells) {
+        self.halves.extend(from_next_row.zip(are_free).map(|(half, are_free)| if are_free { half } else { 0 }));
+        self.halves.extend(line[count..].iter().take(2).map(|&code| half(code)));
+        debug_assert!(self.halves.len() >= count, "a row lacks cells past its end or in the next row");
+        // The third box is in the same row: half[col] <= half[col + 2] + 1. In a loop over the cells, each cell would have to
+        // wait for the previous one. Instead the bound is applied to the whole row at distances 2, 4, 8 and so on, as long as it
+        // can be below the largest half.
+        self.next.resize(self.halves.len(), 0);
+        let cells = self.halves.len();
+        let largest = usize::from(self.halves.iter().fold(0, |largest: u8, &half| largest.max(half)));
+        let is_useful = |&distance: &usize| distance < cells && distance / 2 < largest;
+        for distance in [2, 4, 8, 16, 32, 64, 128, 256].into_iter().take_while(is_useful) {
             let (near, end) = self.next.split_at_mut(cells - distance);
-            for ((to, &here), &ahead) in near.iter_mut().zip(&self.lengths).zip(self.lengths.iter().skip(distance)) {
-                *to = here.min(ahead.saturating_add(distance as u8));
+            for ((to, &here), &ahead) in near.iter_mut().zip(&self.halves).zip(self.halves.iter().skip(distance)) {
+                *to = here.min(ahead.saturating_add((distance / 2) as u8));
             }
-            end.copy_from_slice(&self.lengths[near.len()..]);
-            std::mem::swap(&mut self.lengths, &mut self.next);
+            end.copy_from_slice(&self.halves[near.len()..]);
+            std::mem::swap(&mut self.halves, &mut self.next);
         }
-        for (length, &found) in line[..count].iter_mut().zip(&self.lengths) {
-            // At least 1 for a free cell.
-            *length = found.max((*length).min(1));
+        for (code, &half) in line[..count].iter_mut().zip(&self.halves) {
+            // The code of an even length is one more than its half; a free cell has at least code 1.
+            *code = half + (*code).min(1);
         }
     }
 }
@@ -369,20 +398,21 @@ mod tests {
     fn whole_row_steps_equal_one_cell_after_the_other() {
         let mut stream = random::stream(3, 0);
         let mut below = |bound: u64| (stream.next_u64() % bound) as u8;
-        let covering = |length: &u8| if *length == 1 { 0 } else { *length };
+        let covering = |code: &u8| if *code == 1 { 0 } else { length(*code) };
+        let code = |length: i32| if length > 1 { (length / 2 + 1) as u8 } else { length as u8 };
         for count in (1..70).chain(500..570) {
             for behind in 1..4 {
                 let mut done: Vec<u8> = (0..count + behind).map(|_| 255 - below(40)).collect();
                 let mut line: Vec<u8> = (0..count + behind).map(|_| below(255).min(1)).collect();
-                line[count..].fill_with(|| below(255));
+                line[count..].fill_with(|| below(256));
                 if behind == 1 {
                     (done[count], line[count]) = (0, 0);
                 }
                 let mut expected = line.clone();
                 for cell in (0..count).rev() {
                     let ahead = [done.get(cell), done.get(cell + 2), expected.get(cell + 2)];
-                    let least = ahead.map(|length| length.map_or(0, covering)).into_iter().fold(MAX_LENGTH - 2, u8::min);
-                    expected[cell] = if line[cell] != 0 && line[cell + 1] != 0 { least + 2 } else { line[cell] };
+                    let least = ahead.map(|code| code.map_or(0, covering)).into_iter().fold(MAX_LENGTH - 2, i32::min);
+                    expected[cell] = if line[cell] != 0 && line[cell + 1] != 0 { code(least + 2) } else { line[cell] };
                 }
                 RowFiller::default().fill(&mut line, &done, count);
                 assert_eq!(line, expected, "{count} cells, {behind} behind");
@@ -392,13 +422,10 @@ mod tests {
 
     #[test]
     fn lengths_end_at_the_longest_box() {
-        let free_boxes = built(&[(); 90_000], 300, Some(1), |()| false);
+        let free_boxes = built(&[(); 360_000], 600, Some(1), |()| false);
         for sector in Sector::all() {
-            let corner = |back: bool| if back { 299 } else { 0 };
-            assert_eq!(
-                free_boxes.length(corner(sector.x().is_on()), corner(sector.y().is_on()), sector),
-                i32::from(MAX_LENGTH)
-            );
+            let corner = |back: bool| if back { 599 } else { 0 };
+            assert_eq!(free_boxes.length(corner(sector.x().is_on()), corner(sector.y().is_on()), sector), MAX_LENGTH);
             assert_eq!(free_boxes.length(corner(!sector.x().is_on()), corner(!sector.y().is_on()), sector), 1);
         }
     }
@@ -417,7 +444,7 @@ mod tests {
     fn an_update_equals_a_rebuild() {
         let mut stream = random::stream(2, 0);
         let mut below = |count: usize| stream.next_u64() as usize % count;
-        for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (400, 300, 20_000)] {
+        for (width, height, one_in) in [(1, 1, 2), (1, 700, 300), (700, 1, 300), (40, 30, 9), (1100, 300, 100_000)] {
             let mut blocking: Vec<bool> = (0..width * height).map(|_| below(one_in) == 0).collect();
             let mut free_boxes = built(&blocking, width, Some(1), |blocks| *blocks);
             for _ in 0..20 {
@@ -428,7 +455,7 @@ mod tests {
                 }
                 free_boxes.update(&blocking, region.clone(), |blocks| *blocks).expect("enough memory");
                 let rebuilt = built(&blocking, width, Some(2), |blocks| *blocks);
-                assert!(free_boxes.lengths() == rebuilt.lengths(), "{width}x{height} {region:?}");
+                assert!(free_boxes.codes() == rebuilt.codes(), "{width}x{height} {region:?}");
             }
         }
     }

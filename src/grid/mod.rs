@@ -610,7 +610,7 @@ mod tests {
         assert_eq!(grid.cells(), [0, 0, 0, 0, 0, 100, -1, 0, 0, 0, 60, 0]);
         assert_eq!((grid.revision(), grid.try_clone().unwrap().revision()), (1, 1));
         let rebuilt = OccupancyGrid::new(grid.cells().to_vec(), 4, OPTIONS).expect("a good grid");
-        assert_eq!(grid.free_boxes().lengths(), rebuilt.free_boxes().lengths());
+        assert_eq!(grid.free_boxes().codes(), rebuilt.free_boxes().codes());
         assert_eq!(grid.walls(None).unwrap().steps(), rebuilt.walls(None).unwrap().steps());
         let error = |grid: &mut OccupancyGrid, col, width, values: &[i8]| {
             grid.set_cells(Cell { col, row: 1 }, width, values).unwrap_err().to_string()

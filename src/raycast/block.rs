@@ -44,9 +44,9 @@ pub struct Block {
     pub major: Axis32,
     /// The other axis.
     pub minor: Axis32,
-    /// Index, in the lengths of the free boxes, of cell 0 along both axes.
+    /// Index, in the codes of the free boxes, of cell 0 along both axes.
     pub base: Column<i32>,
-    /// Number of lengths in one row of the sector's plane.
+    /// Number of codes in one row of the sector's plane.
     pub stride: Column<i32>,
     /// Number of the ray.
     pub number: Column<i32>,
@@ -116,7 +116,7 @@ impl Block {
         }
     }
 
-    /// Returns the index, in the lengths of the free boxes, of the first cell of a ray.
+    /// Returns the index, in the codes of the free boxes, of the first cell of a ray.
     #[inline(always)]
     #[must_use]
     pub fn start(&self, at: usize) -> usize {
@@ -125,7 +125,7 @@ impl Block {
     }
 }
 
-/// Returns true if an int32 can hold every index into the lengths of the free boxes.
+/// Returns true if an int32 can hold every index into the codes of the free boxes.
 pub fn fits(free_boxes: &FreeBoxes) -> bool {
-    i32::try_from(free_boxes.lengths().len()).is_ok()
+    i32::try_from(free_boxes.codes().len()).is_ok()
 }

@@ -6,7 +6,7 @@ use super::Ray;
 use super::ray::flush_tiny;
 use super::track::Track;
 use super::traversal::{Side, Walk};
-use crate::free_boxes::FreeBoxes;
+use crate::free_boxes::{FreeBoxes, length};
 use crate::grid::{Cell, OccupancyGrid};
 use crate::obstacles::Body;
 use crate::pose::Pose;
@@ -225,17 +225,17 @@ impl<'a> Jumps<'a> {
     /// Returns column and row of the next cell on the way of a ray, from a cell on, that blocks or is off the grid.
     fn next_end(&self, ray: &Ray, cell: Cell) -> (i64, i64) {
         let sector = self.track.sector;
-        let lengths = self.free_boxes.lengths();
+        let codes = self.free_boxes.codes();
         let stride = self.free_boxes.stride(sector);
         let first = self.free_boxes.index(ray.col, ray.row, sector);
         let mut at = sector.order((cell.col as i32 - ray.col).abs(), (cell.row as i32 - ray.row).abs());
         loop {
-            let length = lengths[first + at.1 as usize * stride + at.0 as usize];
+            let length = length(codes[first + at.1 as usize * stride + at.0 as usize]);
             if length == 0 {
                 let (cols, rows) = sector.order(at.0, at.1);
                 return (sector.x().ahead(ray.col, cols).into(), sector.y().ahead(ray.row, rows).into());
             }
-            at = self.track.step(at, i32::from(length));
+            at = self.track.step(at, length);
         }
     }
 }

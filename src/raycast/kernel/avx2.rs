@@ -3,9 +3,9 @@
 
 use std::arch::x86_64::{
     __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _mm_cvtsi64_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
-    _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_ceil_ps, _mm256_cmp_ps, _mm256_cmpgt_epi32,
-    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_loadu_ps,
-    _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32,
+    _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps,
+    _mm256_cmpgt_epi32, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvttps_epi32, _mm256_floor_ps, _mm256_fmadd_ps,
+    _mm256_loadu_ps, _mm256_loadu_si256, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mullo_epi32,
     _mm256_permutevar8x32_epi32, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32,
     _mm256_slli_epi32, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
 };
@@ -66,7 +66,6 @@ impl Lanes for Avx2 {
         add(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
         multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 { _mm256_fmadd_ps(a, b, c) }
         floor(a: __m256) -> __m256 { _mm256_floor_ps(a) }
-        half_rounded_up(a: __m256) -> __m256 { _mm256_ceil_ps(_mm256_mul_ps(a, _mm256_set1_ps(0.5))) }
         to_int(a: __m256) -> __m256i { _mm256_cvttps_epi32(a) }
         to_float(mask: __m256, a: __m256i) -> __m256 { _mm256_and_ps(mask, _mm256_cvtepi32_ps(a)) }
         add_int(a: __m256i, b: __m256i) -> __m256i { _mm256_add_epi32(a, b) }
@@ -100,6 +99,19 @@ impl Lanes for Avx2 {
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
         unsafe { with_features(work) }
+    }
+
+    #[inline(always)]
+    fn sides(self, mask: __m256, codes: __m256i) -> (__m256, __m256) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        unsafe {
+            let code = _mm256_and_si256(_mm256_castps_si256(mask), codes);
+            let is_even = _mm256_cmpgt_epi32(code, _mm256_set1_epi32(1));
+            // A comparison that holds gives -1.
+            let breadth = _mm256_add_epi32(code, is_even);
+            let length = _mm256_add_epi32(breadth, _mm256_and_si256(breadth, is_even));
+            (_mm256_cvtepi32_ps(length), _mm256_cvtepi32_ps(breadth))
+        }
     }
 
     #[inline(always)]

@@ -3,10 +3,10 @@
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NGT_UQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
-    _MM_FROUND_TO_NEG_INF, _MM_FROUND_TO_POS_INF, _mm_setr_epi8, _mm_unpacklo_epi32, _mm_unpacklo_epi64, _mm512_abs_ps,
-    _mm512_add_epi32, _mm512_add_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_i32gather_epi32,
-    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
-    _mm512_maskz_compress_epi32, _mm512_maskz_cvtepi32_ps, _mm512_max_epu32, _mm512_min_epu32, _mm512_mul_ps,
+    _MM_FROUND_TO_NEG_INF, _mm_setr_epi8, _mm_unpacklo_epi32, _mm_unpacklo_epi64, _mm512_abs_ps, _mm512_add_epi32,
+    _mm512_add_ps, _mm512_cvtepu8_epi32, _mm512_cvttps_epi32, _mm512_fmadd_ps, _mm512_i32gather_epi32, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mask_add_ps, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask, _mm512_mask_cmpgt_epi32_mask,
+    _mm512_mask_sub_ps, _mm512_maskz_compress_epi32, _mm512_maskz_cvtepi32_ps, _mm512_max_epu32, _mm512_min_epu32,
     _mm512_mullo_epi32, _mm512_permutexvar_epi32, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps,
     _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_srli_epi32,
     _mm512_storeu_ps, _mm512_storeu_si512,
@@ -20,7 +20,6 @@ use super::lanes::{Lanes, Work};
 pub struct Avx512<const GATHER: bool>(());
 
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
-const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 
 impl<const GATHER: bool> Avx512<GATHER> {
@@ -59,7 +58,6 @@ impl<const GATHER: bool> Lanes for Avx512<GATHER> {
         add(a: __m512, b: __m512) -> __m512 { _mm512_add_ps(a, b) }
         multiply_add(a: __m512, b: __m512, c: __m512) -> __m512 { _mm512_fmadd_ps(a, b, c) }
         floor(a: __m512) -> __m512 { _mm512_roundscale_ps::<DOWN>(a) }
-        half_rounded_up(a: __m512) -> __m512 { _mm512_roundscale_ps::<UP>(_mm512_mul_ps(a, _mm512_set1_ps(0.5))) }
         distance_to_integer(a: __m512) -> __m512 { _mm512_abs_ps(_mm512_reduce_ps::<NEAREST>(a)) }
         to_int(a: __m512) -> __m512i { _mm512_cvttps_epi32(a) }
         to_float(mask: __mmask16, a: __m512i) -> __m512 { _mm512_maskz_cvtepi32_ps(mask, a) }
@@ -81,6 +79,17 @@ impl<const GATHER: bool> Lanes for Avx512<GATHER> {
         }
         // SAFETY: `self` is proof that the processor has the instruction set.
         unsafe { with_features(work) }
+    }
+
+    #[inline(always)]
+    fn sides(self, mask: __mmask16, codes: __m512i) -> (__m512, __m512) {
+        // SAFETY: `self` is proof that the processor has the instruction set; no memory is accessed.
+        unsafe {
+            let is_even = _mm512_mask_cmpgt_epi32_mask(mask, codes, _mm512_set1_epi32(1));
+            let code = self.to_float(mask, codes);
+            let breadth = _mm512_mask_sub_ps(code, is_even, code, _mm512_set1_ps(1.0));
+            (_mm512_mask_add_ps(breadth, is_even, breadth, breadth), breadth)
+        }
     }
 
     #[inline(always)]

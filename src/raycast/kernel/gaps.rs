@@ -169,5 +169,5 @@ fn is_wall(free_boxes: &FreeBoxes, base: i32, a: i32, b: i32) -> bool {
     let stride = 2 + if is_steep { free_boxes.height() } else { free_boxes.width() };
     // The base is the index of cell (1, 1) here.
     let index = |column: i32| (base + column - 1) as usize + row as usize * stride - stride;
-    free_boxes.lengths()[index(a.min(b)) + 1..index(a.max(b))].iter().all(|&length| length == 0)
+    free_boxes.codes()[index(a.min(b)) + 1..index(a.max(b))].iter().all(|&code| code == 0)
 }

@@ -44,14 +44,14 @@ pub trait Lanes: Copy {
     fn multiply_add(self, a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     /// The floor of a.
     fn floor(self, a: Self::Float) -> Self::Float;
-    /// Half of a, rounded up; a is a whole number in [0, 255].
-    fn half_rounded_up(self, a: Self::Float) -> Self::Float;
     /// Distance from a to the nearest integer.
     fn distance_to_integer(self, a: Self::Float) -> Self::Float;
     /// Whole numbers, converted to int32.
     fn to_int(self, a: Self::Float) -> Self::Int;
     /// Numbers converted to float32 in the lanes of the mask, 0 in the others.
     fn to_float(self, mask: Self::Mask, a: Self::Int) -> Self::Float;
+    /// Length and breadth of free boxes from their codes in the lanes of the mask, 0 in the others.
+    fn sides(self, mask: Self::Mask, codes: Self::Int) -> (Self::Float, Self::Float);
     /// a + b, modulo 2³².
     fn add_int(self, a: Self::Int, b: Self::Int) -> Self::Int;
     /// a · b, modulo 2³².

@@ -5,8 +5,8 @@
 //!     put each ray into its first cell
 //!     while rays are active, in passes over the block:
 //!         for each 2 or 3 vectors of active rays, a few steps side by side:
-//!             length = free_boxes[cell]                       0 ends the ray: a wall or the border
-//!             lines = cell + (length, breadth(length))        the two far sides of the free box
+//!             code = free_boxes[cell]                         0 ends the ray: a wall or the border
+//!             lines = cell + (length, breadth)                the two far sides of the free box
 //!             cell = the cell behind the line crossed first   in float32, or exactly near a corner
 //!             end the ray if its cell is beyond the limit
 //!         note the cells of the rays that have ended, move the active rays up to the front
@@ -196,8 +196,8 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             }
         }
         debug_assert!((0..count).all(|at| block.start(at) == self.first_index(at)), "a ray starts in a wrong cell");
-        if !S::SHARES_START_CELLS && free_boxes.lengths().len() > UNCACHED {
-            (0..count).for_each(|at| prefetch(free_boxes.lengths(), block.start(at)));
+        if !S::SHARES_START_CELLS && free_boxes.codes().len() > UNCACHED {
+            (0..count).for_each(|at| prefetch(free_boxes.codes(), block.start(at)));
         }
         self.run(block, count);
         for fan in 0..fans {
@@ -231,7 +231,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
     /// Passes over the first `count` rays of a block until all have ended, `IN_FLIGHT` vectors at a time.
     #[inline(always)]
     fn passes<const IN_FLIGHT: usize>(&self, block: &mut Block, count: usize) {
-        let lengths = self.free_boxes.lengths();
+        let codes = self.free_boxes.codes();
         let upcoming = self.source.upcoming();
         let mut active = count;
         let (mut ended, mut prefetched) = (0, 0);
@@ -257,15 +257,15 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
                     // memory instead of registers.
                     match vectors.as_mut_slice() {
                         [a, b] => {
-                            *a = self.step(lengths, block, a);
-                            *b = self.step(lengths, block, b);
+                            *a = self.step(codes, block, a);
+                            *b = self.step(codes, block, b);
                         }
                         [a, b, c] => {
-                            *a = self.step(lengths, block, a);
-                            *b = self.step(lengths, block, b);
-                            *c = self.step(lengths, block, c);
+                            *a = self.step(codes, block, a);
+                            *b = self.step(codes, block, b);
+                            *c = self.step(codes, block, c);
                         }
-                        more => more.iter_mut().for_each(|rays| *rays = self.step(lengths, block, rays)),
+                        more => more.iter_mut().for_each(|rays| *rays = self.step(codes, block, rays)),
                     }
                 }
                 for (nth, rays) in vectors.iter().enumerate() {
@@ -321,20 +321,19 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
 
     /// Moves each active ray out of the free box of its cell.
     #[inline(always)]
-    fn step(&self, lengths: &[u8], block: &Block, rays: &Vector<L>) -> Vector<L> {
+    fn step(&self, codes: &[u8], block: &Block, rays: &Vector<L>) -> Vector<L> {
         let lanes = self.lanes;
         let row = lanes.multiply_int(lanes.to_int(rays.minor), lanes.load_int(&block.stride, rays.at));
         let in_row = lanes.add_int(lanes.to_int(rays.major), lanes.load_int(&block.base, rays.at));
         let index = lanes.add_int(row, in_row);
         debug_assert!(self.are_on_grid(rays.active, index), "a ray is past the border");
         // The bytes at 0 to 3 are border, in a grid of any width, so it does not matter which of them is read.
-        let length = lanes.gather(lengths, index);
-        let active = lanes.is_positive(rays.active, length);
+        let code = lanes.gather(codes, index);
+        let active = lanes.is_positive(rays.active, code);
 
         // Rays that end here have length 0. Rays that ended before get length 0, so that they stay in their cells.
-        let along = lanes.to_float(rays.active, length);
-        let far_major = lanes.add(rays.major, along);
-        let far_minor = lanes.add(rays.minor, lanes.half_rounded_up(along));
+        let (length, breadth) = lanes.sides(rays.active, code);
+        let (far_major, far_minor) = (lanes.add(rays.major, length), lanes.add(rays.minor, breadth));
         // Coordinates along one axis at which the ray crosses a line of the other axis.
         let crossing = |axis: &Axis32, line| {
             lanes.multiply_add(line, lanes.load(&axis.slope, rays.at), lanes.load(&axis.intercept, rays.at))
@@ -364,7 +363,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         self.source.group(fan, self.first_group + number / GROUP).ray(number % GROUP)
     }
 
-    /// Returns the index, in the lengths of the free boxes, of the first cell of a ray of the block.
+    /// Returns the index, in the codes of the free boxes, of the first cell of a ray of the block.
     fn first_index(&self, at: usize) -> usize {
         let ray = self.ray(at);
         self.free_boxes.index(ray.col, ray.row, Sector::of(ray.direction))
@@ -388,7 +387,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         let bits = self.lanes.bits(active);
         list.iter()
             .enumerate()
-            .all(|(lane, &index)| bits >> lane & 1 == 0 || (index as u32 as usize) < self.free_boxes.lengths().len())
+            .all(|(lane, &index)| bits >> lane & 1 == 0 || (index as u32 as usize) < self.free_boxes.codes().len())
     }
 
     /// Returns the cells that the rays step into: the result of the exact step for lanes in `ties`, `(major, minor)` for the
@@ -399,7 +398,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
         &self,
         block: &Block,
         rays: &Vector<L>,
-        length: L::Int,
+        length: L::Float,
         mut ties: u32,
         (major, minor): (L::Float, L::Float),
     ) -> (L::Float, L::Float) {
@@ -409,7 +408,7 @@ impl<L: Lanes, S: Source> March<'_, L, S> {
             lanes.store(&mut list, 0, numbers);
             list
         };
-        let (now_major, now_minor, length) = (list(rays.major), list(rays.minor), list(lanes.to_float(rays.active, length)));
+        let (now_major, now_minor, length) = (list(rays.major), list(rays.minor), list(length));
         let (mut major, mut minor) = (list(major), list(minor));
         while ties != 0 {
             let lane = ties.trailing_zeros() as usize;

@@ -86,13 +86,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn half_rounded_up(self, a: [f32; COUNT]) -> [f32; COUNT] {
-        // Adding this number and subtracting it again rounds to the nearest integer.
-        const ROUND: f32 = 12_582_912.0;
-        each(|lane| (a[lane] * 0.5 + 0.25 + ROUND) - ROUND)
-    }
-
-    #[inline(always)]
     fn distance_to_integer(self, a: [f32; COUNT]) -> [f32; COUNT] {
         let floor = self.floor(a);
         each(|lane| {
@@ -109,6 +102,15 @@ impl Lanes for Portable {
     #[inline(always)]
     fn to_float(self, mask: [u32; COUNT], a: [i32; COUNT]) -> [f32; COUNT] {
         each(|lane| (a[lane] & mask[lane] as i32) as f32)
+    }
+
+    #[inline(always)]
+    fn sides(self, mask: [u32; COUNT], codes: [i32; COUNT]) -> ([f32; COUNT], [f32; COUNT]) {
+        let code = each(|lane| codes[lane] & mask[lane] as i32);
+        let is_even = each(|lane| all_bits(code[lane] > 1) as i32);
+        // A comparison that holds gives -1.
+        let breadth = each(|lane| code[lane] + is_even[lane]);
+        (each(|lane| (breadth[lane] + (breadth[lane] & is_even[lane])) as f32), each(|lane| breadth[lane] as f32))
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The jump loop for one ray at a time, in float64. It serves grids whose free boxes have too many bytes for int32 indices.
 
-use crate::free_boxes::FreeBoxes;
+use crate::free_boxes::{FreeBoxes, length};
 use crate::raycast::Ray;
 use crate::raycast::track::Track;
 
@@ -9,16 +9,16 @@ use crate::raycast::track::Track;
 #[inline]
 pub fn cast(free_boxes: &FreeBoxes, ray: &Ray, limit: f64) -> f64 {
     let track = Track::new(free_boxes, ray);
-    let lengths = free_boxes.lengths();
+    let codes = free_boxes.codes();
     let stride = free_boxes.stride(track.sector);
     let first = free_boxes.index(ray.col, ray.row, track.sector);
     let mut cell = (0, 0);
     loop {
-        let length = lengths[first + cell.1 as usize * stride + cell.0 as usize];
+        let length = length(codes[first + cell.1 as usize * stride + cell.0 as usize]);
         if length == 0 || track.major.distance(cell.0) > limit {
             return track.distance(ray, cell);
         }
-        cell = track.step(cell, i32::from(length));
+        cell = track.step(cell, length);
     }
 }
 
