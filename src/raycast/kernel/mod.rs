@@ -26,6 +26,7 @@ use crate::grid::OccupancyGrid;
 use crate::lazy::Lazy;
 use crate::numeric::GROUP;
 pub use dense::Dense;
+#[cfg(target_arch = "x86_64")]
 use lanes::Lanes;
 pub use lanes::Work;
 
