@@ -98,8 +98,8 @@ fn grid(blocking: impl Iterator<Item = bool>, width: usize) -> OccupancyGrid {
 }
 
 /// Random poses on and around the grid: one coordinate in four on a grid line, one angle in four a multiple of 45°, some far
-/// away.
-fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
+/// away. From one pose in eight, one of the `beams` from there has a slope close to 0, 1/2, 1 or 2.
+fn poses(grid: &OccupancyGrid, count: usize, index: u64, beams: usize) -> Vec<[f64; 3]> {
     let mut stream = random::stream(SEED, index);
     let one_in = |count: u64, index: u64| random::stream(SEED + 1, index).next_u64().is_multiple_of(count);
     let resolution = grid.resolution();
@@ -116,6 +116,15 @@ fn poses(grid: &OccupancyGrid, count: usize, index: u64) -> Vec<[f64; 3]> {
             let (x, y) = (along(grid.width(), 0), along(grid.height(), 2));
             let angle = stream.random::<f64>() * TAU;
             let angle = if one_in(4, 8 * pose + 4) { (angle / TAU * 8.0).round() / 8.0 * TAU } else { angle };
+            let angle = if one_in(8, 8 * pose + 6) {
+                let slope = [0.0, 0.5, 1.0, 2.0_f64][stream.random_range(0..4)];
+                // Off by 1e-16 to 1e-3, so that both float32 and float64 sometimes take it for the slope itself.
+                let off = (stream.random::<f64>() - 0.5) * 10.0_f64.powi(-stream.random_range(3..17));
+                let beam = stream.random_range(0..beams) as f64 / beams as f64 * TAU;
+                slope.atan() + off + f64::from(stream.random_range(0..4)) * TAU / 4.0 - beam
+            } else {
+                angle
+            };
             let far = if one_in(64, 8 * pose + 5) { 1e7 } else { 1.0 };
             [x * far, y, angle]
         })
@@ -147,7 +156,7 @@ fn dense_scans_are_exact() {
         for (layout, beam_count) in DENSE {
             let options = ScannerOptions { layout, beam_count, max_range: 100.0, ..ScannerOptions::default() };
             let laser = LaserScanner::new(options).expect("a scanner");
-            let starts = poses(&grid, DENSE_SCANS, 2000 + index);
+            let starts = poses(&grid, DENSE_SCANS, 2000 + index, beam_count);
             let scan = |kernel| {
                 let mut ranges = vec![0.0; starts.len() * beam_count];
                 let laser = laser.clone().with_kernel(kernel);
@@ -175,7 +184,7 @@ fn all_kernels_are_exact() {
         };
         let laser = LaserScanner::new(options).expect("a scanner");
         let scans = if index as usize <= GRIDS.len() { SCANS } else { REAL_SCANS };
-        let starts = poses(&grid, scans, index);
+        let starts = poses(&grid, scans, index, BEAMS);
         let scan = |kernel| {
             let mut ranges = vec![0.0; scans * BEAMS];
             let laser = laser.clone().with_kernel(kernel);
@@ -188,7 +197,7 @@ fn all_kernels_are_exact() {
         }
 
         // Unrelated rays without a range limit.
-        let rays = poses(&grid, RAYS, 1000 + index);
+        let rays = poses(&grid, RAYS, 1000 + index, 1);
         let cast = |kernel| {
             let mut ranges = vec![0.0; RAYS];
             Caster::new(&grid, 1e30, kernel)
