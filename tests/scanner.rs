@@ -122,6 +122,31 @@ fn a_batch_does_not_depend_on_threads_or_chunks() {
 }
 
 #[test]
+fn large_batches_on_large_maps_keep_their_order() {
+    let cells = (0..600 * 500).map(|index| if index % 600 % 37 == 0 && index / 600 % 29 == 3 { 100 } else { 0 }).collect();
+    let (origin, occupied_threshold) = (Pose::new(-1.0, 2.0, 0.3), OCCUPIED_THRESHOLD);
+    let options = GridOptions { resolution: 0.1, origin, occupied_threshold, unknown: Unknown::Free };
+    let grid = OccupancyGrid::new(cells, 600, options).expect("a hall");
+    let laser = scanner(ScannerOptions { beam_count: 101, ..ScannerOptions::default() });
+    let poses: Vec<[f64; 3]> =
+        (0..1100_u64).map(|seed| grid.draw_free_pose(0.1, seed).expect("a free place").to_array()).collect();
+    let model = BeamModel::new(BeamModelOptions::default()).expect("a good model");
+    let batch = |threads, chunk: usize| {
+        let mut readings = vec![0.0; poses.len() * 101];
+        for (index, (poses, readings)) in poses.chunks(chunk).zip(readings.chunks_mut(chunk * 101)).enumerate() {
+            let noise = Noise { model, surface: None, seed: SEED, first_index: (index * chunk) as u64 };
+            laser.scan_batch(&grid, poses, Some(noise), threads, readings).expect("a good batch");
+        }
+        readings
+    };
+    // Batches of ten are cast in their own order.
+    let expected = batch(Some(1), 10);
+    for threads in [Some(1), Some(3), None] {
+        assert!(batch(threads, poses.len()) == expected, "{threads:?} threads");
+    }
+}
+
+#[test]
 fn scans_of_a_batch_equal_scans_cast_alone() {
     let (room, disc) = (room(), Shape::disc(0.4).expect("a good disc"));
     // On a checkerboard every scan starts in a dense area, where the portable and AVX2 kernels use another method.

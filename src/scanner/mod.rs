@@ -5,6 +5,7 @@ mod footprint;
 mod hits;
 mod intensities;
 mod onward;
+mod order;
 mod places;
 mod score;
 mod sinks;
@@ -15,7 +16,7 @@ use std::iter;
 
 use glam::DVec2;
 
-use crate::batch::{check_rows, for_each_chunk, thread_count};
+use crate::batch::{check_rows, for_each_chunk, for_each_heavy_chunk, thread_count};
 use crate::beam_model::BeamModel;
 use crate::beams::{BeamLayout, Beams};
 use crate::error::{Error, check_finite, check_number};
@@ -305,6 +306,15 @@ impl LaserScanner {
         self.prepare(world, noise.as_ref().and_then(Noise::surface), threads)?;
         let threads_used = thread_count(threads, readings.len())?;
         let at_a_time = self.caster(world)?.fans_per_cast(poses.len(), self.cos.len(), threads_used);
+        if order::matters(world.grid, poses.len(), beam_count) {
+            let mut rows = order::along_curve(world.grid, poses, readings, beam_count)?;
+            return for_each_heavy_chunk(threads, &mut rows, beam_count, at_a_time, |_, rows| {
+                let mut scans = [0; Fans::MAX];
+                scans.iter_mut().zip(rows.iter()).for_each(|(scan, (number, _))| *scan = *number);
+                let shots = scans[..rows.len()].iter().map(|&scan| shot(scan));
+                self.cast_together(&shots, rows.iter_mut().map(|(_, row)| &mut **row))
+            });
+        }
         for_each_chunk(threads, readings, at_a_time * beam_count, |chunk, readings| {
             let first = chunk * at_a_time;
             let shots = (first..first + readings.len() / beam_count).map(shot);
