@@ -67,10 +67,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("counts", nargs="*", type=int, default=COUNTS)
     print(f"Python {platform.python_version()}, {platform.machine()}, version {mrs.__version__}, {os.cpu_count()} cores")
-    for count in parser.parse_args().counts:
+    counts = parser.parse_args().counts
+    # First, because to clear away the worlds of the others takes time.
+    print(f"10,000 obstacles added in {add_obstacles(10_000):.3f} s; load {os.getloadavg()[0]:.1f}")
+    for count in counts:
         took = measure(count)
         print(f"{count:6} robots: {1e3 * took / count:6.3f} ms each, {1.0 / took:7.2f} times real time")
-    print(f"10,000 obstacles added in {add_obstacles(10_000):.3f} s; load {os.getloadavg()[0]:.1f}")
 
 
 if __name__ == "__main__":
