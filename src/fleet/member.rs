@@ -148,11 +148,6 @@ impl Member {
         Report { pose, velocity, odometry: self.odometer.pose, touch, clearance }
     }
 
-    /// Returns the pose that its odometry reports, in the odometry frame.
-    pub fn odometry(&self) -> Pose {
-        self.odometer.pose
-    }
-
     /// Begins the random streams of another seed.
     fn use_seed(&mut self, seed: u64) {
         (self.seed, self.scans, self.draws) = (seed, 0, 0);

@@ -115,7 +115,7 @@ pub struct FleetOptions {
 /// fleet.step(&[[1.0, 0.0, 0.0]; 2], 3.0, None, None)?;
 /// let x: Vec<f64> = fleet.poses().map(|pose| pose.position.x).collect();
 /// assert!((x[0] - 6.5).abs() < 1e-6 && (x[1] - 5.0).abs() < 1e-12);
-/// assert!(fleet.touches().next().expect("a robot").is_some());
+/// assert!(fleet.reports().next().expect("a robot").touch.is_some());
 /// # Ok::<(), mobile_robot_simulator::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -331,12 +331,6 @@ impl Fleet {
         self.in_order().map(|member| member.velocity)
     }
 
-    /// Iterates over what each robot touched first in its last step; `None` for nothing.
-    #[must_use]
-    pub fn touches(&self) -> impl ExactSizeIterator<Item = Option<Touch>> {
-        self.in_order().map(|member| member.touch)
-    }
-
     /// Iterates over the times of the robots since their last reset \[s\].
     #[must_use]
     pub fn times(&self) -> impl ExactSizeIterator<Item = f64> {
@@ -355,19 +349,7 @@ impl Fleet {
         self.in_order().map(|member| member.grid)
     }
 
-    /// Iterates over the poses that the odometry of each robot reports, in its odometry frame: that of its first pose.
-    #[must_use]
-    pub fn odometry(&self) -> impl ExactSizeIterator<Item = Pose> {
-        self.in_order().map(Member::odometry)
-    }
-
-    /// Iterates over the distances from the robots to the nearest thing after the last step \[m\]; NaN if not measured.
-    #[must_use]
-    pub fn clearances(&self) -> impl ExactSizeIterator<Item = f64> {
-        self.in_order().map(|member| member.clearance)
-    }
-
-    /// Iterates over what a caller is told about each robot after a step: all of the above at once, which takes less time.
+    /// Iterates over what a caller is told about each robot after a step.
     #[must_use]
     pub fn reports(&self) -> impl ExactSizeIterator<Item = Report> {
         self.in_order().map(Member::report)

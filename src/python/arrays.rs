@@ -119,8 +119,18 @@ pub fn elements<T: Element + Copy>(name: &str, value: &Bound<'_, PyAny>, count: 
     })
 }
 
+/// Returns the rows of an array of shape `(count, 2)`.
+pub fn pairs(name: &str, value: &Bound<'_, PyAny>, count: Option<usize>) -> PyResult<Vec<[f64; 2]>> {
+    let array = typed::<f64>(name, value)?;
+    if !matches!(*array.shape(), [rows, 2] if count.is_none_or(|count| rows == count)) {
+        let rows = count.map_or_else(|| "N".to_owned(), |count| count.to_string());
+        return Err(PyValueError::new_err(format!("{name} must have shape ({rows}, 2), got {}", shape(array.shape()))));
+    }
+    pairs_of(WHAT, &array)
+}
+
 /// Returns the rows of an array whose last dimension is 2.
-pub fn pairs(what: &'static str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<[f64; 2]>> {
+pub fn pairs_of(what: &'static str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<[f64; 2]>> {
     let view = array.as_array();
     Ok(match view.as_slice() {
         Some(numbers) => memory::collected(what, numbers.as_chunks().0.iter().copied())?,

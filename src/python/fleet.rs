@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use super::arrays::{
-    check_array, elements, fill, length, pairs, rows, shape, short_repr, type_name, typed, vector, waypoints, whole_numbers,
+    check_array, elements, fill, length, pairs, rows, short_repr, type_name, typed, vector, waypoints, whole_numbers,
     writable, zeros,
 };
 use super::beam_model::BeamModel;
@@ -791,12 +791,7 @@ impl Fleet {
     ) -> PyResult<Bound<'py, PyAny>> {
         let fleet = borrowed(slf)?;
         let count = fleet.core.len();
-        let goals = typed::<f64>("goals", goals)?;
-        if *goals.shape() != [count, 2] {
-            let text = format!("goals must have shape ({count}, 2), got {}", shape(goals.shape()));
-            return Err(PyValueError::new_err(text));
-        }
-        let goals = pairs("the goals", &goals)?;
+        let goals = pairs("goals", goals, Some(count))?;
         let mask = mask.map(|mask| fleet.mask(Some(mask))).transpose()?;
         let chosen = mask.as_ref().map_or(count, |mask| mask.iter().filter(|&&is_chosen| is_chosen).count());
         let core = &fleet.core;

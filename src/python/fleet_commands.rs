@@ -4,7 +4,7 @@ use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{Rows, pairs, rows, rows_of_rows, shape, typed};
+use super::arrays::{Rows, pairs_of, rows, rows_of_rows, shape, typed};
 use crate::{DriveCommands, Fleet};
 
 /// Name of what is read from an array, in an error.
@@ -21,7 +21,7 @@ impl<'py> Commands<'py> {
     pub fn of_robots(value: &Bound<'py, PyAny>, fleet: &Fleet) -> PyResult<Self> {
         let (array, count, steers) = (typed::<f64>("commands", value)?, fleet.len(), fleet.steers());
         match *array.shape() {
-            [rows, 2] if rows == count && steers => pairs(WHAT, &array).map(Self::Steered),
+            [rows, 2] if rows == count && steers => pairs_of(WHAT, &array).map(Self::Steered),
             [given, 3] if given == count => rows("commands", array.as_any(), None).map(Self::Twists),
             [given, 2] if given == count => Err(crate::Error::Steered.into()),
             _ => {
@@ -35,7 +35,7 @@ impl<'py> Commands<'py> {
     pub fn of_rollouts(value: &Bound<'py, PyAny>, fleet: &Fleet) -> PyResult<(Self, [usize; 2])> {
         let (array, steers) = (typed::<f64>("commands", value)?, fleet.steers());
         match *array.shape() {
-            [count, steps, 2] if steers => Ok((Self::Steered(pairs(WHAT, &array)?), [count, steps])),
+            [count, steps, 2] if steers => Ok((Self::Steered(pairs_of(WHAT, &array)?), [count, steps])),
             [_, _, 2] => Err(crate::Error::Steered.into()),
             [_, _, 3] => {
                 let (rows, dimensions) = rows_of_rows("commands", array.as_any())?;

@@ -109,7 +109,7 @@ pub fn judge_steps<'py>(
 ) -> PyResult<Judgement<'py>> {
     const WHAT: &str = "the rewards";
     let [progress, goal, contact, time, turning] = weights.named("weights")?;
-    let (before, after) = (goals("before", before)?, goals("after", after)?);
+    let (before, after) = (pairs("before", before, None)?, pairs("after", after, None)?);
     let contacts: Vec<bool> = elements("contacts", contacts, None)?;
     let velocities = rows("velocities", velocities, None)?;
     let elapsed: Vec<i64> = elements("elapsed", elapsed, None)?;
@@ -130,13 +130,4 @@ pub fn judge_steps<'py>(
     reward.judge(steps, goal_radius.named("goal_radius")?, step_limit, verdicts)?;
     let parts = Array2::from_shape_vec((Reward::PARTS, count), parts).expect("a row for each part");
     Ok((vector(py, rewards), parts.into_pyarray(py), vector(py, reached), vector(py, truncated)))
-}
-
-/// Returns distances and bearings from an array of shape `(N, 2)`.
-fn goals(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    let array = typed::<f64>(name, value)?;
-    let [_, 2] = *array.shape() else {
-        return Err(PyValueError::new_err(format!("{name} must have shape (N, 2), got {}", shape(array.shape()))));
-    };
-    pairs(name, &array)
 }
