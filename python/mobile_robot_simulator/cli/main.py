@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import sys
 from collections.abc import Iterable, Mapping
@@ -36,7 +37,7 @@ PASSED_ON = {"allow_extra_args": True, "ignore_unknown_options": True}
 """Typer settings for commands that pass their extra arguments on to ROS."""
 
 
-COLLECTED_AFTER = 50_000
+COLLECTED_AFTER = 200_000
 """Number of new objects after which Python looks for garbage. By default it is 700, and imports alone make far more."""
 
 
@@ -59,6 +60,8 @@ def app_of(names: Iterable[str]) -> typer.Typer:
 def main() -> None:
     """Runs the command. Invalid input prints a message and exits with status 1."""
     gc.set_threshold(COLLECTED_AFTER)
+    # Without this, Python looks through all objects for garbage at exit, for a tenth of the time of the demo.
+    atexit.register(gc.freeze)
     try:
         with warnings_as_notes():
             first = sys.argv[1] if len(sys.argv) > 1 else ""
