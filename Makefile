@@ -40,8 +40,10 @@ build: .venv/release
 	@touch $@
 
 # The package has one extension module: .venv/release or .venv/development marks which build it is.
+# pip compiles the Python files of a wheel. Those of an editable package are compiled here, so that the first command is fast too.
 .venv/release: .venv/tools $(CORE_SOURCES)
 	PIP_QUIET=1 $(BIN)/maturin develop --release --locked
+	$(BIN)/python -m compileall -q python
 	@rm -f .venv/development
 	@touch $@
 
