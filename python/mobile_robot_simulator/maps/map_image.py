@@ -1,7 +1,7 @@
 """Images of maps: reads an image file as 8-bit grey and alpha.
 
 The pixels equal those of GraphicsMagick, which Nav2 uses to read maps. Only colours of 16-bit samples can come out one level
-too high.
+too high. Pillow is imported for the images that need it: most maps are PGM files, which do not.
 """
 
 from __future__ import annotations
@@ -9,21 +9,19 @@ from __future__ import annotations
 import io
 import os
 import re
+from importlib import import_module
 from pathlib import Path, PureWindowsPath
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
-from PIL.BmpImagePlugin import BmpImageFile
-from PIL.GifImagePlugin import GifImageFile
-from PIL.ImageFile import ImageFile
-from PIL.JpegImagePlugin import JpegImageFile
-from PIL.PngImagePlugin import PngImageFile
-from PIL.TiffImagePlugin import TiffImageFile
 
 from ..quoting import shortened
 from ..user_files import open_regular, read_bytes
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+    from PIL.ImageFile import ImageFile
 
 _Grey = NDArray[np.uint8]
 _Sample = TypeVar("_Sample", bound=np.generic)
@@ -41,15 +39,15 @@ _MAX_BYTES = 2**32
 # The last number cancels the 0.5 that Pillow adds before it truncates.
 _LUMA = (306 / 1024, 601 / 1024, 117 / 1024, -0.5)
 
-# The reader is chosen by the file signature. Image.open is not used, because real maps can exceed its pixel limit. The limit
-# is a global setting, which this package must not change.
-_PILLOW_READERS: tuple[tuple[bytes, type[ImageFile]], ...] = (
-    (b"\x89PNG\r\n\x1a\n", PngImageFile),
-    (b"\xff\xd8\xff", JpegImageFile),
-    (b"BM", BmpImageFile),
-    (b"II*\0", TiffImageFile),
-    (b"MM\0*", TiffImageFile),
-    (b"GIF8", GifImageFile),
+# The format, as Pillow names its readers, is chosen by the file signature. Image.open is not used, because real maps can
+# exceed its pixel limit. The limit is a global setting, which this package must not change.
+_PILLOW_FORMATS: tuple[tuple[bytes, str], ...] = (
+    (b"\x89PNG\r\n\x1a\n", "Png"),
+    (b"\xff\xd8\xff", "Jpeg"),
+    (b"BM", "Bmp"),
+    (b"II*\0", "Tiff"),
+    (b"MM\0*", "Tiff"),
+    (b"GIF8", "Gif"),
 )
 
 _PNM_KINDS = (b"P1", b"P2", b"P3", b"P4", b"P5", b"P6")
@@ -100,7 +98,7 @@ def is_image(path: Path) -> bool:
     """Returns True if a file starts like an image that `read_image` knows."""
     with open_regular(path) as file:
         start = file.read(8)
-    return start[:2] in _PNM_KINDS or any(start.startswith(signature) for signature, _ in _PILLOW_READERS)
+    return start[:2] in _PNM_KINDS or any(start.startswith(signature) for signature, _ in _PILLOW_FORMATS)
 
 
 def _place(path: Path, yaml_path: Path) -> str:
@@ -114,7 +112,7 @@ def _place(path: Path, yaml_path: Path) -> str:
 
 def _decode_with_pillow(data: bytes) -> MapImage:
     image = _open_with_pillow(data)
-    _check_size(*image.size, _MAX_PIXELS if isinstance(image, BmpImageFile) else _MAX_COMPRESSED_PIXELS)
+    _check_size(*image.size, _MAX_PIXELS if image.format == "BMP" else _MAX_COMPRESSED_PIXELS)
     if image.mode.startswith("I;16"):
         alpha = _mask_of_transparent_grey(image)
         return MapImage(_to_8_bits(np.asarray(image), 65535), alpha)
@@ -129,10 +127,11 @@ def _decode_with_pillow(data: bytes) -> MapImage:
 def _open_with_pillow(data: bytes) -> ImageFile:
     if not data:
         raise ValueError("the file is empty")
-    for signature, reader in _PILLOW_READERS:
+    for signature, format in _PILLOW_FORMATS:
         if data.startswith(signature):
+            reader: type[ImageFile] = getattr(import_module(f"PIL.{format}ImagePlugin"), f"{format}ImageFile")
             image = reader(_WholeFile(data))
-            if isinstance(image, PngImageFile):
+            if format == "Png":
                 # verify() compares the checksums, which reading does not. A verified image cannot be read, so open it again.
                 image.verify()
                 image = reader(_WholeFile(data))
@@ -154,7 +153,7 @@ class _WholeFile(io.BytesIO):
         return data
 
 
-def _luma(image: Image.Image) -> _Grey:
+def _luma(image: Image) -> _Grey:
     """Rec. 601 luma (H, W) uint8, computed as in GraphicsMagick."""
     if image.mode in ("1", "L"):
         return np.asarray(image.convert("L"))
@@ -211,7 +210,9 @@ def _decode_pnm(data: bytes) -> MapImage:
     levels = _to_8_bits(read_samples(data, header.end(), shape, largest), largest)
     if channels == 1:
         return MapImage(levels, None)
-    return MapImage(_luma(Image.fromarray(levels.reshape(height, width, 3))), None)
+    from PIL.Image import fromarray
+
+    return MapImage(_luma(fromarray(levels.reshape(height, width, 3))), None)
 
 
 def _ascii_bits(data: bytes, start: int, shape: tuple[int, int]) -> NDArray[np.uint8]:

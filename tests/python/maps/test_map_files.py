@@ -7,6 +7,8 @@ import json
 import os
 import shutil
 import struct
+import subprocess
+import sys
 import tempfile
 import warnings
 import zlib
@@ -210,6 +212,19 @@ GREYS = [[0, 50, 100], [10, 35, 9]]
 )
 def test_all_encodings_of_an_image_give_the_same_greys(tmp_path: Path, image: bytes) -> None:
     assert greys_of(tmp_path, image) == GREYS
+
+
+@pytest.mark.parametrize("image_format", ["PPM", "PNG", "BMP", "TIFF", "GIF"])
+def test_a_pgm_is_read_without_pillow_and_others_with_one_of_its_readers(tmp_path: Path, image_format: str) -> None:
+    path = write_map(tmp_path, encoded(grey_image(GREYS), image_format), mode="raw")
+    code = (
+        "import sys; import mobile_robot_simulator as mrs\n"
+        f"print(mrs.load_map({str(path)!r}).cells.tolist()[::-1])\n"
+        f"print('PIL' in sys.modules, 'PIL.{image_format.capitalize()}ImagePlugin' in sys.modules)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    with_pillow = image_format != "PPM"
+    assert ran.stdout.splitlines() == [f"{GREYS}", f"{with_pillow} {with_pillow}"]
 
 
 def test_palette_images_use_the_colours_not_the_indices(tmp_path: Path) -> None:
