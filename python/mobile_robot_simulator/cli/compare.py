@@ -9,10 +9,8 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
-from ..new_files import write_files
 from .console import print_note, print_table, stage_bar
 from .options import Assignments, MapFile, ParamsFile, RosArgs, load_grid, read_values
 from .signals import signals_as_interrupt
@@ -87,6 +85,7 @@ def compare(
     """
     from ..compare import compare_log, html_report, noise_text
     from ..logs import read_log
+    from ..new_files import write_files
 
     with signals_as_interrupt():
         if out is not None:
@@ -124,6 +123,8 @@ def _note_limits(comparison: Comparison) -> None:
 
 def _rows(comparison: Comparison) -> list[tuple[str, str]]:
     """Returns the rows of a table of the results."""
+    import numpy as np
+
     residuals = comparison.residuals
     spread, total = residuals.spread, sum(residuals.counts.values())
     alignment, refinement = comparison.alignment, comparison.refinement

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from ..maps import load_map, save_map
 from .console import console
 from .options import MapFile, Resolution, Unit
 
@@ -21,5 +20,7 @@ def convert(
     unit: Unit = None,
 ) -> None:
     """Convert a world to a map of map_server: a YAML file and an image next to it."""
+    from ..maps import load_map, save_map
+
     save_map(load_map(map_file, resolution=resolution, unit=unit), file)
     console.print(f"{file}", highlight=False)

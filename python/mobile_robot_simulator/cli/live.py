@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .._core import OccupancyGrid, Pose
-from ..logs.reader import is_bag
-from ..maps import floor_plan
-from ..parameter_files import read_fault_texts
 from ..recording.format import Format
 from .console import console, print_note
 from .options import (
@@ -103,6 +100,9 @@ def live(
     from ..drivers.script import Script
     from ..live import LiveView
     from ..live.autopilot import ScriptPilot, WanderPilot
+    from ..logs.reader import is_bag
+    from ..maps import floor_plan
+    from ..parameter_files import read_fault_texts
     from ..simulation.simulation import Simulation
     from .drive import has_outline, usual_start
 

@@ -1,21 +1,22 @@
-"""Arguments and options that several commands share, and functions that read their values."""
+"""Arguments and options that several commands share, and functions that read their values.
+
+What reads values is imported by the functions, because the help pages need only the options.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .._core import OccupancyGrid, Pose
-from ..faults import Fault
-from ..faults.reading import read_fault
-from ..maps import load_map
-from ..parameter_files import read_assignment, read_file, translated
-from ..parameters import LaserParameters, for_node
 from .console import print_note
+
+if TYPE_CHECKING:
+    from ..faults import Fault
 
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="Map file: the YAML file of map_server, or a world in another format.")
@@ -55,6 +56,8 @@ def read_values(assignments: list[str] | None, file: Path | None) -> dict[str, A
         OSError: The file cannot be read.
         ValueError: An assignment or the file is malformed, or names an unknown parameter.
     """
+    from ..parameter_files import read_assignment, read_file, translated
+
     values = read_file(file) if file is not None else {}
     assigned = dict(map(read_assignment, assignments or []))
     kept = {key: value for key, value in values.items() if key.rpartition(":")[2] not in assigned}
@@ -71,6 +74,8 @@ def read_faults(texts: Iterable[str] | None, others: Iterable[str] = ()) -> list
     Raises:
         ValueError: A text does not describe a fault.
     """
+    from ..faults.reading import read_fault
+
     return [read_fault(text) for text in (*(texts or ()), *others)]
 
 
@@ -104,6 +109,9 @@ def load_grid(
     `resolution` and `unit` are those of `load_map`. Prints a hint if unknown cells shall block and a map of map_server has
     none, because its thresholds make the usual grey free.
     """
+    from ..maps import load_map
+    from ..parameters import LaserParameters, for_node
+
     unknown = for_node(LaserParameters, values).unknown
     grid = load_map(map_file, unknown=unknown, resolution=resolution, unit=unit)
     if unknown == "occupied" and map_file.suffix.lower() in (".yaml", ".yml") and (grid.cells >= 0).all():
@@ -120,4 +128,6 @@ def seed_of(seed: int | None, values: dict[str, Any]) -> int:
     Raises:
         ValueError: The seed is out of range.
     """
+    from ..parameters import LaserParameters, for_node
+
     return for_node(LaserParameters, values if seed is None else {**values, "seed": seed}).seed

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..parameter_files import read_fault_texts
 from ..recording.format import Format
 from .console import console, print_note, print_table, progress_bar
 from .options import (
@@ -86,6 +85,7 @@ def run(
     """
     from ..drivers.script import Script
     from ..drivers.wander import Wander
+    from ..parameter_files import read_fault_texts
     from ..recording.recorder import Recorder
     from .drive import Drive
 

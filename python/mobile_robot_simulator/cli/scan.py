@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from .._core import LaserScanner
-from ..parameters import LaserParameters, for_node
 from .console import console, print_table
 from .options import (
     Assignments,
@@ -26,6 +24,9 @@ from .options import (
     seed_of,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
 
 def scan(
     map_file: MapFile,
@@ -40,6 +41,10 @@ def scan(
     ros_args: RosArgs = False,
 ) -> None:
     """Take one scan of a map, as the laser node does. A range equal to range_max means no return."""
+    import numpy as np
+
+    from ..parameters import LaserParameters, for_node
+
     place = pose_of(pose, "--pose")
     values = read_values(param, params_file)
     grid = load_grid(map_file, values, resolution=resolution, unit=unit)
