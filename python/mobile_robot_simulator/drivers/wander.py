@@ -20,6 +20,8 @@ HEADINGS = np.linspace(-2.0, 2.0, 41)
 NO_RETURN_MARGIN = 0.11
 """A beam without a return reads at least `range_max` less this [m], for every value of `no_return`."""
 
+_FAR = np.finfo(np.float32).max
+
 _BeamDirections = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
@@ -111,19 +113,22 @@ class Wandering:
     def _free_distances(self, scan: LaserScan) -> NDArray[np.float32]:
         """Returns the free length of the lane along each candidate heading [m], or range_max if no beam in it returns."""
         cos, sin = self._beam_directions(scan)
-        # A return that is too close (-inf) becomes 1 mm. A beam without a return becomes 0, so that no lane contains it.
+        # A return that is too close (-inf) becomes 1 mm. A beam without a return ends far away, where it shortens no lane.
         returned = scan.ranges < scan.range_max - NO_RETURN_MARGIN
-        ranges = np.where(returned, np.maximum(scan.ranges, np.float32(1e-3)), np.float32(0.0))
-        along, across = ranges * cos, np.abs(ranges * sin)
-        in_lane = (across < self._driver.radius + self._driver.margin) & (along > 0.0)
-        free: NDArray[np.float32] = np.where(in_lane, along, np.float32(scan.range_max)).min(axis=1)
+        ranges = np.where(returned, np.maximum(scan.ranges, np.float32(1e-3)), _FAR)
+        in_lane = ranges * sin < self._driver.radius + self._driver.margin
+        free: NDArray[np.float32] = (ranges * cos).min(axis=1, where=in_lane, initial=np.float32(scan.range_max))
         return free
 
     def _beam_directions(self, scan: LaserScan) -> _BeamDirections:
-        """Returns the cosine and the sine of the angle from each heading to each beam, both of shape (headings, beams)."""
+        """Returns the cosine and the size of the sine of the angle from each heading to each beam, both (headings, beams).
+
+        The sine of a beam that points backwards is infinite, so that it is in no lane.
+        """
         count = len(scan.ranges)
         if count not in self._directions:
             angles = scan.angle_min + np.arange(count) * scan.angle_increment
             offsets = angles[None, :] - HEADINGS[:, None]
-            self._directions[count] = np.cos(offsets).astype(np.float32), np.sin(offsets).astype(np.float32)
+            cos, sin = np.cos(offsets).astype(np.float32), np.abs(np.sin(offsets)).astype(np.float32)
+            self._directions[count] = cos, np.where(cos > 0.0, sin, np.float32(np.inf))
         return self._directions[count]

@@ -5,7 +5,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from mobile_robot_simulator.drivers.commander import Commander
-from mobile_robot_simulator.drivers.wander import Wander
+from mobile_robot_simulator.drivers.wander import HEADINGS, NO_RETURN_MARGIN, Wander, Wandering
 
 SEED = 4
 
@@ -57,3 +57,31 @@ def test_the_mark_of_a_beam_without_a_return_does_not_change_the_path():
         simulation.run_for(20.0)
         ends.add(tuple(simulation.pose))
     assert len(ends) == 1
+
+
+def free_lane(scan, heading, half_width):
+    """The specification: how far the lane along a heading is free. Beam by beam, with the roundings of the driver."""
+    free = np.float32(scan.range_max)
+    for beam, reading in enumerate(scan.ranges):
+        if not reading < scan.range_max - NO_RETURN_MARGIN:
+            continue
+        offset = scan.angle_min + beam * scan.angle_increment - heading
+        reading = max(reading, np.float32(1e-3))
+        along, across = reading * np.float32(np.cos(offset)), abs(reading * np.float32(np.sin(offset)))
+        if along > 0.0 and across < half_width:
+            free = min(free, along)
+    return free
+
+
+@pytest.mark.parametrize("beams", [1, 2, 181, 541])
+def test_a_lane_is_free_up_to_the_nearest_return_in_it(beams):
+    random = np.random.default_rng(SEED)
+    driver = Wander()
+    for span in (1.0, 4.7, 6.28):
+        ranges = (random.random(beams) ** 3 * 12.0).astype(np.float32)
+        for mark in (np.inf, -np.inf, np.nan, 10.0, 9.9, 0.0):
+            ranges[random.random(beams) < 0.1] = mark
+        scan = mrs.messages.LaserScan(angle_min=-span / 2, angle_increment=span / beams, range_max=10.0, ranges=ranges)
+        free = Wandering(driver, SEED)._free_distances(scan)
+        assert free.dtype == np.float32
+        assert free.tolist() == [free_lane(scan, heading, driver.radius + driver.margin) for heading in HEADINGS]
