@@ -39,6 +39,12 @@ pub struct BeamFit {
 /// Largest number of iterations.
 const MAX_ITERATIONS: usize = 5000;
 
+/// Largest factor by which a leap changes a parameter.
+const LARGEST_LEAP: f64 = 10.0;
+
+/// Number of iterations with little gain after which a fit ends.
+const CALM: usize = 3;
+
 /// Gain in log-likelihood that is given away at the end of a fit. A loss of 0.5 is one standard error.
 const LOSS: f64 = 1e-4;
 
@@ -319,6 +325,10 @@ impl Data {
         sigma.clamp(SMALLEST * self.max_range, LARGEST * self.max_range)
     }
 
+    fn lambda_within_limits(&self, lambda: f64) -> f64 {
+        lambda.clamp(SMALLEST / self.max_range, LARGEST / self.max_range)
+    }
+
     fn start(&self, sigma_hit: f64) -> BeamModelOptions {
         let sigma_hit = self.sigma_within_limits(sigma_hit);
         let lambda_short = 3.0 / self.max_range;
@@ -342,30 +352,70 @@ impl Data {
 
     /// Improves parameters until the likelihood hardly grows. `kept` puts back those that must not change.
     ///
-    /// The gains of the last iterations tell what further ones would gain, if they shrink like a geometric series. It ends when
-    /// that is little (Böhning et al., *The distribution of the likelihood ratio for mixtures*, 1994, section 5).
+    /// Each iteration improves them twice and then leaps on in the same direction, which counts if the likelihood grows by it
+    /// (Varadhan & Roland, *Simple and globally convergent methods for accelerating the convergence of any EM algorithm*, 2008).
+    ///
+    /// The gains of the two improvements tell what further ones would gain, if they shrink like a geometric series (Böhning et al.,
+    /// *The distribution of the likelihood ratio for mixtures*, 1994, section 5). It ends when that and the gain of the iteration
+    /// have been little for [`CALM`] iterations: directly after a leap, the gains do not show yet that improvements are slow.
     fn climb_by(
         &self,
-        mut options: BeamModelOptions,
+        options: BeamModelOptions,
         watch: &Watch,
         kept: impl Fn(BeamModelOptions) -> BeamModelOptions,
     ) -> Result<Peak, Error> {
-        let mut sums = self.sums(&options);
-        let mut last_gain = f64::INFINITY;
+        let place = |options, iterations| {
+            let options = kept(options);
+            Peak { options, sums: self.sums(&options), iterations }
+        };
+        let (mut here, mut calm) = (place(options, 0), 0);
         for iterations in 1..=MAX_ITERATIONS {
             watch.check()?;
-            let next = kept(self.improved(&options, &sums));
-            let next_sums = self.sums(&next);
-            let gain = next_sums.log_likelihood - sums.log_likelihood;
-            (options, sums) = (next, next_sums);
-            let rate = gain / last_gain;
-            let is_little = gain < LOSS && rate < 1.0 && gain * rate / (1.0 - rate) < LOSS;
-            if gain <= 0.0 || is_little {
-                return Ok(Peak { options, sums, iterations });
+            let once = place(self.improved(&here.options, &here.sums), iterations);
+            let twice = place(self.improved(&once.options, &once.sums), iterations);
+            let leap = place(self.leap([&here, &once, &twice].map(|each| each.options)), iterations);
+            let [before, first, second, leapt] = [&here, &once, &twice, &leap].map(|each| each.sums.log_likelihood);
+            let (gain, rate) = (second - first, (second - first) / (first - before));
+            let is_little = leapt.max(second) - before < LOSS && rate < 1.0 && gain * rate / (1.0 - rate) < LOSS;
+            calm = if is_little { calm + 1 } else { 0 };
+            if gain <= 0.0 || calm == CALM {
+                return Ok(twice);
             }
-            last_gain = gain;
+            here = if leapt > second { leap } else { twice };
         }
-        Ok(Peak { options, sums, iterations: MAX_ITERATIONS })
+        Ok(here)
+    }
+
+    /// Returns where further improvements lead, given parameters before and after two of them. Weights of 0 stay 0.
+    ///
+    /// The logarithms of the parameters go from `x` to `x + 2·s·r + s²·v`, where `r` is the first change, `v` the change of the
+    /// change, and `s = |r| / |v|`. With `s = 1`, that is the second improvement.
+    fn leap(&self, [start, once, twice]: [BeamModelOptions; 3]) -> BeamModelOptions {
+        let nothing = libm::log(f64::MIN_POSITIVE);
+        let [start, once, twice] = [start, once, twice].map(|options| {
+            let BeamModelOptions { sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand, .. } = options;
+            [sigma_hit, lambda_short, z_hit, z_short, z_max, z_rand].map(|each| libm::log(each.max(f64::MIN_POSITIVE)))
+        });
+        let change: [f64; 6] = std::array::from_fn(|index| once[index] - start[index]);
+        let bend: [f64; 6] = std::array::from_fn(|index| twice[index] - once[index] - change[index]);
+        let length = |vector: [f64; 6]| vector.map(|each| each * each).iter().sum::<f64>().sqrt();
+        let stride = (length(change) / length(bend).max(f64::MIN_POSITIVE)).max(1.0);
+        let most = libm::log(LARGEST_LEAP);
+        let leap = |index: usize| {
+            let end = start[index] + stride * (2.0 * change[index] + stride * bend[index]);
+            if twice[index] > nothing { libm::exp(end.clamp(twice[index] - most, twice[index] + most)) } else { 0.0 }
+        };
+        let [sigma_hit, lambda_short, weights @ ..]: [f64; 6] = std::array::from_fn(leap);
+        let [z_hit, z_short, z_max, z_rand] = weights.map(|weight| weight / weights.iter().sum::<f64>());
+        BeamModelOptions {
+            sigma_hit: self.sigma_within_limits(sigma_hit),
+            lambda_short: self.lambda_within_limits(lambda_short),
+            z_hit,
+            z_short,
+            z_max,
+            z_rand,
+            ..BeamModelOptions::default()
+        }
     }
 
     fn result(&self, Peak { options, sums, iterations }: Peak, offset: Option<f64>) -> Result<BeamFit, Error> {
@@ -419,10 +469,9 @@ impl Data {
         let count = self.count();
         let sigma = (sums.squares / sums.freedom).sqrt();
         let lambda = sums.short / sums.lengths;
-        let limit = |lambda: f64| lambda.clamp(SMALLEST / self.max_range, LARGEST / self.max_range);
         BeamModelOptions {
             sigma_hit: if sigma.is_finite() { self.sigma_within_limits(sigma) } else { options.sigma_hit },
-            lambda_short: if lambda.is_finite() { limit(lambda) } else { options.lambda_short },
+            lambda_short: if lambda.is_finite() { self.lambda_within_limits(lambda) } else { options.lambda_short },
             z_hit: sums.hit / count,
             z_short: sums.short / count,
             z_max: sums.max / count,

@@ -140,6 +140,20 @@ fn the_fit_is_a_maximum_of_the_likelihood() {
     }
 }
 
+/// Where λ is far below the inverse of the true ranges, short readings are almost as uniform as random ones. The likelihood
+/// then has a long ridge, along which plain expectation maximization takes 1500 steps.
+#[test]
+fn a_fit_does_not_creep_along_a_ridge() {
+    let weights = BeamModelOptions { z_hit: 0.7, z_short: 0.15, z_max: 0.05, z_rand: 0.1, ..BeamModelOptions::default() };
+    let options = BeamModelOptions { sigma_hit: 0.1, lambda_short: 0.01, ..weights };
+    let (readings, ranges) = data(options, 20_000, 2);
+    let fit = BeamModel::fit(readings.iter().copied(), ranges.iter().copied(), (0.0, MAX_RANGE)).expect("a fit");
+    let drawn_with = BeamModel::new(options).expect("a model");
+    let all = drawn_with.likelihoods(readings, ranges, (0.0, MAX_RANGE)).expect("ranges");
+    assert!(fit.log_likelihood > all.iter().map(|likelihood| likelihood.ln()).sum());
+    assert!(fit.has_converged && fit.iterations < 100, "{} iterations", fit.iterations);
+}
+
 #[test]
 fn what_the_readings_do_not_determine_is_named() {
     let only = |z_hit, z_short, z_max, z_rand| BeamModelOptions {

@@ -243,7 +243,7 @@ impl BeamModel {
     ///
     /// It has one standard deviation for all true ranges, no offset and no steps: `range_offset` and the other `range_...` are 0.
     /// Method: expectation maximization, as in table 6.2 of the book, with the truncation of the hit and the short part taken into
-    /// account. NaN is left out, and so are readings with a true range of 0.
+    /// account, and with leaps (Varadhan & Roland, 2008). NaN is left out, and so are readings with a true range of 0.
     ///
     /// Args:
     ///     true_ranges: float32 of any shape, true ranges [m]. A true range of `max_range` or more means that the beam hits

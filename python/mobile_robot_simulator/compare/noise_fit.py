@@ -77,7 +77,7 @@ def fit_noise(
 ) -> NoiseFit | None:
     """Returns the beam model of a log, or None if the even or the odd scans have no reading that can be used.
 
-    The model is fitted to at most `MOST_READINGS` readings, which takes some seconds, and tested on all of the odd scans.
+    The model is fitted to at most `MOST_READINGS` readings, which takes about a second, and tested on all of the odd scans.
     A reading of NaN cannot be used, and neither can any from within a blocking cell of the map.
 
     Args:
