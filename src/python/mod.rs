@@ -11,7 +11,6 @@ mod beam_model;
 mod contact;
 mod drive;
 mod fleet;
-mod fleet_commands;
 mod grid;
 mod interrupt;
 mod learning;

@@ -4,7 +4,7 @@ use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::arrays::{Rows, pairs_of, rows, rows_of_rows, shape, typed};
+use crate::python::arrays::{Rows, pairs_of, rows, rows_of_rows, shape, typed};
 use crate::{DriveCommands, Fleet};
 
 /// Name of what is read from an array, in an error.

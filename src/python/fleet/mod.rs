@@ -1,32 +1,36 @@
-//! The Python classes `Fleet`, `FleetStep` and `FleetState`.
+//! The Python class `Fleet`.
+
+mod arguments;
+mod commands;
+mod state;
+mod step;
 
 use std::sync::Arc;
 
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyUntypedArrayMethods};
+use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::PyDict;
 
-use super::arrays::{
-    check_array, elements, fill, length, pairs, rows, short_repr, type_name, typed, vector, waypoints, whole_numbers,
-    writable, zeros,
-};
+pub use state::FleetState;
+pub use step::FleetStep;
+
+use super::arrays::{elements, fill, pairs, rows, type_name, vector, whole_numbers, writable, zeros};
 use super::beam_model::BeamModel;
 use super::contact::contact_mode;
 use super::drive::Drive;
-use super::fleet_commands::Commands;
 use super::grid::OccupancyGrid;
 use super::limits::Limits;
 use super::motion_noise::MotionNoise;
 use super::number::Argument;
-use super::pose::PoseArgument;
 use super::scanner::LaserScanner;
 use super::shape::{FootprintArgument, Shape};
 use super::surface_model::SurfaceModel;
-use super::{Recipe, recipe, thread_count, whole_number};
-use crate::memory;
-use crate::{ContactMode, FleetObstacle, FleetOptions, Report, Reset, Rollout, Thing, Trajectory};
+use super::{recipe, thread_count, whole_number};
+use crate::{ContactMode, FleetObstacle, FleetOptions, Reset, Rollout};
+use arguments::{grids_of, indices, obstacles_of, one_or_each, replacements};
+use commands::Commands;
 
 /// Many robots that are stepped together, each alone in a world of its own, or several in one.
 ///
@@ -90,262 +94,6 @@ pub struct Fleet {
     core: crate::Fleet,
     grids: Vec<Py<OccupancyGrid>>,
     world_of: Vec<u64>,
-}
-
-/// What `Fleet.step` returns: one row for each robot. Pass it as `out=` to a later step to use its arrays again.
-///
-/// `Fleet.step` makes one. With arrays of your own, for example in shared memory, a step writes its results there.
-///
-/// Args:
-///     poses: (N, 3) float64 in C order.
-///     velocities: (N, 3) float64 in C order.
-///     contacts: (N,) bool.
-///     contact_points: (N, 2) float64 in C order.
-///     contact_obstacles: (N,) int64.
-///     contact_robots: (N,) int64.
-///     odometry: (N, 3) float64 in C order.
-///     ranges: (N, beam_count) float32 in C order; None for steps without scans.
-///     clearances: (N,) float64; None for a fleet without `clearance_limit`.
-///
-/// Raises:
-///     ValueError: An array has another shape, or is not in C order.
-///     TypeError: An argument is no array, or has another dtype.
-///
-/// Examples:
-///     >>> import numpy as np
-///     >>> import mobile_robot_simulator as mrs
-///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
-///     >>> fleet, commands = mrs.Fleet(grid, [(1.0, 1.0, 0.0)]), [(0.5, 0.0, 0.0)]
-///     >>> step = fleet.step(commands, 1.0)
-///     >>> fleet.step(commands, 1.0, out=step) is step
-///     True
-///     >>> step.poses
-///     array([[2., 1., 0.]])
-#[pyclass(frozen, module = "mobile_robot_simulator")]
-pub struct FleetStep {
-    poses: Py<PyAny>,
-    velocities: Py<PyAny>,
-    contacts: Py<PyAny>,
-    contact_points: Py<PyAny>,
-    contact_obstacles: Py<PyAny>,
-    contact_robots: Py<PyAny>,
-    odometry: Py<PyAny>,
-    ranges: Option<Py<PyAny>>,
-    clearances: Option<Py<PyAny>>,
-}
-
-#[pymethods]
-impl FleetStep {
-    #[new]
-    #[pyo3(signature = (
-        *,
-        poses,
-        velocities,
-        contacts,
-        contact_points,
-        contact_obstacles,
-        contact_robots,
-        odometry,
-        ranges = None,
-        clearances = None,
-    ))]
-    #[allow(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
-    fn of_arrays(
-        poses: &Bound<'_, PyAny>,
-        velocities: &Bound<'_, PyAny>,
-        contacts: &Bound<'_, PyAny>,
-        contact_points: &Bound<'_, PyAny>,
-        contact_obstacles: &Bound<'_, PyAny>,
-        contact_robots: &Bound<'_, PyAny>,
-        odometry: &Bound<'_, PyAny>,
-        ranges: Option<&Bound<'_, PyAny>>,
-        clearances: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let count = length(poses, 0);
-        check_array::<f64>("poses", poses, &[count, 3])?;
-        check_array::<f64>("velocities", velocities, &[count, 3])?;
-        check_array::<bool>("contacts", contacts, &[count])?;
-        check_array::<f64>("contact_points", contact_points, &[count, 2])?;
-        check_array::<i64>("contact_obstacles", contact_obstacles, &[count])?;
-        check_array::<i64>("contact_robots", contact_robots, &[count])?;
-        check_array::<f64>("odometry", odometry, &[count, 3])?;
-        if let Some(ranges) = ranges {
-            check_array::<f32>("ranges", ranges, &[count, length(ranges, 1)])?;
-        }
-        if let Some(clearances) = clearances {
-            check_array::<f64>("clearances", clearances, &[count])?;
-        }
-        let own = |array: &Bound<'_, PyAny>| array.clone().unbind();
-        Ok(Self {
-            poses: own(poses),
-            velocities: own(velocities),
-            contacts: own(contacts),
-            contact_points: own(contact_points),
-            contact_obstacles: own(contact_obstacles),
-            contact_robots: own(contact_robots),
-            odometry: own(odometry),
-            ranges: ranges.map(own),
-            clearances: clearances.map(own),
-        })
-    }
-
-    /// Pose of each robot: (N, 3) float64, rows (x, y, yaw) in the map frame [m, m, rad], with yaws in (-π, π].
-    #[getter]
-    fn poses(&self, py: Python<'_>) -> Py<PyAny> {
-        self.poses.clone_ref(py)
-    }
-
-    /// Velocity of each robot: (N, 3) float64, rows (vx, vy, wz) in its own frame [m/s, m/s, rad/s].
-    #[getter]
-    fn velocities(&self, py: Python<'_>) -> Py<PyAny> {
-        self.velocities.clone_ref(py)
-    }
-
-    /// Whether each robot touched something during the step: (N,) bool.
-    #[getter]
-    fn contacts(&self, py: Python<'_>) -> Py<PyAny> {
-        self.contacts.clone_ref(py)
-    }
-
-    /// Points that the robots touched first in the step: (N, 2) float64, rows (x, y) in the map frame [m]; NaN for none.
-    #[getter]
-    fn contact_points(&self, py: Python<'_>) -> Py<PyAny> {
-        self.contact_points.clone_ref(py)
-    }
-
-    /// Index of the obstacle that each robot touched first in the step: (N,) int64, -1 for none.
-    #[getter]
-    fn contact_obstacles(&self, py: Python<'_>) -> Py<PyAny> {
-        self.contact_obstacles.clone_ref(py)
-    }
-
-    /// Index of the other robot that each robot touched first in the step: (N,) int64, -1 for none.
-    ///
-    /// A contact with neither an obstacle nor a robot is one with a wall.
-    #[getter]
-    fn contact_robots(&self, py: Python<'_>) -> Py<PyAny> {
-        self.contact_robots.clone_ref(py)
-    }
-
-    /// Pose that the odometry of each robot reports after the step: (N, 3) float64, rows (x, y, yaw) [m, m, rad].
-    ///
-    /// It is in the robot's odometry frame, which is that of its first pose. Without noise and slip, it is where the robot is.
-    #[getter]
-    fn odometry(&self, py: Python<'_>) -> Py<PyAny> {
-        self.odometry.clone_ref(py)
-    }
-
-    /// Distance of each footprint to the nearest wall, obstacle or robot after the step: (N,) float64 [m].
-    ///
-    /// It is `clearance_limit` of the fleet if there is nothing nearer. None without that limit, or without a footprint.
-    #[getter]
-    fn clearances(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.clearances.as_ref().map(|clearances| clearances.clone_ref(py))
-    }
-
-    /// Scan of each robot after the step: (N, beam_count) float32 [m]; None without a scanner or with `scan=False`.
-    #[getter]
-    fn ranges(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.ranges.as_ref().map(|ranges| ranges.clone_ref(py))
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
-        let keywords = PyDict::new(py);
-        keywords.set_item("poses", &self.poses)?;
-        keywords.set_item("velocities", &self.velocities)?;
-        keywords.set_item("contacts", &self.contacts)?;
-        keywords.set_item("contact_points", &self.contact_points)?;
-        keywords.set_item("contact_obstacles", &self.contact_obstacles)?;
-        keywords.set_item("contact_robots", &self.contact_robots)?;
-        keywords.set_item("odometry", &self.odometry)?;
-        keywords.set_item("ranges", &self.ranges)?;
-        keywords.set_item("clearances", &self.clearances)?;
-        recipe::<Self>(py, PyTuple::empty(py), keywords)
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let ranges = match &self.ranges {
-            Some(ranges) => format!(", ranges of shape {}", ranges.getattr(py, "shape")?),
-            None => String::new(),
-        };
-        Ok(format!("FleetStep({} robots{ranges})", self.poses.bind(py).len()?))
-    }
-}
-
-impl FleetStep {
-    fn new(py: Python<'_>, count: usize, beam_count: Option<usize>, has_clearances: bool) -> PyResult<Self> {
-        Ok(Self {
-            poses: zeros::<f64>(py, &[count, 3])?.unbind(),
-            velocities: zeros::<f64>(py, &[count, 3])?.unbind(),
-            contacts: zeros::<bool>(py, &[count])?.unbind(),
-            contact_points: zeros::<f64>(py, &[count, 2])?.unbind(),
-            contact_obstacles: zeros::<i64>(py, &[count])?.unbind(),
-            contact_robots: zeros::<i64>(py, &[count])?.unbind(),
-            odometry: zeros::<f64>(py, &[count, 3])?.unbind(),
-            clearances: has_clearances.then(|| zeros::<f64>(py, &[count])).transpose()?.map(Bound::unbind),
-            ranges: beam_count.map(|beams| zeros::<f32>(py, &[count, beams])).transpose()?.map(Bound::unbind),
-        })
-    }
-}
-
-/// The state of some robots of a `Fleet`, as `Fleet.save` returns it.
-///
-/// Args:
-///     words: (M, K) uint64, the words of an earlier state.
-///
-/// Raises:
-///     ValueError: The words are not those of a state.
-///     TypeError: The words are no array of integers.
-///
-/// Examples:
-///     >>> import numpy as np
-///     >>> import mobile_robot_simulator as mrs
-///     >>> grid = mrs.OccupancyGrid(np.zeros((9, 9), np.int8), resolution=1.0)
-///     >>> mrs.Fleet(grid, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)]).save([False, True]).robots
-///     array([1])
-#[pyclass(frozen, module = "mobile_robot_simulator")]
-pub struct FleetState(crate::FleetState);
-
-#[pymethods]
-impl FleetState {
-    #[new]
-    fn new(words: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let words = typed::<u64>("words", words)?;
-        let words = memory::collected("the words", words.as_array().iter().copied())?;
-        Ok(Self(crate::FleetState::from_words(&words)?))
-    }
-
-    /// The state as words, to store it: (M, K) uint64. Their meaning can change with the version of this package.
-    #[getter]
-    fn words<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (words, count) = (self.0.to_words(), self.0.robots().len());
-        fill(py, None, &[count, words.len().checked_div(count).unwrap_or(0)], |numbers: &mut [u64]| {
-            numbers.copy_from_slice(&words);
-            Ok(())
-        })
-    }
-
-    /// Indices of the saved robots in their fleet: (M,) int64.
-    #[getter]
-    fn robots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let robots = self.0.robots();
-        fill(py, None, &[robots.len()], |numbers: &mut [i64]| {
-            numbers.iter_mut().zip(robots).for_each(|(number, &robot)| *number = robot as i64);
-            Ok(())
-        })
-    }
-
-    fn __len__(&self) -> usize {
-        self.0.robots().len()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("FleetState({} robots)", self.__len__())
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Recipe<'py>> {
-        recipe::<Self>(py, PyTuple::new(py, [self.words(py)?])?, PyDict::new(py))
-    }
 }
 
 #[pymethods]
@@ -524,54 +272,16 @@ impl Fleet {
             Some(out) => out,
             None => Bound::new(py, FleetStep::new(py, count, beam_count, has_clearances)?)?,
         };
-        let step = out.get();
-        let mut poses = writable::<f64>(step.poses.bind(py), &[count, 3])?;
-        let mut velocities = writable::<f64>(step.velocities.bind(py), &[count, 3])?;
-        let mut contacts = writable::<bool>(step.contacts.bind(py), &[count])?;
-        let mut points = writable::<f64>(step.contact_points.bind(py), &[count, 2])?;
-        let mut ranges = match (beam_count, &step.ranges) {
-            (Some(beams), Some(ranges)) => Some(writable::<f32>(ranges.bind(py), &[count, beams])?),
-            (Some(_), None) => return Err(PyValueError::new_err("out must have ranges, got the result of a step without")),
-            (None, _) => None,
-        };
-        let mut obstacles = writable::<i64>(step.contact_obstacles.bind(py), &[count])?;
-        let mut robots = writable::<i64>(step.contact_robots.bind(py), &[count])?;
-        let mut odometry = writable::<f64>(step.odometry.bind(py), &[count, 3])?;
-        let mut clearances = match (has_clearances, &step.clearances) {
-            (true, Some(clearances)) => Some(writable::<f64>(clearances.bind(py), &[count])?),
-            (true, None) => return Err(PyValueError::new_err("out must have clearances, got the result of a step without")),
-            (false, _) => None,
-        };
-        let (obstacles, robots) = (obstacles.as_slice_mut()?, robots.as_slice_mut()?);
-        let odometry = odometry.as_slice_mut()?;
-        let clearances = clearances.as_mut().map(|clearances| clearances.as_slice_mut()).transpose()?;
-        let (poses, velocities) = (poses.as_slice_mut()?, velocities.as_slice_mut()?);
-        let (contacts, points) = (contacts.as_slice_mut()?, points.as_slice_mut()?);
-        let ranges = ranges.as_mut().map(|ranges| ranges.as_slice_mut()).transpose()?;
+        let mut arrays = out.get().open(py, count, beam_count, has_clearances)?;
+        let mut rows = arrays.rows()?;
         let core = &mut fleet.core;
         let commands = commands.of_core();
         py.detach(|| {
-            core.step(commands, duration, threads, ranges)?;
-            let (poses, velocities, points) =
-                (poses.as_chunks_mut().0, velocities.as_chunks_mut().0, points.as_chunks_mut().0);
-            let (odometry, mut clearances) = (odometry.as_chunks_mut().0, clearances);
-            for (robot, Report { pose, velocity, odometry: reported, touch, clearance }) in core.reports().enumerate() {
-                poses[robot] = pose.to_array();
-                velocities[robot] = velocity.to_array();
-                odometry[robot] = reported.to_array();
-                if let Some(clearances) = &mut clearances {
-                    clearances[robot] = clearance;
-                }
-                contacts[robot] = touch.is_some();
-                points[robot] = touch.map_or([f64::NAN; 2], |touch| touch.point.to_array());
-                (obstacles[robot], robots[robot]) = match touch.map(|touch| touch.what) {
-                    None | Some(Thing::Wall) => (-1, -1),
-                    Some(Thing::Obstacle(index)) => (index as i64, -1),
-                    Some(Thing::Robot(index)) => (-1, index as i64),
-                };
-            }
+            core.step(commands, duration, threads, rows.ranges.take())?;
+            rows.write(core.reports());
             Ok::<(), crate::Error>(())
         })?;
+        drop(arrays);
         Ok(out)
     }
 
@@ -1131,104 +841,4 @@ fn borrowed<'py>(fleet: &Bound<'py, Fleet>) -> PyResult<PyRefMut<'py, Fleet>> {
     fleet
         .try_borrow_mut()
         .map_err(|_| PyRuntimeError::new_err("a fleet must be used by one thread at a time, got a call during another one"))
-}
-
-/// Returns the grids of an argument that is one or a sequence of them.
-fn grids_of(grids: &Bound<'_, PyAny>) -> PyResult<Vec<Py<OccupancyGrid>>> {
-    one_or_each("grids", "OccupancyGrid", Some(grids), |value| Some(value.cast::<OccupancyGrid>().ok()?.clone().unbind()))
-}
-
-/// Returns the values of an argument that is one value or a sequence of them; none for `None`.
-fn one_or_each<T>(
-    name: &str,
-    class: &str,
-    value: Option<&Bound<'_, PyAny>>,
-    read: impl Fn(&Bound<'_, PyAny>) -> Option<T>,
-) -> PyResult<Vec<T>> {
-    let Some(value) = value else { return Ok(Vec::new()) };
-    if let Some(one) = read(value) {
-        return Ok(vec![one]);
-    }
-    let refused = |got: &Bound<'_, PyAny>| {
-        let got = short_repr(got);
-        PyTypeError::new_err(format!("{name} must be one {class} or a sequence of them, got {got}"))
-    };
-    if value.is_instance_of::<PyString>() {
-        return Err(refused(value));
-    }
-    let items = value.len().and_then(|_| value.try_iter()).map_err(|_| refused(value))?;
-    let mut found = Vec::new();
-    for item in items {
-        let item = item?;
-        memory::push("the arguments of a fleet", &mut found, read(&item).ok_or_else(|| refused(&item))?)?;
-    }
-    if found.is_empty() {
-        return Err(PyValueError::new_err(format!("{name} must have at least one {class}, got none")));
-    }
-    Ok(found)
-}
-
-/// Returns the indices of an array of integers of shape `(count,)`.
-fn indices(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<usize>> {
-    let numbers = whole_numbers(name, value, Some(count))?;
-    Ok(numbers.into_iter().map(|number| usize::try_from(number).unwrap_or(usize::MAX)).collect())
-}
-
-/// Returns the obstacles of an argument: an iterable of `(Shape, trajectory)` or `(Shape, trajectory, world)`.
-fn obstacles_of(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<FleetObstacle>> {
-    let refused = |got: &Bound<'_, PyAny>| {
-        let needed = "obstacles must be (Shape, trajectory) or (Shape, trajectory, world), with a pose or waypoints";
-        PyTypeError::new_err(format!("{needed}, got {}", short_repr(got)))
-    };
-    let mut found = Vec::new();
-    for item in obstacles.len().and_then(|_| obstacles.try_iter()).map_err(|_| refused(obstacles))? {
-        let item = item?;
-        let (shape, trajectory, world) = match item.len().unwrap_or(0) {
-            2 => item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>().map(|(shape, trajectory)| (shape, trajectory, None)),
-            3 => item
-                .extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>()
-                .map(|(shape, trajectory, world)| (shape, trajectory, Some(world))),
-            _ => Err(refused(&item)),
-        }
-        .map_err(|_| refused(&item))?;
-        let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
-        let trajectory = trajectory_of(&trajectory)?;
-        let world = world.filter(|world| !world.is_none());
-        let world = world.map(|world| whole_number("the world of an obstacle", &world, "in 0..2**64 - 1")).transpose()?;
-        memory::push("the obstacles", &mut found, FleetObstacle { shape, trajectory, world })?;
-    }
-    Ok(found)
-}
-
-/// Returns the trajectory of an argument that is a pose, waypoints or `None`.
-fn trajectory_of(trajectory: &Bound<'_, PyAny>) -> PyResult<Option<Trajectory>> {
-    if trajectory.is_none() {
-        return Ok(None);
-    }
-    match trajectory.extract::<PoseArgument>() {
-        Ok(pose) => Ok(Some(Trajectory::standing(pose.0))),
-        Err(_) if typed::<f64>("the pose of an obstacle", trajectory)?.ndim() == 1 => {
-            let needed = "the pose of an obstacle must be three finite numbers (x, y, yaw)";
-            Err(PyValueError::new_err(format!("{needed}, got {}", short_repr(trajectory))))
-        }
-        Err(_) => Ok(Some(Trajectory::new(&waypoints("the waypoints of an obstacle", trajectory)?)?)),
-    }
-}
-
-/// Returns the obstacles of an argument: an iterable of `(index, Shape, trajectory)`.
-fn replacements(obstacles: &Bound<'_, PyAny>) -> PyResult<Vec<(usize, crate::Shape, Option<Trajectory>)>> {
-    let refused = |got: &Bound<'_, PyAny>| {
-        let needed = "obstacles must be (index, Shape, trajectory), with a pose, waypoints or None";
-        PyTypeError::new_err(format!("{needed}, got {}", short_repr(got)))
-    };
-    let mut found = Vec::new();
-    for item in obstacles.len().and_then(|_| obstacles.try_iter()).map_err(|_| refused(obstacles))? {
-        let item = item?;
-        let (index, shape, trajectory) =
-            item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>().map_err(|_| refused(&item))?;
-        let index = whole_number("the index of an obstacle", &index, "at least 0")?;
-        let shape = shape.cast::<Shape>().map_err(|_| refused(&item))?.get().0.clone();
-        memory::push("the obstacles", &mut found, (index, shape, trajectory_of(&trajectory)?))?;
-    }
-    Ok(found)
 }
