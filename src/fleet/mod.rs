@@ -4,9 +4,11 @@ mod command;
 mod joints;
 mod member;
 mod odometer;
+mod options;
 mod robot;
 mod rollout;
 mod scan;
+mod state;
 mod step;
 mod words;
 mod worlds;
@@ -16,26 +18,22 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::batch::for_each_heavy_chunk_watched;
-use crate::beam_model::BeamModel;
-use crate::contact::ContactMode;
 use crate::error::{Error, check_number};
 use crate::free_area::Distances;
 use crate::grid::{Cell, OccupancyGrid};
 use crate::interrupt::Watch;
 use crate::memory;
-use crate::motion::{Drive, DriveCommands, Limits, MotionNoise, Twist, nanoseconds};
+use crate::motion::{DriveCommands, Twist, nanoseconds};
 use crate::obstacles::Trajectory;
 use crate::pose::{Pose, rotate};
-use crate::scanner::LaserScanner;
 use crate::shape::Shape;
-use crate::surface::SurfaceModel;
 use command::Command;
 use member::Member;
 pub use member::{Report, Thing, Touch};
-use robot::Body;
+pub use options::FleetOptions;
 pub use rollout::Rollout;
+pub use state::FleetState;
 use step::Scene;
-use words::{Reader, Writer};
 pub use worlds::FleetObstacle;
 use worlds::{FleetWorld, Worlds};
 
@@ -53,33 +51,6 @@ const WEIGHT: usize = 64;
 
 /// Number of robots that one thread works on at a time.
 const CHUNK: usize = 16;
-
-/// What the robots of a fleet are. A list has one element for all robots, or one for each.
-#[derive(Debug, Clone)]
-pub struct FleetOptions {
-    /// Outline of the robots; `None` if they touch nothing.
-    pub footprint: Option<Shape>,
-    /// What a contact does to the motion.
-    pub contact: ContactMode,
-    /// Limits on the velocity of the wheels and its change; empty for no limits.
-    pub limits: Vec<Limits>,
-    /// The wheels, all of one kind; empty for robots that move in any direction.
-    pub drives: Vec<Drive>,
-    /// Share of the commanded motion that slipping wheels lose, in 0..1; empty for none.
-    pub slip: Vec<f64>,
-    /// The scanner on each robot; `None` for no scans.
-    pub scanner: Option<LaserScanner>,
-    /// Noise of the ranges; empty for true ranges.
-    pub noise: Vec<BeamModel>,
-    /// How what a beam meets changes its reading, beside the noise; empty for not at all.
-    pub surfaces: Vec<SurfaceModel>,
-    /// Noise of the odometry; empty for exact odometry.
-    pub odometry_noise: Vec<MotionNoise>,
-    /// Distance up to which the clearance of the robots is measured after a step \[m\]; `None` to not measure it.
-    pub clearance_limit: Option<f64>,
-    /// Least free distance \[m\] around the footprint of a robot at a pose that is drawn.
-    pub clearance: f64,
-}
 
 /// Robots that are stepped together. Each world has one of the grids, obstacles, and one robot or several, which see and touch
 /// each other.
@@ -129,56 +100,6 @@ pub struct Fleet {
     next: Vec<Member>,
 }
 
-/// The state of some robots of a fleet.
-#[derive(Debug, Clone)]
-pub struct FleetState {
-    /// Indices of the robots in their fleet.
-    robots: Vec<usize>,
-    members: Vec<Member>,
-    /// The wheels of each robot.
-    drives: Vec<Option<Drive>>,
-}
-
-impl FleetState {
-    /// Returns the indices of the robots in their fleet.
-    #[must_use]
-    pub fn robots(&self) -> &[usize] {
-        &self.robots
-    }
-
-    /// Returns the state as words of 64 bits, the same number for each robot, to store it. Their meaning may change with the
-    /// version.
-    #[must_use]
-    pub fn to_words(&self) -> Vec<u64> {
-        let mut words = Writer::default();
-        for ((&robot, member), drive) in self.robots.iter().zip(&self.members).zip(&self.drives) {
-            words.word(robot as u64);
-            member.write(&mut words);
-            words.drive(drive.as_ref());
-        }
-        words.0
-    }
-
-    /// Returns the state of these words.
-    ///
-    /// # Errors
-    /// - [`Error::State`]: they are not those of a state.
-    /// - [`Error::Number`]: a limit is negative.
-    pub fn from_words(words: &[u64]) -> Result<Self, Error> {
-        let (mut robots, mut members, mut drives) = (Vec::new(), Vec::new(), Vec::new());
-        let mut words = Reader(words.iter());
-        while !words.0.as_slice().is_empty() {
-            memory::push(ROBOTS, &mut robots, words.at_most(u64::from(u32::MAX))? as usize)?;
-            let member = Member::read(&mut words)?;
-            let drive = words.drive()?;
-            member.robot.check_drive(drive.as_ref())?;
-            memory::push(ROBOTS, &mut members, member)?;
-            memory::push(ROBOTS, &mut drives, drive)?;
-        }
-        Ok(Self { robots, members, drives })
-    }
-}
-
 /// What [`Fleet::reset`] gives to each robot of the fleet; `None` to leave it to the robot.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reset<'a> {
@@ -188,61 +109,6 @@ pub struct Reset<'a> {
     pub seeds: Option<&'a [u64]>,
     /// Index of the grid of each robot. Default: the grid stays.
     pub grids: Option<&'a [usize]>,
-}
-
-impl FleetOptions {
-    /// Returns what a robot is.
-    fn body(&self, robot: usize) -> Body<'_> {
-        Body {
-            footprint: self.footprint.as_ref(),
-            mode: self.contact,
-            limits: of_robot(&self.limits, robot),
-            grip: 1.0 - of_robot(&self.slip, robot).copied().unwrap_or(0.0),
-            drive: of_robot(&self.drives, robot),
-        }
-    }
-
-    /// Returns the noise of the odometry of a robot.
-    fn odometry_noise_of(&self, robot: usize) -> Option<&MotionNoise> {
-        of_robot(&self.odometry_noise, robot)
-    }
-
-    /// Returns the work of a robot in a step, compared with one that only moves.
-    fn effort(&self) -> usize {
-        1 + usize::from(self.footprint.is_some()) + 4 * usize::from(self.clearance_limit.is_some())
-    }
-
-    fn checked(self, count: usize) -> Result<Self, Error> {
-        let lengths = [
-            ("limits", self.limits.len()),
-            ("drive", self.drives.len()),
-            ("slip", self.slip.len()),
-            ("noise", self.noise.len()),
-            ("surfaces", self.surfaces.len()),
-            ("odometry_noise", self.odometry_noise.len()),
-        ];
-        for (name, length) in lengths {
-            if length > 1 && length != count {
-                return Err(Error::Length { name, value: length, needed: count });
-            }
-        }
-        if let Some(robot) = self.drives.iter().position(|drive| drive.kind() != self.drives[0].kind()) {
-            return Err(Error::DriveKinds { robot });
-        }
-        for &slip in &self.slip {
-            check_number("slip", slip, "in 0..1", |slip| (0.0..=1.0).contains(&slip))?;
-        }
-        if let Some(limit) = self.clearance_limit {
-            check_number("clearance_limit", limit, "positive", |limit| limit > 0.0)?;
-        }
-        check_number("clearance", self.clearance, "at least 0", |clearance| clearance >= 0.0)?;
-        Ok(self)
-    }
-}
-
-/// Returns the element of a list that has one for all robots, or one for each; `None` if it is empty.
-fn of_robot<T>(list: &[T], robot: usize) -> Option<&T> {
-    if list.len() == 1 { list.first() } else { list.get(robot) }
 }
 
 impl Fleet {
@@ -519,68 +385,6 @@ impl Fleet {
         for (place, member) in changed {
             members[place] = member;
         }
-        Ok(())
-    }
-
-    /// Returns the state of the chosen robots.
-    ///
-    /// # Errors
-    /// [`Error::Length`], [`Error::Memory`].
-    pub fn save(&self, mask: &[bool]) -> Result<FleetState, Error> {
-        self.check_mask(mask)?;
-        let (mut robots, mut members, mut drives) = (Vec::new(), Vec::new(), Vec::new());
-        for (robot, member) in self.in_order().enumerate().filter(|(robot, _)| mask[*robot]) {
-            memory::push(ROBOTS, &mut robots, robot)?;
-            memory::push(ROBOTS, &mut members, *member)?;
-            memory::push(ROBOTS, &mut drives, self.options.body(robot).drive.copied())?;
-        }
-        for member in &mut members {
-            member.robot.look_again();
-        }
-        Ok(FleetState { robots, members, drives })
-    }
-
-    /// Puts robots into saved states: those that were saved, or those chosen by `mask`, in their order. One saved state can
-    /// go to any number of robots.
-    ///
-    /// # Errors
-    /// - [`Error::Length`]: there is neither one state nor one for each of the robots.
-    /// - [`Error::NoRobot`], [`Error::Index`]: a saved robot, or the grid of a state, does not exist here.
-    /// - [`Error::OtherDrive`]: a robot here has another drive than the one that was saved.
-    /// - [`Error::Clocks`], [`Error::Worlds`]: robots of one world would be at different times, or on different grids.
-    pub fn restore(&mut self, state: &FleetState, mask: Option<&[bool]>) -> Result<(), Error> {
-        let chosen: Vec<usize> = match mask {
-            None => state.robots.clone(),
-            Some(mask) => {
-                self.check_mask(mask)?;
-                (0..self.len()).filter(|&robot| mask[robot]).collect()
-            }
-        };
-        if state.members.len() != 1 && state.members.len() != chosen.len() {
-            return Err(Error::Length { name: "the state", value: state.members.len(), needed: chosen.len() });
-        }
-        let members = || (0..chosen.len()).filter_map(|nth| of_robot(&state.members, nth));
-        let drives = (0..chosen.len()).filter_map(|nth| of_robot(&state.drives, nth));
-        for ((&robot, member), drive) in chosen.iter().zip(members()).zip(drives) {
-            if robot >= self.len() {
-                return Err(Error::NoRobot { robot, count: self.len() });
-            }
-            if member.grid >= self.grids.len() {
-                return Err(Error::Index { name: "grid", robot, value: member.grid, count: self.grids.len() });
-            }
-            if drive.as_ref() != self.options.body(robot).drive {
-                return Err(Error::OtherDrive { robot });
-            }
-        }
-        self.make_next()?;
-        self.next.copy_from_slice(&self.members);
-        for (&robot, member) in chosen.iter().zip(members()) {
-            self.next[self.worlds.place_of[robot]] = *member;
-        }
-        for world in &self.worlds.all {
-            check_crowd(&self.worlds.order[world.robots.clone()], self.next[world.robots.clone()].iter())?;
-        }
-        std::mem::swap(&mut self.members, &mut self.next);
         Ok(())
     }
 

@@ -1,7 +1,8 @@
 //! Scans of the robots of a fleet, each in its own world.
 
 use super::member::Member;
-use super::{CHUNK, Fleet, ROBOTS, WEIGHT, of_robot, scene};
+use super::options::of_robot;
+use super::{CHUNK, Fleet, ROBOTS, WEIGHT, scene};
 use crate::batch::for_each_heavy_chunk_watched;
 use crate::error::Error;
 use crate::interrupt::Watch;
