@@ -38,6 +38,7 @@ __all__ = [
     "integrate_twist",
     "judge_steps",
     "laser_presets",
+    "scan_each",
     "stays_clear",
     "touches",
 ]
@@ -3315,6 +3316,50 @@ def clearance_batch(
         >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
         >>> mrs.clearance_batch(grid, mrs.Shape.disc(0.5), [(0.5, 0.5, 0.0), (1.0, 0.5, 0.0)], limit=9.0)
         array([1. , 0.5])
+    """
+
+def scan_each(
+    scans: Iterable[
+        tuple[
+            LaserScanner,
+            OccupancyGrid,
+            _PoseLike,
+            _Obstacles,
+            BeamModel | None,
+            SurfaceModel | None,
+            int,
+            int,
+        ]
+    ],
+    *,
+    threads: int | None = None,
+) -> list[NDArray[np.float32]]:
+    """Returns scans in one instant, each of a scanner, of a map and among obstacles of its own: the scans of `scan_batch`.
+
+    Args:
+        scans: Tuples (scanner, grid, pose, obstacles, noise, surfaces, seed, index), one for each scan: a `LaserScanner`, and
+            the arguments of its `scan_batch` for one pose; `index` stands for `first_index`. Surfaces, seed and index count
+            with noise only. Scans of equal scanners in one map are the fastest side by side.
+        threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
+
+    Returns:
+        A list with the readings of each scan, (beam_count,) float32 [m].
+
+    Raises:
+        ValueError: As for `scan_batch`.
+        TypeError: An argument has the wrong type.
+        OSError: The threads could not be started.
+
+    Examples:
+        The only wall covers x from 2 m to 3 m:
+
+        >>> import numpy as np
+        >>> import mobile_robot_simulator as mrs
+        >>> from mobile_robot_simulator._core import scan_each
+        >>> grid = mrs.OccupancyGrid(np.array([[0, 0, 100]], np.int8), resolution=1.0)
+        >>> scanner, pose = mrs.LaserScanner(beam_count=1), (0.5, 0.5, 0.0)
+        >>> scan_each([(scanner, grid, pose, (), None, None, 0, 0)])
+        [array([1.5], dtype=float32)]
     """
 
 def stays_clear(

@@ -7,7 +7,7 @@ use crate::batch::for_each_heavy_chunk_watched;
 use crate::error::Error;
 use crate::interrupt::Watch;
 use crate::memory;
-use crate::scanner::{Shot, ShotNoise};
+use crate::scanner::{Shot, ShotNoise, scan_each};
 
 impl Fleet {
     /// Writes a scan of each chosen robot, as `members` stand, to `readings`, in the order of the robots: the next one, or if the
@@ -68,9 +68,9 @@ impl Fleet {
                 seed: member.seed,
                 index: member.scans.wrapping_sub(u64::from(are_counted)),
             });
-            shots.push(Shot { world: scene.world_of(robot, around), map_from_base: member.pose, noise });
+            shots.push(Shot { scanner, world: scene.world_of(robot, around), map_from_base: member.pose, noise });
             rows_in_order.push(row);
         }
-        scanner.scan_each(&shots, threads, &mut rows_in_order)
+        scan_each(&shots, threads, &mut rows_in_order)
     }
 }

@@ -26,6 +26,7 @@ mod pose;
 mod preset;
 mod random_stream;
 mod raycast;
+mod scan_each;
 mod scanner;
 mod scanner_options;
 mod shape;
@@ -128,6 +129,8 @@ mod _core {
     use super::random_stream::RandomStream;
     #[pymodule_export]
     use super::raycast::cast_rays;
+    #[pymodule_export]
+    use super::scan_each::scan_each;
     #[pymodule_export]
     use super::scanner::LaserScanner;
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! Scans in one instant, each of which has a world and a random stream of its own.
+//! Scans in one instant, each of which has a scanner, a world and a random stream of its own.
 
 use super::LaserScanner;
 use super::sinks::Noisy;
@@ -15,6 +15,7 @@ use crate::world::World;
 /// One scan of a batch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shot<'a> {
+    pub scanner: &'a LaserScanner,
     pub world: World<'a>,
     pub map_from_base: Pose,
     /// Noise of the readings; `None` for true ranges.
@@ -42,7 +43,8 @@ impl ShotNoise<'_> {
 impl<'a> Shot<'a> {
     /// Returns true if both scans can be cast together.
     fn goes_with(&self, other: &Self) -> bool {
-        std::ptr::eq(self.world.grid, other.world.grid)
+        self.scanner.casts_as(other.scanner)
+            && std::ptr::eq(self.world.grid, other.world.grid)
             && self.noise.is_some() == other.noise.is_some()
             && self.surface() == other.surface()
     }
@@ -53,36 +55,42 @@ impl<'a> Shot<'a> {
     }
 }
 
-impl LaserScanner {
-    /// Writes the readings \[m\] of each scan to its row: those of [`scan_batch`](Self::scan_batch) for its world, pose and noise
-    /// alone. There must be a row of `beam_count` elements for each scan.
-    ///
-    /// Successive scans on the same grid, with the same surface model, are the fastest.
-    ///
-    /// # Errors
-    /// Those of [`scan_batch`](Self::scan_batch).
-    pub(crate) fn scan_each(
-        &self,
-        shots: &[Shot<'_>],
-        threads: Option<usize>,
-        rows: &mut [&mut [f32]],
-    ) -> Result<(), Error> {
-        let beam_count = self.options.beam_count;
-        let Some(first) = shots.first() else { return Ok(()) };
+/// Writes the readings \[m\] of each scan to its row: those of [`scan_batch`](LaserScanner::scan_batch) for its scanner, world, pose
+/// and noise alone.
+///
+/// Successive scans of equal scanners on the same grid, with the same surface model, are the fastest.
+///
+/// # Errors
+/// Those of [`scan_batch`](LaserScanner::scan_batch).
+///
+/// # Panics
+/// If there is not a row for each scan, with an element for each of its beams.
+pub(crate) fn scan_each(shots: &[Shot<'_>], threads: Option<usize>, rows: &mut [&mut [f32]]) -> Result<(), Error> {
+    let Some(first) = shots.first() else { return Ok(()) };
+    let fits = |(row, shot): (&&mut [f32], &Shot<'_>)| row.len() == shot.scanner.options.beam_count;
+    assert!(rows.len() == shots.len() && rows.iter().zip(shots).all(fits), "rows must have one element per beam");
+    shots.iter().try_for_each(|shot| shot.map_from_base.checked().map(drop))?;
+    for together in shots.chunk_by(Shot::goes_with) {
+        together[0].scanner.prepare(together[0].world, together[0].surface(), threads)?;
+    }
+    let readings: usize = rows.iter().map(|row| row.len()).sum();
+    let threads_used = thread_count(threads, readings)?;
+    let at_a_time = first.scanner.caster(first.world)?.fans_per_cast(shots.len(), first.scanner.cos.len(), threads_used);
+    for_each_heavy_chunk(threads, rows, readings / shots.len(), at_a_time, |chunk, mut rows| {
+        let shots = &shots[chunk * at_a_time..][..rows.len()];
         for together in shots.chunk_by(Shot::goes_with) {
-            self.prepare(together[0].world, together[0].surface(), threads)?;
+            let (own, others) = rows.split_at_mut(together.len());
+            rows = others;
+            together[0].scanner.cast_together(&together.iter().copied(), own.iter_mut().map(|row| &mut **row))?;
         }
-        let threads_used = thread_count(threads, rows.len() * beam_count)?;
-        let at_a_time = self.caster(first.world)?.fans_per_cast(shots.len(), self.cos.len(), threads_used);
-        for_each_heavy_chunk(threads, rows, beam_count, at_a_time, |chunk, mut rows| {
-            let shots = &shots[chunk * at_a_time..][..rows.len()];
-            for together in shots.chunk_by(Shot::goes_with) {
-                let (own, others) = rows.split_at_mut(together.len());
-                rows = others;
-                self.cast_together(&together.iter().copied(), own.iter_mut().map(|row| &mut **row))?;
-            }
-            Ok(())
-        })
+        Ok(())
+    })
+}
+
+impl LaserScanner {
+    /// Returns true if both scanners cast the same beams in the same way.
+    fn casts_as(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other) || (self.options == other.options && self.kernel == other.kernel)
     }
 
     /// Builds what scans in a world need, on `threads` threads (default: all cores).

@@ -30,7 +30,7 @@ use crate::raycast::{Caster, CoarseBeams, Fans, Kernel, Sink, Start, StoreRanges
 use crate::slant::Slant;
 use crate::surface::SurfaceModel;
 use crate::world::World;
-pub(crate) use each::{Shot, ShotNoise};
+pub(crate) use each::{Shot, ShotNoise, scan_each};
 pub use hits::Hit;
 use onward::Onward;
 pub use score::{Readings, Score};
@@ -301,7 +301,7 @@ impl LaserScanner {
                 let index = first_index.wrapping_add(scan as u64);
                 ShotNoise { model, surface: surface.as_ref(), seed: *seed, index }
             });
-            Shot { world, map_from_base: poses[scan].into(), noise }
+            Shot { scanner: self, world, map_from_base: poses[scan].into(), noise }
         };
         self.prepare(world, noise.as_ref().and_then(Noise::surface), threads)?;
         let threads_used = thread_count(threads, readings.len())?;

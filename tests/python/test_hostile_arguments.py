@@ -221,6 +221,7 @@ def good() -> dict[str, Any]:
         "out": None,
         "ax": None,
         "no_return": "max",
+        "scans": [(mrs.LaserScanner(beam_count=5), grid(), (0.5, 0.5, 0.0), (), None, None, 0, 0)],
         "mode": "slide",
         "readings": ranges,
         "true_ranges": ranges,

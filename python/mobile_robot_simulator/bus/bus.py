@@ -94,7 +94,8 @@ class BusSnapshot:
         clock_offset_ns: Time on the nodes' clocks minus simulated time [ns].
         scheduled_count: Number of actions scheduled for a later time so far.
         timer_count: Number of timers created so far.
-        events: Scheduled events.
+        events: Scheduled events, without timers.
+        firings: Timers that are due, each with its time [ns].
         immediate: Actions that are due now, each with its position in its chain (see `MAX_CHAIN_LENGTH`).
         filters: Message filters, in the order in which they apply.
         topics: All topics with their states.
@@ -110,6 +111,7 @@ class BusSnapshot:
     scheduled_count: int = 0
     timer_count: int = 0
     events: Sequence[Event] = ()
+    firings: Sequence[tuple[int, Firing]] = ()
     immediate: Sequence[tuple[Action, int]] = ()
     filters: Sequence[Filter] = ()
     topics: Mapping[BusTopic, TopicSnapshot] = field(default_factory=dict)
@@ -242,6 +244,11 @@ class Bus(Handle):
             firings = self._firings[time_ns] = []
             heapq.heappush(self._events, (time_ns, TIMER, 0, _nothing))
         firings.append(firing)
+
+    @property
+    def due_timers(self) -> list[BusTimer]:
+        """The timers that fire at this time after the current callback, in order. Some of them may be cancelled."""
+        return [timer for _, timer in self._due]
 
     def next_timer_order(self) -> int:
         """Returns the rank of a new timer, one more than the last. Timers that are due at the same time fire by rank.
@@ -378,7 +385,8 @@ class Bus(Handle):
             clock_offset_ns=self.clock_offset_ns,
             scheduled_count=self._scheduled_count,
             timer_count=self._timer_count,
-            events=self._scheduled(),
+            events=tuple(event for event in self._events if event[1] == MESSAGE),
+            firings=self._scheduled_firings(),
             immediate=tuple(self._immediate),
             filters=tuple(self.filters),
             topics={topic: topic.save() for topic in self._topics.values()},
@@ -400,12 +408,10 @@ class Bus(Handle):
         self.time_ns, self._rounded, self.clock_offset_ns = state.time_ns, state.rounded, state.clock_offset_ns
         self._scheduled_count, self._timer_count = state.scheduled_count, state.timer_count
         self._immediate, self.filters = deque(state.immediate), list(state.filters)
-        self._events, self._firings, self._due = [], {}, deque()
-        for time_ns, kind, order, action in state.events:
-            if kind == TIMER:
-                self.schedule_timer(time_ns, (order, action))
-            else:
-                heapq.heappush(self._events, (time_ns, kind, order, action))
+        self._events, self._firings, self._due = list(state.events), {}, deque()
+        heapq.heapify(self._events)
+        for time_ns, firing in state.firings:
+            self.schedule_timer(time_ns, firing)
         self._deactivate()
         for task in tuple(self.tasks):
             task.close()
@@ -446,11 +452,10 @@ class Bus(Handle):
         for timer in self.timers:
             timer.cancel()
 
-    def _scheduled(self) -> tuple[Event, ...]:
-        """Returns all scheduled events."""
-        messages = (event for event in self._events if event[1] == MESSAGE)
-        later = ((time_ns, TIMER, *firing) for time_ns, firings in self._firings.items() for firing in firings)
-        return (*messages, *((self.time_ns, TIMER, *firing) for firing in self._due), *later)
+    def _scheduled_firings(self) -> tuple[tuple[int, Firing], ...]:
+        """Returns all timers that are due, each with its time [ns]."""
+        later = ((time_ns, firing) for time_ns, firings in self._firings.items() for firing in firings)
+        return (*((self.time_ns, firing) for firing in self._due), *later)
 
     def _run_events(self, time_ns: int) -> None:
         events, immediate, due = self._events, self._immediate, self._due
@@ -463,7 +468,7 @@ class Bus(Handle):
                     seconds = self.time_ns / NANOSECONDS
                     raise RuntimeError(f"time stands still at {seconds} s: callbacks keep sending messages to each other")
             elif due:
-                action, self._chain_length = due.popleft()[1], 0
+                action, self._chain_length = due.popleft()[1].fire, 0
             elif events and events[0][0] <= time_ns:
                 due_ns, kind, _, action = heapq.heappop(events)
                 self._chain_length = 0

@@ -11,9 +11,6 @@ from ..handle import Handle, check_callback
 from ..instant import NANOSECONDS
 from ..quoting import quoted
 
-Firing = tuple[int, Callable[[], None]]
-"""Rank of a timer, and what fires it."""
-
 
 class TimerQueue(Protocol):
     """What a timer needs from the bus.
@@ -60,6 +57,9 @@ class BusTimer(Handle):
         period: Period [s].
         callback: Called without arguments each time the timer fires.
 
+    Attributes:
+        callback: The callback.
+
     Raises:
         ValueError: The period is below 1 ns or not finite.
         TypeError: The period is not a number, or the callback is not callable.
@@ -71,8 +71,8 @@ class BusTimer(Handle):
         if not 1 <= period * NANOSECONDS < math.inf:
             raise ValueError(f"a timer's period must be at least 1 ns and finite, got {period} s")
         check_callback(callback)
-        self._queue, self._period, self._callback = queue, period, callback
-        self._firing, self._due_ns = (queue.next_timer_order(), self._fire), 0
+        self._queue, self._period, self.callback = queue, period, callback
+        self._firing, self._due_ns = (queue.next_timer_order(), self), 0
         queue.timers[self] = None
         self.reset()
 
@@ -113,10 +113,15 @@ class BusTimer(Handle):
             self._due_ns = due_ns
             self._queue.schedule_timer(due_ns, self._firing)
 
-    def _fire(self) -> None:
+    def fire(self) -> None:
+        """Calls the callback if it is time. Only the bus calls this."""
         # The event may be stale: `reset` changes the due time but leaves the old event in the queue.
         if self._cancelled or self._queue.time_ns != self._due_ns:
             return
         self._fired += 1
         self._schedule()
-        self._callback()
+        self.callback()
+
+
+Firing = tuple[int, BusTimer]
+"""Rank of a timer, and the timer."""

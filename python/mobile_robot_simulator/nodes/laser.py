@@ -19,6 +19,7 @@ from ..physics.world import Carrier, Passing
 from .interface import Node, Publisher, QoS
 from .laser_messages import NO_INTENSITIES, scan_message
 from .map_listener import MapListener, MapListenerSnapshot
+from .scan_batch import MIN_SCANS, Scan, ScanBatch
 from .scan_truth import ScanTruth
 from .transforms import TransformBuffer, TransformListener, TransformSnapshot
 from .truth_listener import TruthListener, TruthSnapshot
@@ -112,6 +113,7 @@ class LaserScannerSimulator(Handle):
         carrier: Simulated robot that carries the scanner. If given, its true pose replaces the one in tf, and the scanner
             also sees obstacles and other robots.
         listener: Transform listener that several nodes share. If None, this node has one of its own.
+        batch: Casts the scans of several nodes together. If None, the node casts its scans alone.
     """
 
     def __init__(
@@ -122,12 +124,13 @@ class LaserScannerSimulator(Handle):
         grid: OccupancyGrid | None = None,
         carrier: Carrier | None = None,
         listener: TransformListener | None = None,
+        batch: ScanBatch | None = None,
     ) -> None:
         self._node, self._clock = node, node.get_clock()
         parameters = parameters or LaserParameters()
         self._maps = MapListener(node, self._prepare, parameters.unknown, grid)
         self._prepared_grid: OccupancyGrid | None = None
-        self._carrier = carrier
+        self._carrier, self._batch = carrier, batch
         self._has_own_listener = listener is None
         self._listener = listener or TransformListener(node, TransformBuffer())
         self._transforms = self._listener.buffer
@@ -211,6 +214,21 @@ class LaserScannerSimulator(Handle):
         if self._running is not None:
             self._running.close()
             self._running = None
+
+    def next_scan(self) -> Scan | None:
+        """Returns what the ranges of a scan at this moment depend on.
+
+        None if there can be no scan, or if more is needed to tell: the scan takes time, or its pose or its first mount comes
+        from a topic.
+        """
+        carrier, grid, parameters = self._carrier, self._maps.grid, self._parameters
+        if carrier is None or grid is None or self._running is None or self._batch is None:
+            return None
+        if parameters.laser_scan_duration or parameters.pose_source != "truth":
+            return None
+        if self._mount is None and parameters.laser_frame_id != parameters.base_link_frame:
+            return None
+        return self._scan_from(grid, carrier.pose, carrier.seen)
 
     def save(self) -> LaserSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the carrier is not part of it."""
@@ -378,17 +396,33 @@ class LaserScannerSimulator(Handle):
         """Measures the next scan in one instant. Returns its ranges and its intensities, as `_read` does."""
         obstacles = NOTHING if self._carrier is None else self._carrier.seen
         parameters = self._parameters
+        ranges, batch = None, self._batch
+        if batch is not None and batch.scanner_count >= MIN_SCANS:
+            ranges = batch.take(self, self._scan_from(grid, map_from_base, obstacles))
+        if ranges is not None and not parameters.laser_intensities:
+            return ranges, NO_INTENSITIES
         if not (parameters.apply_noise or parameters.laser_intensities):  # the ranges of `_read`, with fewer arguments
             return self._scanner.scan(grid, map_from_base, obstacles=obstacles), NO_INTENSITIES
-        return self._read(grid, np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]), obstacles)
+        return self._read(grid, np.array([(map_from_base.x, map_from_base.y, map_from_base.yaw)]), obstacles, ranges)
 
-    def _read(self, grid: OccupancyGrid, poses: Any, obstacles: Obstacles | Sequence[Any]) -> tuple[Any, Any]:
-        """Returns the ranges (beam_count,) float32 [m] of the next scan, and its intensities, which may be empty."""
+    def _scan_from(self, grid: OccupancyGrid, map_from_base: Pose, obstacles: Obstacles) -> Scan:
+        """Returns what the ranges of the next scan depend on, in one instant."""
+        noise, surfaces, seed, index = self._noise, self._surfaces, self._parameters.seed, self._scan_count
+        return self._scanner, grid, map_from_base, obstacles, noise, surfaces, seed, index
+
+    def _read(
+        self, grid: OccupancyGrid, poses: Any, obstacles: Obstacles | Sequence[Any], ranges: Any = None
+    ) -> tuple[Any, Any]:
+        """Returns the ranges (beam_count,) float32 [m] of the next scan, and its intensities, which may be empty.
+
+        `ranges` are those that were cast before.
+        """
         scanner, parameters, index = self._scanner, self._parameters, self._scan_count
         noise, surfaces, seed = self._noise, self._surfaces, parameters.seed
-        ranges = scanner.scan_batch(
-            grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, seed=seed, first_index=index, threads=1
-        )[0]
+        if ranges is None:
+            ranges = scanner.scan_batch(
+                grid, poses, obstacles=obstacles, noise=noise, surfaces=surfaces, seed=seed, first_index=index, threads=1
+            )[0]
         if not parameters.laser_intensities:
             return ranges, NO_INTENSITIES
         drawn: dict[str, Any] = {} if noise is None else {"seed": seed, "first_index": index}

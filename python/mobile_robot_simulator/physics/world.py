@@ -293,6 +293,11 @@ class World(Handle):
             return self.obstacles_for(body)
         return self._present().around(body)
 
+    @property
+    def has_looked(self) -> bool:
+        """True if somebody has asked where all obstacles and robots are now, so that to ask again computes nothing."""
+        return self._latest is not None and self._latest[0] == self._clock()
+
     def around_at(self, body: Body, time_ns: int) -> list[Placed]:
         """Obstacles and other robots, where they were at a time in the past."""
         everybody = self._everybody(time_ns, lambda body: body.motion.map_pose_at(time_ns))

@@ -15,6 +15,7 @@ from ..handle import Handle, Handles
 from ..namespaces import of_namespace
 from ..nodes.laser import LaserScannerSimulator, LaserSnapshot
 from ..nodes.robot import MobileRobotSimulator, RobotSnapshot
+from ..nodes.scan_batch import ScanBatch
 from ..nodes.transforms import TransformBuffer, TransformListener
 from ..parameters import LaserParameters, RobotParameters, for_node
 from ..physics.obstacles import PoseLike
@@ -124,6 +125,7 @@ class Robots(Handle):
     def __init__(self, bus: Bus, world: World, grid: OccupancyGrid, values: Mapping[str, Any], node: BusNode) -> None:
         self._bus, self._world, self._grid, self._values = bus, world, grid, values
         self._listener = TransformListener(node, TransformBuffer())
+        self._batch = ScanBatch(lambda: bus.time_ns, self._scanners_due)
         self._robots: dict[str, SimulatedRobot] = {}
 
     def __len__(self) -> int:
@@ -194,10 +196,12 @@ class Robots(Handle):
                 grid=self._grid,
                 carrier=robot,
                 listener=self._listener,
+                batch=self._batch,
             )
             for scanner, parameters in scanners.items()
         }
         added = self._robots[name] = SimulatedRobot(name, robot, lasers, GroundTruth(self._world, robot))
+        self._batch.scanner_count += len(lasers)
         robot.start()
         for laser in lasers.values():
             laser.start()
@@ -224,12 +228,21 @@ class Robots(Handle):
 
     def restore(self, state: RobotsSnapshot) -> None:
         """Puts the robots back into a saved state. Robots added later are removed."""
+        self._batch.forget()
+        self._batch.scanner_count = sum(len(each.lasers) for each in state.robots)
         self._robots = {each.robot.name: each.robot for each in state.robots}
         for each in state.robots:
             each.robot.robot.restore(each.node)
             for laser, saved in zip(each.robot.scanners.values(), each.lasers, strict=True):
                 laser.restore(saved)
         self._listener.restore(state.listener)
+
+    def _scanners_due(self) -> list[LaserScannerSimulator]:
+        """Returns the scanners whose turn comes later at this time, if to look at them changes nothing."""
+        if not self._world.has_looked:
+            return []
+        owners = (getattr(timer.callback, "__self__", None) for timer in self._bus.due_timers)
+        return [owner for owner in owners if isinstance(owner, LaserScannerSimulator)]
 
     def _values_of(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Returns the parameters of a new robot. Only the first robot publishes the clock."""

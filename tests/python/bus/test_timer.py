@@ -72,6 +72,21 @@ def test_timers_of_one_time_fire_in_the_order_of_their_creation_whatever_their_p
     assert fired == sorted(due)
 
 
+def test_the_bus_tells_which_timers_fire_next_at_this_time(bus: Bus, node: BusNode) -> None:
+    due: list[list[str]] = []
+    names = {}
+    for name, period in (("first", 1.0), ("never", 1.0), ("slow", 2.0), ("last", 0.5)):
+        timer = node.create_timer(period, lambda: due.append([names[timer] for timer in bus.due_timers]))
+        names[timer] = name
+        if name == "never":
+            timer.cancel()
+    bus.run_until(SECOND)
+    assert due == [[], ["never", "last"], []]
+    due.clear()
+    bus.run_until(2 * SECOND)
+    assert due == [[], ["slow", "last"], ["last"], []]
+
+
 def test_after_an_exception_the_other_timers_of_that_time_still_fire_also_on_a_restored_bus(bus: Bus, node: BusNode) -> None:
     fired: list[str] = []
 
