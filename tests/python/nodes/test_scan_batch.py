@@ -95,9 +95,7 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_crowd_scans_the_same_bytes_as_one_by_one(
-    monkeypatch: pytest.MonkeyPatch, batches: list[int], kind: str
-) -> None:
+def test_a_crowd_scans_the_same_bytes_as_one_by_one(monkeypatch: pytest.MonkeyPatch, batches: list[int], kind: str) -> None:
     taken: list[bool] = []
     take = scan_batch.ScanBatch.take
 
