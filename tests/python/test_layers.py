@@ -200,7 +200,7 @@ TESTED_ELSEWHERE = {
     "marker_messages.py": "nodes/test_world_server.py sends and receives them",
     "nodes/interface.py": "protocols only",
     "nodes/laser_messages.py": "nodes/test_laser.py reads the messages",
-    "nodes/robot_messages.py": "nodes/test_robot.py reads the messages",
+    "nodes/robot_messages.py": "nodes/test_robot_output.py reads the messages",
     "plotting/layers.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
     "plotting/style.py": "plotting/test_grid.py, test_scan.py and test_drive.py look at the pixels",
     "recording/complete_messages.py": "recording/test_recovery.py cuts files of each format",

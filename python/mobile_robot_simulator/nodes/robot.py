@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import takewhile
 from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
@@ -14,18 +13,11 @@ from numpy.typing import NDArray
 from .. import messages
 from .._core import MAX_COMMAND, MotionNoise, Obstacles, OccupancyGrid, Pose, Shape, touches
 from ..handle import Handle, Handles
-from ..instant import NANOSECONDS
 from ..messages import (
     AckermannDriveStamped,
-    Clock,
-    Header,
-    JointState,
     Message,
-    Odometry,
     PoseWithCovarianceStamped,
     SetPose,
-    TFMessage,
-    Time,
     Trigger,
 )
 from ..messages import Twist as TwistMessage
@@ -33,23 +25,14 @@ from ..parameters import RobotParameters
 from ..physics.constrained_motion import ConstrainedMotion
 from ..physics.crowd import Placed
 from ..physics.motion import Motion, MotionSnapshot
-from ..physics.odometer import Odometer, OdometerSnapshot
 from ..physics.push import Push
 from ..physics.velocity_profile import Velocity
-from ..physics.wheel_course import WheelCourse
-from ..physics.wheel_odometer import WheelOdometer, WheelReading
 from ..physics.world import Passing, World
 from ..quoting import quoted
-from .interface import Node, Publisher, QoS
+from .interface import Node, QoS
 from .map_listener import MapListener, MapListenerSnapshot
-from .robot_messages import (
-    clock_message,
-    exact_odometry_message,
-    exact_transforms_message,
-    joint_states_message,
-    odometry_message,
-    transforms_message,
-)
+from .robot_odometry import RobotOdometry, RobotOdometrySnapshot
+from .robot_output import RobotOutput, RobotOutputSnapshot
 from .steady_time import SteadyTime
 from .transforms import check_frame
 from .waiting import WaitingLog
@@ -106,84 +89,30 @@ CONSTRAINT_PARAMETERS = (
 
 
 @dataclass(frozen=True)
-class RobotPublishers:
-    """Publishers of a `MobileRobotSimulator`.
-
-    Attributes:
-        odometry: Publisher of the odometry.
-        transforms: Publisher of /tf.
-        clock: Publisher of /clock, None unless `publish_clock` is set.
-        truth: Publisher of the ground truth, None unless `ground_truth_topic` is set.
-        contacts: Publisher of contacts, None without a footprint or `contact_topic`.
-        stalled: Publisher of whether the robot is stalled, None without a footprint or `stalled_topic`.
-        joints: Publisher of the wheels and the steering, None without a drive that has wheels or `joint_states_topic`.
-    """
-
-    odometry: Publisher[Odometry]
-    transforms: Publisher[TFMessage]
-    clock: Publisher[Clock] | None
-    truth: Publisher[Odometry] | None
-    contacts: Publisher[messages.PointStamped] | None
-    stalled: Publisher[messages.Bool] | None
-    joints: Publisher[JointState] | None
-
-
-@dataclass(frozen=True, slots=True)
-class ExactOutput:
-    """What a robot publishes periodically while its odometry is exact. Chosen once, because it is published often.
-
-    Attributes:
-        clock: Publisher of the clock, None if it has a timer of its own.
-        odometry: Publisher of the odometry.
-        transforms: Publisher of /tf.
-        frames: Frame of the odometry, and the robot's frame.
-        map_frame: Name of the map frame, None if its transform is not published.
-        has_others: True if other topics are published too.
-    """
-
-    clock: Publisher[Clock] | None
-    odometry: Publisher[Odometry]
-    transforms: Publisher[TFMessage]
-    frames: tuple[str, str]
-    map_frame: str | None
-    has_others: bool
-
-
-@dataclass(frozen=True)
 class RobotSnapshot:
     """Saved state of a `MobileRobotSimulator`.
 
     Attributes:
         parameters: Parameters.
         running: Publishers, subscriptions, services and timers, None while the node is stopped.
-        publishers: Publishers, None before the first start.
         footprint: Outline of the robot, None if it has none.
         slip_share: Share of the commanded motion that is lost, see `MobileRobotSimulator.slip`.
         push: Velocity that is added to that of the robot, see `MobileRobotSimulator.push`.
-        drift: Noise and seed of the last call of `MobileRobotSimulator.drift`.
-        believed_pose: Pose that the odometry last reported, in the odometry frame.
-        transforms_ns: Stamp of the last transforms [ns], None before the first ones.
         motion: The motion and its saved state.
-        odometer: The odometer and its saved state.
-        wheel_odometer: The odometer that reads the encoders and its saved state; None if they are exact.
+        odometry: State of the odometry.
         maps: State of the map listener, with the map.
-        contacts: Time of the last contact that was published [s], and whether the robot was stalled then.
+        output: State of the output.
     """
 
     parameters: RobotParameters
     running: Handles | None
-    publishers: RobotPublishers | None
     footprint: Shape | None
     slip_share: float | None
     push: Push | None
-    drift: tuple[MotionNoise | None, int]
-    believed_pose: Pose
-    transforms_ns: int | None
     motion: tuple[Motion, MotionSnapshot]
-    odometer: tuple[Odometer, OdometerSnapshot]
-    wheel_odometer: tuple[WheelOdometer, WheelReading] | None
+    odometry: RobotOdometrySnapshot
     maps: MapListenerSnapshot
-    contacts: tuple[float, bool]
+    output: RobotOutputSnapshot
 
 
 class MobileRobotSimulator(Handle):
@@ -249,16 +178,11 @@ class MobileRobotSimulator(Handle):
         self._maps = MapListener(node, self._use_map, self._parameters.unknown, self._world.grid)
         self._start_pose = start_pose
         self._running: Handles | None = None
-        self._publishers: RobotPublishers | None = None
-        self._exact: ExactOutput | None = None
-        """What the node publishes periodically, None while its odometry is not exact. See `_choose_output`."""
-        self._transforms_ns: int | None = None
         self._footprint = self._parameters.shape
         self._slip_share: float | None = None
         self._push: Push | None = None
-        self._drift: tuple[MotionNoise | None, int] = (None, 0)
-        self._contact_time = -math.inf
-        self._is_stalled = False
+        self._odometry = RobotOdometry(self)
+        self._output = RobotOutput(node, self._world, self, self._odometry)
         self._begin()
         self._world.join(self)
 
@@ -306,7 +230,7 @@ class MobileRobotSimulator(Handle):
     @property
     def believed_pose(self) -> Pose:
         """Pose that the odometry last reported, in the odometry frame."""
-        return self._believed if isinstance(self._believed, Pose) else self._believed.pose
+        return self._output.believed_pose
 
     @property
     def pose(self) -> Pose:
@@ -332,7 +256,7 @@ class MobileRobotSimulator(Handle):
         self._world.changed()
 
     def _begin(self) -> None:
-        """Puts the robot at its start pose, and sets up its motion and its odometers."""
+        """Puts the robot at its start pose, and sets up its motion and its odometry."""
         now_ns, parameters, start = self._world.now_ns(), self._parameters, self.start_pose
         map_from_odom, odom_from_base = (start, Pose()) if parameters.publish_map_transform else (Pose(), start)
         self._motion = self._create_motion(now_ns, map_from_odom, odom_from_base)
@@ -340,11 +264,8 @@ class MobileRobotSimulator(Handle):
             self._motion.slip(self._lost_share(), now_ns)
         if self._push is not None:
             self._motion.push(self._push, now_ns)
-        noise, seed = self._odometry_noise()
-        self._odometer = Odometer(odom_from_base, now_ns, noise=noise, seed=seed)
-        self._wheel_odometer = self._create_wheel_odometer(now_ns, odom_from_base)
-        self._believed: Pose | WheelCourse = odom_from_base
-        self._choose_output()
+        self._odometry.begin(odom_from_base, now_ns)
+        self._output.begin(odom_from_base)
 
     def set_parameters(self, **values: Any) -> None:
         """Changes parameters by name, with immediate effect.
@@ -410,7 +331,7 @@ class MobileRobotSimulator(Handle):
             raise ValueError(f"the share must be in 0..1, got {quoted(share)}")
         self._slip_share = share
         self._motion.slip(self._lost_share(), self._world.now_ns())
-        self._choose_output()
+        self._output.choose()
 
     def push(self, push: Push | None) -> None:
         """Pushes the robot from now on. Neither its wheels nor its odometry notice it.
@@ -425,7 +346,7 @@ class MobileRobotSimulator(Handle):
             raise ValueError(f"a push must be two finite speeds of at most {MAX_COMMAND:g} m/s, got {quoted(push)}")
         self._push = push
         self._motion.push(push, self._world.now_ns())
-        self._choose_output()
+        self._output.choose()
 
     def drift(self, noise: MotionNoise | None, seed: int) -> None:
         """Changes the noise of the odometry from now on. The error and the covariance so far stay.
@@ -441,18 +362,15 @@ class MobileRobotSimulator(Handle):
             raise TypeError(f"the noise must be a MotionNoise or None, got {quoted(noise)}")
         if not isinstance(seed, SupportsIndex):
             raise TypeError(f"the seed must be an integer, got {quoted(seed)}")
-        now_ns, self._drift = self._world.now_ns(), (noise, seed)
-        self._odometer.read(self._read_wheels(now_ns)[0], now_ns)
-        self._odometer.set_noise(*self._odometry_noise())
-        self._choose_output()
+        self._odometry.drift(noise, seed, self._world.now_ns())
+        self._output.choose()
 
     def start(self) -> None:
         """Starts to follow commands and to publish, first after one period. Has no effect if the node is running."""
         if self._running is not None:
             return
         with Handles() as handles:
-            self._publishers = self._create_publishers(handles)
-            self._choose_output()
+            self._output.start(handles)
             self._create_subscriptions(handles)
             self._create_services(handles)
             if not self._is_map_given:
@@ -460,7 +378,7 @@ class MobileRobotSimulator(Handle):
                 if self._footprint is not None:
                     self._maps.start(topic=self._parameters.map_topic, service=self._parameters.map_service, handles=handles)
             self._node.set_speed(self._parameters.speed_factor)
-            self._create_timers(handles)
+            self._output.start_timers(handles)
             self._running = handles
 
     def stop(self) -> None:
@@ -478,56 +396,32 @@ class MobileRobotSimulator(Handle):
         Args:
             stamp_ns: Stamp of the scan [ns].
         """
-        if self._running is not None and stamp_ns != self._transforms_ns:
-            now_ns = self._world.now_ns()
-            wheels = self._motion.wheel_pose(now_ns).wrapped()
-            if self._wheel_odometer is not None:
-                wheels = self._wheel_odometer.pose_at(wheels)
-            odom_from_base = self._odometer.pose_at(wheels)
-            self._send_transforms(now_ns, Time.from_nanoseconds(stamp_ns), odom_from_base)
+        if self._running is not None:
+            self._output.publish_transforms(stamp_ns)
 
     def save(self) -> RobotSnapshot:
         """Returns the state that `restore` takes. The state of the node interface and of the world is not part of it."""
-        wheel_odometer = self._wheel_odometer
         return RobotSnapshot(
             parameters=self._parameters,
             running=self._running,
-            publishers=self._publishers,
             footprint=self._footprint,
             slip_share=self._slip_share,
             push=self._push,
-            drift=self._drift,
-            believed_pose=self.believed_pose,
-            transforms_ns=self._transforms_ns,
             motion=(self._motion, self._motion.save()),
-            odometer=(self._odometer, self._odometer.save()),
-            wheel_odometer=None if wheel_odometer is None else (wheel_odometer, wheel_odometer.save()),
+            odometry=self._odometry.save(),
             maps=self._maps.save(),
-            contacts=(self._contact_time, self._is_stalled),
+            output=self._output.save(),
         )
 
     def restore(self, state: RobotSnapshot) -> None:
         """Puts the robot back into a saved state."""
-        self._parameters, self._running, self._publishers = state.parameters, state.running, state.publishers
+        self._parameters, self._running = state.parameters, state.running
         self._footprint, self._slip_share, self._push = state.footprint, state.slip_share, state.push
-        self._drift = state.drift
-        self._believed, self._transforms_ns = state.believed_pose, state.transforms_ns
         self._motion, motion_state = state.motion
         self._motion.restore(motion_state)
-        self._odometer, odometer_state = state.odometer
-        self._odometer.restore(odometer_state)
-        self._wheel_odometer = None
-        if state.wheel_odometer is not None:
-            self._wheel_odometer, wheel_reading = state.wheel_odometer
-            self._wheel_odometer.restore(wheel_reading)
+        self._odometry.restore(state.odometry)
         self._maps.restore(state.maps)
-        self._contact_time, self._is_stalled = state.contacts
-        self._choose_output()
-
-    def _odometry_noise(self) -> tuple[MotionNoise | None, int]:
-        """Returns the noise of the odometry and its seed: those of `drift`, or else those of the parameters."""
-        noise, seed = self._drift
-        return (self._parameters.motion_noise, self._parameters.odometry_seed) if noise is None else (noise, seed)
+        self._output.restore(state.output)
 
     def _create_motion(self, time_ns: int, map_from_odom: Pose, odom_from_base: Pose) -> Motion:
         parameters = self._parameters
@@ -546,20 +440,6 @@ class MobileRobotSimulator(Handle):
             drive=parameters.wheels,
         )
 
-    def _create_wheel_odometer(self, time_ns: int, pose: Pose) -> WheelOdometer | None:
-        """Returns the odometer that reads the encoders from now on, or None if it would be exact."""
-        believed = self._parameters.believed_wheels
-        if believed is None:
-            return None
-        return WheelOdometer(believed, self._parameters.encoder_ticks, self._motion, pose, time_ns)
-
-    def _read_wheels(self, now_ns: int) -> tuple[Pose, Velocity]:
-        """Returns pose and velocity as the encoders of the wheels tell them now."""
-        if self._wheel_odometer is None:
-            return self._motion.wheel_pose(now_ns).wrapped(), self._motion.wheel_velocity(now_ns)
-        reading = self._wheel_odometer.read(self._motion, now_ns)
-        return reading.pose, reading.velocity
-
     def _change_motion(self, before: RobotParameters, after: RobotParameters) -> None:
         """Applies changed parameters to the motion."""
         now_ns = self._world.now_ns()
@@ -567,19 +447,19 @@ class MobileRobotSimulator(Handle):
         if after.velocity_timeout != before.velocity_timeout:
             self._motion.set_timeout(after.velocity_timeout, now_ns)
         changed = {name for name in RobotParameters.model_fields if getattr(before, name) != getattr(after, name)}
-        believed = None if changed.isdisjoint(ENCODER_PARAMETERS) else self._read_wheels(now_ns)[0]
+        believed = None if changed.isdisjoint(ENCODER_PARAMETERS) else self._odometry.read_wheels(now_ns)[0]
         if not changed.isdisjoint(CONSTRAINT_PARAMETERS):
             self._footprint = after.shape
             motion = self._create_motion(now_ns, self._motion.map_from_own, self._motion.pose(now_ns))
             self._motion = motion.continuing(self._motion)
             self._world.changed()
         if believed is not None:
-            self._wheel_odometer = self._create_wheel_odometer(now_ns, believed)
+            self._odometry.begin_wheels(believed, now_ns)
         if after.wheel_slip != before.wheel_slip:
             self.slip(self._slip_share)
         if (after.odometry_alphas, after.odometry_seed) != (before.odometry_alphas, before.odometry_seed):
-            self.drift(*self._drift)
-        self._choose_output()
+            self._odometry.update_noise(now_ns)
+        self._output.choose()
 
     def _lost_share(self) -> float:
         """Returns the share of the commanded motion that is lost: that of `slip`, or else that of the parameters."""
@@ -611,33 +491,7 @@ class MobileRobotSimulator(Handle):
             self._running = None
         self.start()
 
-    # --- topics, services, timers ---
-
-    def _create_publishers(self, handles: Handles) -> RobotPublishers:
-        node, parameters = self._node, self._parameters
-        odometry = node.create_publisher(Odometry, parameters.odometry_topic, QoS.DEFAULT)
-        handles.add(node.destroy_publisher, odometry)
-        transforms = node.create_publisher(TFMessage, "/tf", QoS.DEFAULT)
-        handles.add(node.destroy_publisher, transforms)
-        clock = node.create_publisher(Clock, "/clock", QoS.CLOCK) if parameters.publish_clock else None
-        if clock is not None:
-            handles.add(node.destroy_publisher, clock)
-        truth = contacts = stalled = joints = None
-        if parameters.ground_truth_topic:
-            truth = node.create_publisher(Odometry, parameters.ground_truth_topic, QoS.DEFAULT)
-            handles.add(node.destroy_publisher, truth)
-        if self._footprint is not None and parameters.contact_topic:
-            contacts = node.create_publisher(messages.PointStamped, parameters.contact_topic, QoS.DEFAULT)
-            handles.add(node.destroy_publisher, contacts)
-        if self._footprint is not None and parameters.stalled_topic:
-            stalled = node.create_publisher(messages.Bool, parameters.stalled_topic, QoS.LATCHED)
-            handles.add(node.destroy_publisher, stalled)
-            self._is_stalled = self._motion.is_blocked
-            stalled.publish(messages.Bool(self._is_stalled))
-        if parameters.drive != "planar" and parameters.joint_states_topic:
-            joints = node.create_publisher(JointState, parameters.joint_states_topic, QoS.DEFAULT)
-            handles.add(node.destroy_publisher, joints)
-        return RobotPublishers(odometry, transforms, clock, truth, contacts, stalled, joints)
+    # --- topics, services ---
 
     def _create_subscriptions(self, handles: Handles) -> None:
         """Subscribes to commands and, with `publish_map_transform`, to initialpose."""
@@ -665,12 +519,6 @@ class MobileRobotSimulator(Handle):
         node = self._node
         handles.add(node.destroy_service, node.create_service(Trigger, "reset", self._answer_reset))
         handles.add(node.destroy_service, node.create_service(SetPose, "set_pose", self._answer_set_pose))
-
-    def _create_timers(self, handles: Handles) -> None:
-        node, parameters = self._node, self._parameters
-        handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.publish_rate, self._publish))
-        if parameters.publish_clock and parameters.clock_rate > 0.0:
-            handles.add(node.destroy_timer, node.create_timer(1.0 / parameters.clock_rate, self._publish_clock))
 
     def _take_stamped_command(self, message: messages.TwistStamped) -> None:
         self._take_command(message.twist)
@@ -719,133 +567,3 @@ class MobileRobotSimulator(Handle):
             self.set_pose(message.pose.pose.to_planar())
         except ValueError as error:
             self._node.get_logger().warning(f"pose refused: {error}")
-
-    # --- publishing ---
-
-    def _publish(self) -> None:
-        """Publishes odometry and transforms, and also the clock if it has no timer of its own."""
-        now_ns, stamp_ns, exact = self._world.now_ns(), self._clock.now().nanoseconds, self._exact
-        if exact is None:
-            if self._parameters.clock_rate == 0.0:
-                self._send_clock(stamp_ns)
-            stamp = Time.from_nanoseconds(stamp_ns)
-            self._send_odometry(now_ns, stamp)
-            if stamp_ns != self._transforms_ns:
-                self._send_transforms(now_ns, stamp, self.believed_pose)
-            self._publish_others(now_ns, stamp_ns)
-            return
-        self._publish_exactly(exact, now_ns, stamp_ns)
-        if exact.has_others:
-            self._publish_others(now_ns, stamp_ns)
-
-    def _publish_others(self, now_ns: int, stamp_ns: int) -> None:
-        """Publishes contacts, joints and the ground truth, as far as they are wanted."""
-        publishers = self._publishers
-        assert publishers is not None
-        if publishers.contacts is not None or publishers.stalled is not None:
-            self._publish_contacts(now_ns, Time.from_nanoseconds(stamp_ns))
-        if publishers.joints is not None:
-            joints = self._motion.joints(now_ns)
-            stamp = Time.from_nanoseconds(stamp_ns)
-            publishers.joints.publish_lazily(joint_states_message, stamp, self._parameters.joints, joints)
-        if publishers.truth is not None:
-            frames = self._parameters.map_frame_id, self._parameters.frames["base_link_frame"]
-            pose, velocity = self._motion.map_pose(now_ns), self._motion.velocity(now_ns)
-            publishers.truth.publish_lazily(odometry_message, Time.from_nanoseconds(stamp_ns), frames, pose, velocity)
-
-    def _publish_exactly(self, output: ExactOutput, now_ns: int, stamp_ns: int) -> None:
-        """Publishes odometry that is exact, and its transforms: to be computed when they are needed, which may be never."""
-        if output.clock is not None:
-            output.clock.publish_lazily(clock_message, stamp_ns)
-        motion = self._motion
-        self._believed = course = motion.wheel_course(now_ns)
-        output.odometry.publish_lazily(exact_odometry_message, stamp_ns, output.frames, course)
-        if stamp_ns != self._transforms_ns:
-            self._transforms_ns = stamp_ns
-            map_frame = None if output.map_frame is None else (output.map_frame, motion.map_from_own)
-            output.transforms.publish_lazily(exact_transforms_message, stamp_ns, map_frame, output.frames, course)
-
-    def _choose_output(self) -> None:
-        """Chooses what is published periodically. Must be called after a change of what this depends on."""
-        publishers, parameters, self._exact = self._publishers, self._parameters, None
-        if publishers is None or self._wheel_odometer is not None or self._motion.slipped or not self._odometer.is_exact:
-            return
-        if parameters.ground_truth_frame:
-            return
-        others = publishers.contacts, publishers.stalled, publishers.joints, publishers.truth
-        has_others = any(publisher is not None for publisher in others)
-        frames = parameters.frames["odom_frame_id"], parameters.frames["base_link_frame"]
-        clock = publishers.clock if parameters.clock_rate == 0.0 else None
-        map_frame = parameters.map_frame_id if parameters.publish_map_transform else None
-        self._exact = ExactOutput(clock, publishers.odometry, publishers.transforms, frames, map_frame, has_others)
-
-    def _send_odometry(self, now_ns: int, stamp: Time) -> None:
-        """Reads the odometer and publishes what it says."""
-        assert self._publishers is not None
-        frames = self._parameters.frames
-        wheels, velocity = self._read_wheels(now_ns)
-        reading = self._odometer.read(wheels, now_ns)
-        self._believed = reading.pose
-        self._publishers.odometry.publish_lazily(
-            odometry_message,
-            stamp,
-            (frames["odom_frame_id"], frames["base_link_frame"]),
-            reading.pose,
-            velocity if reading.twist is None else reading.twist,
-            reading.covariance,
-            reading.twist_covariance,
-        )
-
-    def _publish_contacts(self, now_ns: int, stamp: Time) -> None:
-        """Publishes the contacts that have begun since the last call, and a change of whether the robot is stalled."""
-        assert self._publishers is not None
-        begun = takewhile(lambda contact: contact.time > self._contact_time, reversed(self._motion.contacts_until(now_ns)))
-        for contact in reversed(list(begun)):
-            self._contact_time = contact.time
-            x, y = contact.point
-            self._node.get_logger().info(f"contact with {contact.what} at ({x:.2f}, {y:.2f}), at {contact.speed:.2f} m/s")
-            if self._publishers.contacts is not None:
-                began = stamp.nanoseconds - (now_ns - round(contact.time * NANOSECONDS))
-                header = Header(Time.from_nanoseconds(began), self._parameters.map_frame_id)
-                self._publishers.contacts.publish(messages.PointStamped(header, messages.Point(x, y)))
-        if self._publishers.stalled is not None and self._motion.is_blocked != self._is_stalled:
-            self._is_stalled = self._motion.is_blocked
-            self._publishers.stalled.publish(messages.Bool(self._is_stalled))
-
-    def _send_transforms(self, now_ns: int, stamp: Time, odom_from_base: Pose) -> None:
-        """Publishes odom -> base_link, and map -> odom and the true pose if they are wanted.
-
-        Must be called at most once for each stamp, because tf2 warns about repeated stamps.
-
-        Args:
-            now_ns: Simulated time [ns].
-            stamp: Stamp of the odometry at that time.
-            odom_from_base: Pose of the robot that the odometry reports.
-        """
-        assert self._publishers is not None
-        frames, parameters = self._parameters.frames, self._parameters
-        self._transforms_ns = stamp.nanoseconds
-        links = [(frames["odom_frame_id"], frames["base_link_frame"], odom_from_base)]
-        if parameters.publish_map_transform:
-            map_from_odom = self._map_from_odom(now_ns, odom_from_base)
-            links.insert(0, (parameters.map_frame_id, frames["odom_frame_id"], map_from_odom))
-        if parameters.ground_truth_frame:
-            links.append((parameters.map_frame_id, frames["ground_truth_frame"], self._motion.map_pose(now_ns)))
-        self._publishers.transforms.publish_lazily(transforms_message, stamp, links)
-
-    def _map_from_odom(self, now_ns: int, odom_from_base: Pose) -> Pose:
-        """Returns the pose of the odometry frame in the map that makes map -> odom -> base_link the robot's true pose."""
-        motion = self._motion
-        if motion.slipped or self._wheel_odometer is not None or not self._odometer.is_exact:
-            return (motion.map_pose(now_ns) * odom_from_base.inverse()).wrapped()
-        return motion.map_from_own
-
-    def _publish_clock(self) -> None:
-        self._send_clock(self._stamp_ns())
-
-    def _send_clock(self, stamp_ns: int) -> None:
-        if self._publishers is not None and self._publishers.clock is not None:
-            self._publishers.clock.publish_lazily(clock_message, stamp_ns)
-
-    def _stamp_ns(self) -> int:
-        return self._clock.now().nanoseconds

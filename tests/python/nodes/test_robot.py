@@ -17,152 +17,10 @@ from mobile_robot_simulator.nodes.interface import QoS
 from mobile_robot_simulator.nodes.map_messages import to_message
 from mobile_robot_simulator.parameters import LaserParameters, RobotParameters
 from mobile_robot_simulator.physics.world import World
+from robot_rigs import Rig, close, twist
 
 SECOND = 1_000_000_000
 PI = math.pi
-
-
-def twist(vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> mrs.messages.Twist:
-    return mrs.messages.Twist(linear=mrs.messages.Vector3(x=vx, y=vy), angular=mrs.messages.Vector3(z=wz))
-
-
-class Rig:
-    """A robot on its own bus, with everything it publishes."""
-
-    def __init__(self, *, start_pose: mrs.Pose | None = None, started: bool = True, **parameters: Any) -> None:
-        self.bus = Bus()
-        parameters = {"cmd_vel_stamped": False, **parameters}
-        self.robot = mrs.nodes.MobileRobotSimulator(
-            NoCopyNode(self.bus, "robot"), RobotParameters.checked(parameters), start_pose=start_pose
-        )
-        self.node = NoCopyNode(self.bus, "tester")
-        self.sent: list[tuple[str, Any, int]] = []
-        self.bus.taps.append(lambda *event: self.sent.append(event))
-        if started:
-            self.robot.start()
-
-    def run_to(self, seconds: float) -> None:
-        self.bus.run_until(round(seconds * SECOND))
-
-    def command(self, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> None:
-        self.node.create_publisher(mrs.messages.Twist, "/cmd_vel").publish(twist(vx, vy, wz))
-
-    def place(self, x: float, y: float, yaw: float, frame: str = "map") -> None:
-        message = mrs.messages.PoseWithCovarianceStamped(mrs.messages.Header(frame_id=frame))
-        message.pose.pose = mrs.messages.Pose.from_planar(mrs.Pose(x, y, yaw))
-        self.node.create_publisher(mrs.messages.PoseWithCovarianceStamped, "/initialpose").publish(message)
-
-    def drive(self, until: float, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, every: float = 0.25) -> None:
-        """Repeats a command until a time [s]."""
-        while self.bus.time_ns < round(until * SECOND):
-            self.command(vx, vy, wz)
-            self.run_to(min(until, self.bus.time_ns / SECOND + every))
-
-    def all(self, topic: str) -> list[Any]:
-        return [message for name, message, _ in self.sent if name == topic]
-
-
-def close(pose: mrs.Pose, x: float, y: float, yaw: float, tolerance: float = 1e-12) -> bool:
-    assert tuple(pose) == pytest.approx((x, y, yaw), abs=tolerance)
-    return True
-
-
-# --- messages ---------------------------------------------------------------------------------------------------------
-
-
-def test_odometry_field_by_field() -> None:
-    rig = Rig()
-    rig.command(1.0, 0.5, 0.2)
-    rig.run_to(0.1)
-    (odometry,) = rig.all("/odom")
-    expected = mrs.Pose().integrate((1.0, 0.5, 0.2), 0.1)
-    assert odometry.header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "odom")
-    assert odometry.child_frame_id == "base_link"
-    position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
-    assert (position.x, position.y, position.z) == (expected.x, expected.y, 0.0)
-    assert (orientation.x, orientation.y) == (0.0, 0.0)
-    assert (orientation.z, orientation.w) == pytest.approx((math.sin(0.01), math.cos(0.01)), abs=1e-15)
-    # The twist is in the child frame.
-    assert odometry.twist.twist == twist(1.0, 0.5, 0.2)
-
-
-def test_covariances_are_small_in_the_plane_and_large_elsewhere() -> None:
-    rig = Rig()
-    rig.run_to(0.1)
-    (odometry,) = rig.all("/odom")
-    for covariance in (odometry.pose.covariance, odometry.twist.covariance):
-        assert covariance.shape == (36,) and covariance.dtype == np.float64
-        matrix = np.asarray(covariance).reshape(6, 6)
-        assert np.array_equal(matrix, matrix.T)
-        assert (np.linalg.eigvalsh(matrix) > 0.0).all()
-        known, unknown = np.diag(matrix)[[0, 1, 5]], np.diag(matrix)[[2, 3, 4]]
-        assert known.max() < 1e-6 < 1.0 <= unknown.min()
-
-
-def test_transforms_field_by_field() -> None:
-    rig = Rig()
-    rig.command(1.0)
-    rig.run_to(0.1)
-    (message,) = rig.all("/tf")
-    (transform,) = message.transforms
-    assert transform.header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "odom")
-    assert transform.child_frame_id == "base_link"
-    translation, rotation = transform.transform.translation, transform.transform.rotation
-    assert (translation.x, translation.y, translation.z) == (0.1, 0.0, 0.0)
-    assert (rotation.x, rotation.y, rotation.z, rotation.w) == (0.0, 0.0, 0.0, 1.0)
-
-
-def test_transforms_agree_with_odometry() -> None:
-    rig = Rig(publish_map_transform=True)
-    rig.drive(5.0, 0.7, -0.1, 0.9)
-    for odometry, message in zip(rig.all("/odom"), rig.all("/tf"), strict=True):
-        link = {transform.child_frame_id: transform for transform in message.transforms}["base_link"]
-        assert link.header == odometry.header
-        position, orientation = odometry.pose.pose.position, odometry.pose.pose.orientation
-        assert (link.transform.translation.x, link.transform.translation.y) == (position.x, position.y)
-        assert link.transform.rotation == orientation
-
-
-def test_the_map_transform_is_published_if_the_parameter_is_set() -> None:
-    rig = Rig(publish_map_transform=True, start_pose=mrs.Pose(3.0, 4.0, 1.0))
-    rig.run_to(0.1)
-    (message,) = rig.all("/tf")
-    links = {transform.child_frame_id: transform for transform in message.transforms}
-    assert set(links) == {"odom", "base_link"}
-    assert links["odom"].header == mrs.messages.Header(mrs.messages.Time(0, 100_000_000), "map")
-    map_from_odom, odom_from_base = links["odom"].transform.to_planar(), links["base_link"].transform.to_planar()
-    close(map_from_odom * odom_from_base, 3.0, 4.0, 1.0)
-    close(odom_from_base, 0.0, 0.0, 0.0)
-
-
-def test_names_are_parameters() -> None:
-    rig = Rig(
-        odometry_topic="/robot/odom",
-        velocity_topic="/robot/cmd_vel",
-        base_link_frame="base_footprint",
-        odom_frame_id="robot/odom",
-        map_frame_id="world",
-        publish_map_transform=True,
-    )
-    rig.node.create_publisher(mrs.messages.Twist, "/robot/cmd_vel").publish(twist(1.0))
-    rig.run_to(0.1)
-    (odometry,) = rig.all("/robot/odom")
-    assert (odometry.header.frame_id, odometry.child_frame_id) == ("robot/odom", "base_footprint")
-    assert odometry.pose.pose.position.x == 0.1
-    (message,) = rig.all("/tf")
-    pairs = {(transform.header.frame_id, transform.child_frame_id) for transform in message.transforms}
-    assert pairs == {("world", "robot/odom"), ("robot/odom", "base_footprint")}
-
-
-@pytest.mark.parametrize("rate", [1.0, 10.0, 30.0, 7.0, 250.0])
-def test_stamps_and_rates(rate: float) -> None:
-    rig = Rig(publish_rate=rate)
-    rig.run_to(4.0)
-    expected = [round(count / rate * SECOND) for count in range(1, round(4 * rate) + 1)]
-    assert [message.clock.nanoseconds for message in rig.all("/clock")] == expected
-    assert [message.header.stamp.nanoseconds for message in rig.all("/odom")] == expected
-    assert [message.transforms[0].header.stamp.nanoseconds for message in rig.all("/tf")] == expected
-    assert [time_ns for topic, _, time_ns in rig.sent if topic == "/odom"] == expected
 
 
 # --- motion -----------------------------------------------------------------------------------------------------------
@@ -322,78 +180,6 @@ def test_without_the_map_transform_initialpose_is_not_subscribed() -> None:
     assert "/initialpose" not in rig.bus.topic_names()
 
 
-def test_without_the_map_transform_odometry_starts_at_the_start_pose() -> None:
-    rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0))
-    rig.run_to(0.1)
-    close(rig.all("/odom")[0].pose.pose.to_planar(), 3.0, 4.0, 1.0)
-
-
-@pytest.mark.parametrize("map_transform", [False, True])
-@pytest.mark.parametrize("drifts", [False, True])
-def test_the_odometry_does_not_notice_that_the_robot_is_carried(map_transform: bool, drifts: bool) -> None:
-    alphas = {"odometry_alphas": (0.1,) * 6} if drifts else {}
-    rigs = [Rig(publish_map_transform=map_transform, **alphas) for _ in range(2)]
-    for rig in rigs:
-        rig.drive(0.5, 1.0, 0.0, 0.5)
-    rigs[0].robot.set_pose(mrs.Pose(-7.0, 0.0, 0.5))
-    for rig in rigs:
-        rig.drive(1.0, 1.0, 0.0, 0.5)
-    for carried, left in zip(rigs[0].all("/odom"), rigs[1].all("/odom"), strict=True):
-        assert carried.header == left.header
-        close(carried.pose.pose.to_planar(), *left.pose.pose.to_planar())
-        assert carried.twist.twist.linear.x == pytest.approx(left.twist.twist.linear.x, abs=1e-9)
-        assert carried.pose.covariance == pytest.approx(left.pose.covariance)
-    close(rigs[0].robot.pose, *mrs.Pose(-7.0, 0.0, 0.5).integrate((1.0, 0.0, 0.5), 0.5))
-
-
-def test_slip_and_drift_can_be_parameters_that_change_while_the_robot_drives() -> None:
-    rig = Rig(wheel_slip=0.5, velocity_timeout=0.0)
-    rig.command(1.0)
-    rig.run_to(1.0)
-    assert rig.robot.pose.x == pytest.approx(0.5)
-    rig.robot.set_parameters(wheel_slip=0.0)
-    rig.run_to(2.0)
-    assert rig.robot.pose.x == pytest.approx(1.5)
-    rig.robot.slip(0.8)
-    rig.run_to(3.0)
-    assert rig.robot.pose.x == pytest.approx(1.7)
-    rig.robot.set_parameters(wheel_slip=0.1)
-    rig.robot.slip(None)
-    rig.run_to(4.0)
-    assert rig.robot.pose.x == pytest.approx(2.6)
-    exact = rig.all("/odom")[-1]
-    assert exact.pose.pose.position.x == pytest.approx(4.0) and exact.pose.covariance[0] == 1e-9
-    rig.robot.set_parameters(odometry_alphas=(0.2,) * 6)
-    rig.run_to(5.0)
-    drifted = rig.all("/odom")[-1]
-    assert abs(drifted.pose.pose.position.x - 5.0) > 1e-3 and drifted.pose.covariance[0] > 1e-6
-
-
-def test_the_ground_truth_is_the_true_pose_and_velocity_in_the_map() -> None:
-    rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0), odometry_alphas=(0.1,) * 6, ground_truth_frame="truth", frame_prefix="a/")
-    rig.robot.slip(0.5)
-    rig.command(1.0, 0.0, 0.5)
-    rig.run_to(0.3)
-    truth, odometry = rig.all("/ground_truth")[-1], rig.all("/odom")[-1]
-    assert (truth.header.stamp, truth.header.frame_id) == (odometry.header.stamp, "map")
-    assert truth.child_frame_id == odometry.child_frame_id == "a/base_link"
-    expected = mrs.Pose(3.0, 4.0, 1.0).integrate((0.5, 0.0, 0.25), 0.3)
-    close(truth.pose.pose.to_planar(), *expected)
-    assert (truth.twist.twist.linear.x, truth.twist.twist.angular.z) == (0.5, 0.25)
-    assert truth.pose.covariance[0] == truth.twist.covariance[0] == 1e-9
-    assert odometry.pose.pose.to_planar() != truth.pose.pose.to_planar()
-    (link,) = [link for link in rig.all("/tf")[-1].transforms if link.child_frame_id == "a/truth"]
-    assert link.header == truth.header
-    close(link.transform.to_planar(), *expected)
-
-
-def test_without_a_topic_and_a_frame_there_is_no_ground_truth() -> None:
-    rig = Rig(ground_truth_topic="")
-    rig.run_to(0.3)
-    assert "/ground_truth" not in rig.bus.topic_names()
-    assert {link.child_frame_id for link in rig.all("/tf")[-1].transforms} == {"base_link"}
-
-
 def test_the_initial_pose_is_where_the_robot_starts_and_where_a_reset_puts_it() -> None:
     rig = Rig(initial_pose=(1.0, 2.0, 0.5), publish_map_transform=True)
     rig.drive(1.0, 1.0)
@@ -404,15 +190,6 @@ def test_the_initial_pose_is_where_the_robot_starts_and_where_a_reset_puts_it() 
     assert rig.robot.pose == mrs.Pose(1.0, 2.0, 0.5)
     rig.robot.reset()
     assert rig.robot.pose == mrs.Pose(3.0, 2.0, 0.5)
-
-
-def test_all_frames_except_the_maps_get_the_prefix() -> None:
-    rig = Rig(frame_prefix="a/", publish_map_transform=True, odom_frame_id="/odom")
-    rig.run_to(0.1)
-    (odometry,), (transforms,) = rig.all("/odom"), rig.all("/tf")
-    assert (odometry.header.frame_id, odometry.child_frame_id) == ("a/odom", "a/base_link")
-    links = [(link.header.frame_id, link.child_frame_id) for link in transforms.transforms]
-    assert links == [("map", "a/odom"), ("a/odom", "a/base_link")]
 
 
 @pytest.mark.parametrize("map_transform", [False, True])
