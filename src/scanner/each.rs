@@ -8,7 +8,7 @@ use crate::beam_model::{BeamModel, Sampler};
 use crate::error::Error;
 use crate::pose::Pose;
 use crate::random::BeamBits;
-use crate::raycast::StoreRanges;
+use crate::raycast::{Fans, StoreRanges};
 use crate::surface::SurfaceModel;
 use crate::world::World;
 
@@ -66,16 +66,20 @@ impl<'a> Shot<'a> {
 /// # Panics
 /// If there is not a row for each scan, with an element for each of its beams.
 pub(crate) fn scan_each(shots: &[Shot<'_>], threads: Option<usize>, rows: &mut [&mut [f32]]) -> Result<(), Error> {
-    let Some(first) = shots.first() else { return Ok(()) };
+    if shots.is_empty() {
+        return Ok(());
+    }
     let fits = |(row, shot): (&&mut [f32], &Shot<'_>)| row.len() == shot.scanner.options.beam_count;
     assert!(rows.len() == shots.len() && rows.iter().zip(shots).all(fits), "rows must have one element per beam");
     shots.iter().try_for_each(|shot| shot.map_from_base.checked().map(drop))?;
-    for together in shots.chunk_by(Shot::goes_with) {
-        together[0].scanner.prepare(together[0].world, together[0].surface(), threads)?;
-    }
     let readings: usize = rows.iter().map(|row| row.len()).sum();
     let threads_used = thread_count(threads, readings)?;
-    let at_a_time = first.scanner.caster(first.world)?.fans_per_cast(shots.len(), first.scanner.cos.len(), threads_used);
+    let mut at_a_time = Fans::MAX;
+    for together in shots.chunk_by(Shot::goes_with) {
+        let Shot { scanner, world, .. } = together[0];
+        scanner.prepare(world, together[0].surface(), threads)?;
+        at_a_time = at_a_time.min(scanner.caster(world)?.fans_per_cast(shots.len(), scanner.cos.len(), threads_used));
+    }
     for_each_heavy_chunk(threads, rows, readings / shots.len(), at_a_time, |chunk, mut rows| {
         let shots = &shots[chunk * at_a_time..][..rows.len()];
         for together in shots.chunk_by(Shot::goes_with) {

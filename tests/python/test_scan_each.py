@@ -51,6 +51,15 @@ def test_each_scan_is_that_of_scan_batch(count: int, threads: int | None) -> Non
         assert ranges.dtype == np.float32 and ranges.tobytes() == expected[0].tobytes()
 
 
+def test_long_scans_may_follow_short_ones() -> None:
+    short, long = mrs.LaserScanner(beam_count=7), mrs.LaserScanner(beam_count=541)
+    grid = GRIDS[1]
+    poses = grid.draw_free_poses(200, radius=0.2, seed=SEED)
+    every = [(long if scan else short, grid, tuple(pose), (), None, None, 0, 0) for scan, pose in enumerate(poses)]
+    for ranges, expected in zip(scan_each(every, threads=2)[1:], long.scan_batch(grid, poses)[1:], strict=True):
+        assert ranges.tobytes() == expected.tobytes()
+
+
 def test_each_scan_has_memory_of_its_own() -> None:
     first, second = scan_each([(SCANNERS[0], GRIDS[0], (3.0, 3.0, 0.0), (), None, None, 0, 0)] * 2)
     assert first.base is not second.base and first.flags.writeable and first.flags.c_contiguous
