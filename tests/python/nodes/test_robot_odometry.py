@@ -6,6 +6,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from robot_rigs import Rig, close
+from simulations import drive, simulation
 
 
 @pytest.mark.parametrize("map_transform", [False, True])
@@ -53,3 +54,17 @@ def test_without_the_map_transform_odometry_starts_at_the_start_pose() -> None:
     rig = Rig(start_pose=mrs.Pose(3.0, 4.0, 1.0))
     rig.run_to(0.1)
     close(rig.all("/odom")[0].pose.pose.to_planar(), 3.0, 4.0, 1.0)
+
+
+def test_restored_encoders_go_on_from_what_they_had_counted() -> None:
+    sim = simulation(drive="differential", track=0.4, wheel_radius=0.1, encoder_ticks=64, publish_map_transform=False)
+    drive(sim, 0.5, 0.3)
+    sim.run_for(0.75)
+    saved, believed = sim.save(), []
+    for _ in range(2):
+        sim.restore(saved)
+        sim.run_for(0.5)
+        first = sim.latest("/odom")
+        sim.run_for(2.0)
+        believed.append((first, sim.latest("/odom")))
+    assert believed[0] == believed[1]

@@ -9,6 +9,7 @@ import pytest
 
 import mobile_robot_simulator as mrs
 from robot_rigs import SECOND, Rig, close, twist
+from simulations import drive, simulation
 
 
 def test_odometry_field_by_field() -> None:
@@ -138,3 +139,18 @@ def test_all_frames_except_the_maps_get_the_prefix() -> None:
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("a/odom", "a/base_link")
     links = [(link.header.frame_id, link.child_frame_id) for link in transforms.transforms]
     assert links == [("map", "a/odom"), ("a/odom", "a/base_link")]
+
+
+def test_a_restored_robot_tells_of_the_same_contact_again() -> None:
+    sim = simulation((1.0, 2.0, math.pi), robot_radius=0.3, contact_topic="contacts", stalled_topic="stalled")
+    drive(sim, 1.0)
+    sim.run_for(0.3)
+    told: list[tuple[str, object]] = []
+    sim.record(lambda topic, message, _: told.append((topic, message)) if topic in ("/contacts", "/stalled") else None)
+    saved, runs = sim.save(), []
+    for _ in range(2):
+        sim.restore(saved)
+        told.clear()
+        sim.run_for(1.0)
+        runs.append(list(told))
+    assert [topic for topic, _ in runs[0]] == ["/contacts", "/stalled"] and runs[0] == runs[1]
