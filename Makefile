@@ -72,12 +72,12 @@ check: .venv/development lint-rust lint-python
 test: build lint docs test-rust test-python
 
 lint: build lint-rust lint-python lint-workflows
-	RUSTDOCFLAGS='--deny warnings' cargo doc --locked --no-deps
 
 lint-rust:
 	cargo fmt --check
 	cargo clippy --quiet --locked --all-targets -- --deny warnings
 	cargo clippy --quiet --locked --all-targets --features python -- --deny warnings
+	RUSTDOCFLAGS='--deny warnings' cargo doc --quiet --locked --no-deps
 
 lint-python: .venv/tools
 	$(BIN)/ruff check --quiet

@@ -260,7 +260,7 @@ impl Fleet {
     /// - [`Error::Command`]: a command is not finite, or larger than [`MAX_COMMAND`].
     /// - [`Error::Steered`]: the commands have steering angles, which the robots do not have.
     /// - [`Error::Number`]: `duration` is not positive, or longer than 10⁶ s, or the time of a world would reach 2⁶² ns.
-    /// - Those of [`LaserScanner::scan_batch`].
+    /// - Those of [`LaserScanner::scan_batch`](crate::LaserScanner::scan_batch).
     ///
     /// # Panics
     /// If readings are given for a fleet without a scanner.
@@ -322,7 +322,7 @@ impl Fleet {
     ///
     /// # Errors
     /// - [`Error::Length`]: `mask` or `readings` has the wrong length.
-    /// - Those of [`LaserScanner::scan_batch`].
+    /// - Those of [`LaserScanner::scan_batch`](crate::LaserScanner::scan_batch).
     ///
     /// # Panics
     /// If the fleet has no scanner.
