@@ -12,6 +12,7 @@ from typing import Any
 
 from ..requirements.formula import Requirement
 from ..scenarios.space import Space
+from ..user_files import open_regular
 from .drive import Setup
 
 __all__ = ["Case", "repeat_command"]
@@ -52,13 +53,13 @@ class Case:
             file: The file, whose name is also that of its module.
 
         Raises:
-            FileNotFoundError: There is no such file.
+            OSError: The file cannot be read or is not a regular file: FileNotFoundError if it is missing,
+                IsADirectoryError if it is a folder.
             ValueError: The file has no controller or no requirement, or a different module of its name is imported already.
             Exception: Any error that the file raises.
         """
+        open_regular(file).close()
         path = Path(file).resolve()
-        if not path.is_file():
-            raise FileNotFoundError(f"no such file: {file}")
         if path.suffix != ".py" or not path.stem.isidentifier():
             raise ValueError(f"a case must be a Python file whose name is that of a module, got {file}")
         if str(path.parent) not in sys.path:

@@ -16,6 +16,8 @@ pytest.importorskip("matplotlib", reason="the extra `plotting` is not installed"
     [
         (["run", "nowhere.yaml"], "error: nowhere.yaml: no such file or directory\n"),
         (["info", "."], "error: .: must be a regular file, got a folder\n"),
+        (["falsify", "nowhere.py"], "error: nowhere.py: no such file or directory\n"),
+        (["falsify", "."], "error: .: must be a regular file, got a folder\n"),
         (["run", "{room}", "--duration", "nan"], "--duration must be positive and finite, got nan"),
         (["run", "{room}", "--duration", "0"], "--duration must be positive and finite, got 0"),
         (["run", "{room}", "--radius", "-1"], "--radius must be positive"),

@@ -49,8 +49,10 @@ def test_a_file_without_what_is_needed_is_refused(file, text, message):
 
 
 def test_names_of_files_are_checked(file, tmp_path):
-    with pytest.raises(FileNotFoundError, match="no such file"):
+    with pytest.raises(FileNotFoundError, match=r"No such file or directory: .*missing\.py"):
         Case.load(tmp_path / "missing.py")
+    with pytest.raises(IsADirectoryError, match="Must be a regular file, got a folder"):
+        Case.load(tmp_path)
     with pytest.raises(ValueError, match="whose name is that of a module"):
         Case.load(file(GOOD, "not-a-module.py"))
     with pytest.raises(ValueError, match="another module is named json"):
