@@ -60,7 +60,7 @@ def check_progress(progress: object) -> None:
 
 
 def check_corpus(corpus: object) -> Path | None:
-    """Returns the folder of counterexamples, None if there is none.
+    """Returns the absolute path of the folder of counterexamples, None if there is none.
 
     Args:
         corpus: The folder, which need not exist, or None.
@@ -76,4 +76,4 @@ def check_corpus(corpus: object) -> Path | None:
     folder = Path(corpus)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"corpus must be a folder, got the file {folder}")
-    return folder
+    return folder.absolute()  # A controller may change the working directory.

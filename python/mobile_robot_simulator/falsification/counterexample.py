@@ -46,7 +46,7 @@ class Counterexample:
         digest: Fingerprint of all messages of the drive.
         requirement: The requirement as a text.
         case: File that defines `controller` and `requirement`, or None.
-        folder: Folder with the files.
+        folder: Folder with the files, an absolute path.
     """
 
     world: World
@@ -78,7 +78,7 @@ class Counterexample:
                 str(values["digest"]),
                 str(values["requirement"]),
                 None if case is None else (path.parent / case).resolve(),
-                path.parent,
+                path.parent.absolute(),
             )
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise ValueError(f"{path}: not a counterexample: {error}") from None

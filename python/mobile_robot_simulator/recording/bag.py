@@ -62,6 +62,7 @@ class Bag:
 
     def __init__(self, path: Path) -> None:
         self.path, self.notes = _found(path), list[str]()
+        self._file = self.path.absolute()  # The working directory may change before the messages are read.
         self.is_ros1 = False
         if not self.path.is_dir():
             with open_regular(self.path) as file:
@@ -100,7 +101,7 @@ class Bag:
     def _stored(self, start_ns: int | None, stop_ns: int | None) -> Iterator[Stored]:
         count = 0
         try:
-            reader: Any = (Ros1Reader if self.is_ros1 else Ros2Reader)(self.path)
+            reader: Any = (Ros1Reader if self.is_ros1 else Ros2Reader)(self._file)
             reader.open()
         except Exception as error:  # rosbags has no common class for the errors of its readers and of SQLite
             _check_is_damage(error)
@@ -120,7 +121,7 @@ class Bag:
 
     def _without_end(self, error: Exception) -> Iterator[Stored]:
         """Yields all complete messages of a bag that cannot be opened as a whole."""
-        files = sorted(self.path.glob("*.mcap")) if self.path.is_dir() else [self.path]
+        files = sorted(self._file.glob("*.mcap")) if self._file.is_dir() else [self._file]
         count = 0
         for file in files:
             if self.is_ros1:

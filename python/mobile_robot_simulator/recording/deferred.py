@@ -29,7 +29,7 @@ class DeferredRecorder:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder
+        self._folder = folder.absolute()
         self._messages: list[Any] = []
         """Topic, time [ns], message and None of each message, one after another. For a call that builds a message: topic,
         time, function, number of arguments, and the arguments. Objects that hold them would cost garbage collections."""

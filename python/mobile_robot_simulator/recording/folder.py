@@ -43,7 +43,7 @@ class RecordingFolder:
     6. The folder is removed.
 
     Args:
-        folder: Folder of the recording. Missing folders are created.
+        folder: Folder of the recording. Missing folders are created. It stays the same one if the working directory changes.
         overwrite: Replace an older recording with its companions, or one that was broken off.
         companions: Names of files in the folder that belong to a recording, as for `Recorder`.
         recover: Keep the recording that was broken off, to recover it.
@@ -59,7 +59,8 @@ class RecordingFolder:
     """
 
     def __init__(self, folder: Path, *, overwrite: bool, companions: Collection[str] = (), recover: bool = False) -> None:
-        self._folder, self.unfinished, self._companions = folder, folder / UNFINISHED, tuple(companions)
+        self._given, self._folder, self._companions = folder, folder.absolute(), tuple(companions)
+        self.unfinished = self._folder / UNFINISHED
         self.complete = self.unfinished / _COMPLETE
         self._check_unfinished()
         existed = self.unfinished.is_dir()
@@ -89,6 +90,18 @@ class RecordingFolder:
         """The recording in the folder `complete`, which has only to be moved. None if there is none."""
         return next((path for name in _NAMES if os.path.lexists(path := self.complete / name)), None)
 
+    def shown(self, path: Path) -> Path:
+        """Returns a path in the folder as the caller named it; absolute if that name now leads elsewhere.
+
+        Args:
+            path: A path in the folder, or the folder.
+        """
+        try:
+            is_there = self._given.absolute() == self._folder
+        except OSError:  # The working directory is gone.
+            is_there = False
+        return self._given / path.relative_to(self._folder) if is_there else path
+
     def finish(self, path: Path) -> Path:
         """Replaces older recordings and their companions by a complete recording, and returns its new path.
 
@@ -107,7 +120,7 @@ class RecordingFolder:
         with suppress(OSError):  # The recording is in its place, whatever stays here.
             self._remove(*_PARTS)
         self._remove_folder()
-        return self._folder / path.name
+        return self.shown(self._folder / path.name)
 
     def keep(self) -> None:
         """Gives the folder back and keeps what was written. Removes what a failed recovery has rebuilt."""
@@ -127,13 +140,13 @@ class RecordingFolder:
         full = isinstance(error, sqlite3.Error) and "disk is full" in str(error)  # Python 3.10 has no error codes of SQLite.
         number = (isinstance(error, OSError) and error.errno) or (errno.ENOSPC if full else errno.EIO)
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        return OSError(number, f"{reason}. {kept}", str(self.unfinished))
+        return OSError(number, f"{reason}. {kept}", str(self.shown(self.unfinished)))
 
     def _prepare_recording(self, *, overwrite: bool) -> None:
         self._check_places(overwrite=overwrite)
         if self._is_broken_off() and not overwrite:
-            message = f"A recording was broken off here. Recover it with `{RECOVER} {self._folder}`, or use --overwrite"
-            raise FileExistsError(errno.EEXIST, f"{message} (overwrite=True)", str(self.unfinished))
+            message = f"A recording was broken off here. Recover it with `{RECOVER} {self._given}`, or use --overwrite"
+            raise FileExistsError(errno.EEXIST, f"{message} (overwrite=True)", str(self.shown(self.unfinished)))
         if self.complete_recording is not None:
             self._move()  # A process was killed meanwhile. Older files may be in `replaced` only.
         self._remove(*_PARTS)
@@ -157,7 +170,7 @@ class RecordingFolder:
         return self.complete_recording is not None or any(os.path.lexists(path) for path in names)
 
     def _nothing_broken_off(self) -> FileNotFoundError:
-        return FileNotFoundError(errno.ENOENT, "No recording was broken off in this folder", str(self._folder))
+        return FileNotFoundError(errno.ENOENT, "No recording was broken off in this folder", str(self._given))
 
     def _move(self) -> None:
         """Does steps 4 and 5, or what a killed process has left of them."""
@@ -190,7 +203,9 @@ class RecordingFolder:
 
     def _check_unfinished(self) -> None:
         if os.path.lexists(self.unfinished) and not _is_unfinished(self.unfinished):
-            raise FileExistsError(errno.EEXIST, "This path holds something that is not a recording", str(self.unfinished))
+            raise FileExistsError(
+                errno.EEXIST, "This path holds something that is not a recording", str(self.shown(self.unfinished))
+            )
 
     def _check_places(self, *, overwrite: bool) -> None:
         """Checks that only recordings would be replaced, and only if the caller wants that."""
@@ -198,15 +213,17 @@ class RecordingFolder:
             if not os.path.lexists(path):
                 continue
             if not _is_recording(path):
-                raise FileExistsError(errno.EEXIST, "This path holds something that is not a recording", str(path))
+                raise FileExistsError(
+                    errno.EEXIST, "This path holds something that is not a recording", str(self.shown(path))
+                )
             if not overwrite:
                 message = "A recording already exists and is kept. To replace it, use --overwrite (overwrite=True)"
-                raise FileExistsError(errno.EEXIST, message, str(path))
+                raise FileExistsError(errno.EEXIST, message, str(self.shown(path)))
         for path in (self._folder / name for name in self._companions):
             if os.path.lexists(path) and not (path.is_file() and overwrite):
                 reason = "To replace it, use --overwrite (overwrite=True)" if path.is_file() else "It is not a file"
                 message = f"A recording would replace this path, which is kept. {reason}"
-                raise FileExistsError(errno.EEXIST, message, str(path))
+                raise FileExistsError(errno.EEXIST, message, str(self.shown(path)))
 
     def _remove_folder(self) -> None:
         """Gives the folder back, and removes it if it is empty."""

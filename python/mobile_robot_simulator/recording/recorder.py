@@ -50,7 +50,7 @@ class Recorder:
     messages and, for "mcap" and "bag", the last megabyte.
 
     Args:
-        path: Folder of the recording, created if needed. The recording in it is ``recording/`` (rosbag2: metadata.yaml and
+        path: Folder of the recording, created if needed. A later change of the working directory does not matter. The recording in it is ``recording/`` (rosbag2: metadata.yaml and
             recording.mcap or recording.db3) or ``recording.bag`` (ROS 1).
         format: "mcap" or "sqlite3" for ROS 2 Humble and later, "bag" for ROS 1.
         overwrite: Replace an older recording of any format. The older one is deleted when the new one is complete. What is
@@ -98,13 +98,12 @@ class Recorder:
         except BaseException:
             self._thread.stop()
             raise
-        self._path = Path(path) / self._bag.path.name
         self._encode, self._end_of_time = self._bag.encode, self._bag.end_of_time
 
     @property
     def path(self) -> Path:
         """The recording itself: a rosbag2 folder or a ROS 1 file. It is there once the recorder is closed."""
-        return self._path
+        return self._folder.shown(self._folder.unfinished.parent / self._bag.path.name)
 
     def write(self, topic: str, message: Message | partial[Message], time_ns: int) -> None:
         """Adds a message that was published on a topic.
@@ -267,7 +266,8 @@ class Recorder:
             raise error
         unfinished = self._folder.unfinished
         if unfinished.is_dir():
-            kept = f"messages written before are kept, `{RECOVER} {unfinished.parent}` recovers them"
+            folder = self._folder.shown(unfinished.parent)
+            kept = f"messages written before are kept, `{RECOVER} {folder}` recovers them"
         else:
             kept = "the folder is gone, nothing is kept"
         raise self._folder.error(error, f"The recording was broken off; {kept}") from error

@@ -49,10 +49,10 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
         elif (file := folder.unfinished / f"{NAME}.bag").is_file():
             messages, bag = ros1_messages(file), Ros1Bag(rebuilt)
         else:
-            raise ValueError(f"{folder.unfinished} has no complete message")
+            raise ValueError(f"{folder.shown(folder.unfinished)} has no complete message")
         count = _copy(messages, bag)
         if not count:
-            raise ValueError(f"{folder.unfinished} has no complete message")
+            raise ValueError(f"{folder.shown(folder.unfinished)} has no complete message")
         return folder.finish(bag.path), count
     except BaseException as error:
         folder.keep()

@@ -60,6 +60,23 @@ def test_the_folder_has_everything(saved):
     assert Counterexample.load(saved.folder / "counterexample.json") == saved
 
 
+def test_its_folder_stays_the_same_if_the_working_directory_changes(tmp_path, monkeypatch, saved):
+    monkeypatch.chdir(saved.folder)
+    loaded = Counterexample.load("counterexample.json")
+    monkeypatch.chdir("recording")
+    assert loaded == saved
+
+    def wandering(sim):
+        os.chdir(tmp_path / "elsewhere")
+        return controller(sim)
+
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    found = falsify(wandering, SPACE, requirement, 200, corpus="corpus").counterexample
+    assert found.folder.parent == tmp_path / "corpus"
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
 def test_it_repeats_byte_by_byte(saved):
     drive, is_same = saved.repeat(controller, requirement)
     assert is_same and drive.failed and drive.robustness == saved.robustness

@@ -36,6 +36,18 @@ def test_messages_of_the_types_with_their_indices(tmp_path: Path, format: Format
     assert [each.index for each in read(tmp_path)[0]] == [each.index for each in got]  # the folder of the recording
 
 
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_bag_is_read_after_a_change_of_the_working_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: Format
+) -> None:
+    path = record(tmp_path / "out", format, drive())
+    monkeypatch.chdir(path.parent)
+    bag = Bag(Path(path.name))
+    monkeypatch.chdir(tmp_path)
+    assert len(list(bag.messages(TYPES))) == len(read(path)[0])
+    assert bag.path == Path(path.name)
+
+
 @pytest.mark.parametrize("format", ["mcap", "bag"])
 def test_a_cut_bag_gives_the_messages_before_the_cut(tmp_path: Path, format: Format) -> None:
     path = record(tmp_path, format, drive(4000))

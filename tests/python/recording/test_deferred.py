@@ -36,6 +36,15 @@ def test_the_recording_is_the_same_from_memory_and_from_disk(tmp_path, monkeypat
     assert (disk / "recording.mcap").exists()
 
 
+def test_the_recording_stays_in_its_folder_if_the_working_directory_changes(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    recorder = filled(Path("out"))
+    monkeypatch.chdir("elsewhere")
+    assert recorder.save() == tmp_path / "out" / "recording"
+    assert (tmp_path / "out" / "recording" / "recording.mcap").is_file()
+
+
 def test_a_call_that_builds_a_message_is_made_when_the_recording_is_saved(tmp_path):
     calls = []
 

@@ -220,3 +220,40 @@ def test_an_older_recording_is_kept_until_the_new_one_is_complete(tmp_path: Path
     with pytest.raises(OSError, match="No space left"):
         recorder.close()
     assert contents(path) == before
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_recording_stays_in_its_folder_if_the_working_directory_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: Format
+) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with Recorder("out", format=format, companions=["note"]) as recorder:
+        recorder.write("/clock", ros.Clock(), 5)
+        before = recorder.path
+        monkeypatch.chdir("elsewhere")
+        recorder.companion("note").touch()
+    assert before.parent == Path("out")
+    assert recorder.path == tmp_path / before
+    assert (tmp_path / "out" / "note").is_file()
+    assert [time_ns for _, _, time_ns in read(recorder.path)] == [5]
+    assert list(Path().iterdir()) == []
+
+
+def test_errors_name_the_folder_as_the_caller_did_while_that_leads_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    for directory, shown in ((tmp_path, Path("out")), (tmp_path / "elsewhere", tmp_path / "out")):
+        monkeypatch.chdir(tmp_path)
+        recorder = Recorder("out", overwrite=True)
+        with monkeypatch.context() as patch:
+            patch.setattr("rosbags.rosbag2.Writer.close", _no_space)
+            monkeypatch.chdir(directory)
+            with pytest.raises(OSError, match=f"`mobile-robot-simulator recover {shown}`") as raised:
+                recorder.close()
+        assert raised.value.filename == str(shown / "recording.unfinished")
+
+
+def _no_space(*_: object) -> None:
+    raise OSError(28, "No space left on device")
