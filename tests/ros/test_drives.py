@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator.parameters.robot import JOINTS
 from test_nodes import ODOM, odom_pose
 from worlds import find
 
-STEERED, JOINTS = "ackermann_msgs/msg/AckermannDriveStamped", "sensor_msgs/msg/JointState"
+STEERED, JOINT_STATE = "ackermann_msgs/msg/AckermannDriveStamped", "sensor_msgs/msg/JointState"
 SIZE = {"wheelbase": 0.5, "track": 0.4, "wheel_radius": 0.1}
 CAR = mrs.Drive.ackermann(**SIZE, steering_limit=0.6)
 SPEED, ANGLE, RATE = 0.5, float(np.float32(0.3)), float(np.float32(0.1))
@@ -34,7 +35,7 @@ def middle(state: Any) -> float:
 
 def test_a_car_takes_ackermann_drive_stamped(world: Any) -> None:
     process = world.start("robot", drive="ackermann", steering_limit=0.6, velocity_timeout=0.0, publish_rate=50.0, **SIZE)
-    odom, joints = world.subscribe("/odom", ODOM), world.subscribe("/joint_states", JOINTS)
+    odom, joints = world.subscribe("/odom", ODOM), world.subscribe("/joint_states", JOINT_STATE)
     publish = world.publisher("/ackermann_cmd", STEERED)
     odom.wait_for(1)
     joints.wait_for(1)
@@ -49,7 +50,7 @@ def test_a_car_takes_ackermann_drive_stamped(world: Any) -> None:
     assert (pose.x, pose.y) == pytest.approx(expected, abs=1e-9)
 
     wheels = joints.next()
-    assert list(wheels.name) == list(mrs.parameters.JOINTS["ackermann"])
+    assert list(wheels.name) == list(JOINTS["ackermann"])
     assert wheels.position[4:] == pytest.approx(CAR.steering_angles([ANGLE])[0], abs=1e-12)
     assert wheels.velocity[:4] == pytest.approx(CAR.wheels_of_twist([(SPEED, 0.0, turn)])[0], abs=1e-12)
     rear_left, rear_right = (SIZE["wheel_radius"] * angle for angle in wheels.position[2:4])
