@@ -12,10 +12,10 @@ from .._core import BeamModel, LaserScanner, Obstacles, OccupancyGrid, Pose, Sur
 from ..handle import Handle
 
 MIN_SCANS = 16
-"""Smallest batch. Fewer scans gain nothing from threads."""
+"""Smallest batch. Fewer scans gain less time than threads cost."""
 
 SKIPPED = 16
-"""Number of instants without a batch after one of which most scans were cast in vain."""
+"""Number of instants without a batch after one that failed, or of which most scans were cast in vain."""
 
 Scan: TypeAlias = tuple[LaserScanner, OccupancyGrid, Pose, Obstacles, BeamModel | None, SurfaceModel | None, int, int]
 """All that the ranges of a scan depend on: scanner, map, pose, obstacles, noise, surfaces, seed and index."""
@@ -76,14 +76,18 @@ class ScanBatch(Handle):
         self._vain, self._cast = 0, {}
         if self._skipped:
             return
-        others = ((scanner, scanner.next_scan()) for scanner in self._due())
+        due = self._due()
+        if len(due) + 1 < MIN_SCANS:
+            return  # Nobody is asked in vain.
+        others = ((scanner, scanner.next_scan()) for scanner in due)
         scans = {first: scan, **{scanner: other for scanner, other in others if other is not None}}
         if len(scans) < MIN_SCANS:
             return
         revisions = [scan[1].revision for scan in scans.values()]
+        self._vain = len(scans)
         try:
             ranges = scan_each(list(scans.values()))
         except (ValueError, OSError, MemoryError):
-            return  # Whoever casts such a scan alone tells what is wrong.
-        self._vain = len(scans)
+            # Without threads or memory, scans are cast one by one. Whoever casts a wrong one alone tells what is wrong.
+            return
         self._cast = dict(zip(scans, zip(revisions, scans.values(), ranges, strict=True), strict=True))

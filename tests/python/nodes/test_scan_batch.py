@@ -20,8 +20,8 @@ SEED = 5
 COUNT = 20
 """Number of robots: more than `MIN_SCANS`."""
 
-Sent = list[tuple[str, int, bytes, bytes]]
-"""Topic, time [ns], ranges and intensities of each scan."""
+Sent = list[tuple[str, int, bytes]]
+"""Topic, time [ns] and content of each message, in order."""
 
 
 @pytest.fixture
@@ -49,19 +49,25 @@ def crowd(count: int = COUNT, *, grid: mrs.OccupancyGrid | None = None, **parame
 
 
 def recorded(sim: mrs.Simulation) -> Sent:
-    """Returns the list to which all scans of a simulation will be added."""
+    """Returns the list to which all messages of a simulation will be added."""
     sent: Sent = []
 
     def record(topic: str, message: Any, time_ns: int) -> None:
-        if topic.endswith("scan"):
-            sent.append((topic, time_ns, message.ranges.tobytes(), message.intensities.tobytes()))
+        is_scan = isinstance(message, messages.LaserScan)
+        content = message.ranges.tobytes() + message.intensities.tobytes() if is_scan else repr(message).encode()
+        sent.append((topic, time_ns, content))
 
     sim.record(record)
     return sent
 
 
+def scans_of(sent: Sent) -> Sent:
+    """Returns the scans among messages."""
+    return [each for each in sent if each[0].endswith("scan")]
+
+
 def both_ways(run: Callable[[], Sent]) -> tuple[Sent, Sent]:
-    """Returns the scans of a run, cast in batches and one by one."""
+    """Returns the messages of a run with scans in batches and one by one."""
     together = run()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(laser, "MIN_SCANS", 10**6)
@@ -107,10 +113,11 @@ def test_a_crowd_scans_the_same_bytes_as_one_by_one(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(scan_batch.ScanBatch, "take", counted)
     together, alone = both_ways(partial(run_crowd, **KINDS[kind]))
     scanner_count = COUNT * len(KINDS[kind].get("scanners", [""]))
-    assert len(together) >= 5 * scanner_count and together == alone
+    assert together == alone and {"/clock", "/tf", "/robot3/odom"} < {topic for topic, *_ in together}
+    assert (scan_count := len(scans_of(together))) >= 5 * scanner_count
     assert sum(taken) == sum(batches) and set(batches) == {scanner_count}
     # The first scan waits for a mount.
-    assert sum(taken) >= len(together) - (scanner_count if "mount" in str(KINDS[kind]) else 0)
+    assert sum(taken) >= scan_count - (scanner_count if "mount" in str(KINDS[kind]) else 0)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 8])
@@ -122,7 +129,7 @@ def test_the_number_of_threads_changes_nothing(monkeypatch: pytest.MonkeyPatch, 
 
 @pytest.mark.parametrize("parameters", [{"laser_scan_duration": 0.05}, {"pose_source": "tf"}])
 def test_scans_that_take_time_and_poses_from_tf_are_not_cast_in_batches(batches: list[int], parameters: Any) -> None:
-    assert len(run_crowd(**parameters)) > 3 * COUNT
+    assert len(scans_of(run_crowd(**parameters))) > 3 * COUNT
     assert batches == []
 
 
@@ -141,7 +148,19 @@ def test_scanners_that_take_time_or_are_stopped_are_left_out_of_a_batch(batches:
     sim.subscribe("/robot0/odom", messages.Odometry, stop)
     sim.run_for(0.2)
     assert stopped and batches == [COUNT - 1, COUNT - 2, COUNT - 2]
-    assert len(sent) == 3 * COUNT - 2
+    assert len(scans_of(sent)) == 3 * COUNT - 2
+
+
+def test_nobody_is_asked_for_a_scan_while_few_are_due(monkeypatch: pytest.MonkeyPatch, batches: list[int]) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr(laser.LaserScannerSimulator, "next_scan", lambda scanner: asked.append(scanner))
+    sim = crowd(COUNT // 2)
+    sim.run_for(0.03)
+    for index in range(COUNT // 2):
+        sim.add_robot(f"late{index}", start=(7.5, 1.0 + 0.8 * index, 0.0))
+    sent = recorded(sim)
+    sim.run_for(0.5)
+    assert len(scans_of(sent)) > 4 * COUNT and asked == batches == []
 
 
 def test_a_few_robots_cast_alone(batches: list[int]) -> None:
@@ -224,8 +243,8 @@ def test_what_happens_between_two_scans_of_an_instant_changes_the_later_ones(
 )
 def test_the_checks_of_what_happens_could_fail(name: str) -> None:
     """At the instant itself, scans differ from those of a run in which nothing happens."""
-    without, changed = run_with(lambda sim: None), run_with(INTERVENTIONS[name])
-    at = [time_ns for topic, time_ns, *_ in without if topic == "/robot7/scan"][2]
+    without, changed = scans_of(run_with(lambda sim: None)), scans_of(run_with(INTERVENTIONS[name]))
+    at = [time_ns for topic, time_ns, _ in without if topic == "/robot7/scan"][2]
     assert [each for each in without if each[1] == at] != [each for each in changed if each[1] == at]
 
 
@@ -299,6 +318,7 @@ def test_scans_after_a_restore_are_the_same_and_cast_in_batches_again(batches: l
         sim.run_for(0.2)
         state = sim.save()
         sent = recorded(sim)
+        sent.clear()  # The map, which was published before.
         sim.run_for(0.1)
         first = list(sent)
         sim.add_robot("late", start=(8.5, 8.5, 0.0))
@@ -332,18 +352,21 @@ def test_a_run_that_an_exception_has_cut_goes_on_with_the_same_scans() -> None:
         return sent
 
     together, alone = both_ways(run)
-    assert together == alone and len(together) == 4 * COUNT
+    assert together == alone and len(scans_of(together)) == 4 * COUNT
 
 
 @pytest.mark.parametrize("error", [ValueError, OSError, MemoryError])
 def test_scanners_cast_alone_if_the_batch_fails(monkeypatch: pytest.MonkeyPatch, error: type[Exception]) -> None:
-    expected = run_crowd()
+    expected = run_crowd(1.0)
+    calls: list[object] = []
 
-    def fail(_: object) -> None:
+    def fail(scans: object) -> None:
+        calls.append(scans)
         raise error("no threads")
 
     monkeypatch.setattr(scan_batch, "scan_each", fail)
-    assert run_crowd() == expected
+    assert run_crowd(1.0) == expected
+    assert len(calls) == 1, "the next batch comes later"
 
 
 def test_batches_pause_while_each_scan_changes_the_world(batches: list[int]) -> None:
