@@ -174,6 +174,11 @@ class World(Handle):
                 present = self._latest[1]
                 present.insert(len(present.things), body, (body.footprint, body.motion.map_pose(now)))
 
+    def leave(self, body: Body) -> None:
+        """Removes a robot."""
+        self._bodies.remove(body)
+        self.changed()
+
     def use_map(self, grid: OccupancyGrid) -> None:
         """Replaces the map from now on."""
         self.now_ns()
@@ -233,8 +238,8 @@ class World(Handle):
     def changed(self) -> None:
         """Updates the poses that robots can collide with.
 
-        Must be called when a robot was added, when an obstacle was removed or moved, when the map or a footprint changed,
-        and when a robot was moved by anything other than a velocity command.
+        Must be called when a robot was added or removed, when an obstacle was removed or moved, when the map or a footprint
+        changed, and when a robot was moved by anything other than a velocity command.
         """
         self.changes += 1
         self._latest = None

@@ -189,22 +189,27 @@ class Robots(Handle):
             world=self._world,
             name=name,
         )
-        lasers = {
-            scanner: LaserScannerSimulator(
-                NoCopyNode(self._bus, parameters.node_name, namespace=f"/{name}"),
-                parameters,
-                grid=self._grid,
-                carrier=robot,
-                listener=self._listener,
-                batch=self._batch,
-            )
-            for scanner, parameters in scanners.items()
-        }
-        added = self._robots[name] = SimulatedRobot(name, robot, lasers, GroundTruth(self._world, robot))
+        with Handles() as undo:
+            undo.add(self._world.leave, robot)
+            lasers = {
+                scanner: LaserScannerSimulator(
+                    NoCopyNode(self._bus, parameters.node_name, namespace=f"/{name}"),
+                    parameters,
+                    grid=self._grid,
+                    carrier=robot,
+                    listener=self._listener,
+                    batch=self._batch,
+                )
+                for scanner, parameters in scanners.items()
+            }
+            added = SimulatedRobot(name, robot, lasers, GroundTruth(self._world, robot))
+            robot.start()
+            undo.add(robot.stop)
+            for laser in lasers.values():
+                laser.start()
+                undo.add(laser.stop)
+        self._robots[name] = added
         self._batch.scanner_count += len(lasers)
-        robot.start()
-        for laser in lasers.values():
-            laser.start()
         return added
 
     def set_pose(self, pose: PoseLike, name: str | None) -> None:

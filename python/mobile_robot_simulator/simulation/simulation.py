@@ -218,7 +218,8 @@ class Simulation(Handle):
             parameters: Parameters by name. They replace those of the simulation for this robot.
 
         Raises:
-            TypeError: The name is not a text, or the parameters are not a mapping.
+            TypeError: The name is not a text, the parameters are not a mapping, or a topic of the robot carries messages of
+                another type. Then there is no new robot.
             ValueError: The name is empty, taken or not valid in ROS, a parameter is unknown or out of range, or the start
                 pose is inside a wall, an obstacle or another robot.
         """
@@ -232,7 +233,8 @@ class Simulation(Handle):
             shape: Outline of the obstacle.
             trajectory: Poses in the map frame: one pose (x [m], y [m], yaw [rad]), waypoints (time [s], x, y, yaw), or a
                 function that returns the pose at a time [s]. See `Obstacle`.
-            name: Name of the obstacle, also in contact events. Default: its number, from 1.
+            name: Name of the obstacle, also in contact events. Default: its number, from 1. If several obstacles have
+                one name, it stands for the first of them.
 
         Raises:
             TypeError: The shape is not a `Shape`, or the name is not a text.

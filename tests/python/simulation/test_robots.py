@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mobile_robot_simulator as mrs
+from mobile_robot_simulator.messages import Clock
 from simulations import SEED, drive, hall, pair, small_room
 
 
@@ -87,6 +88,22 @@ def test_names_and_start_poses_of_new_robots_are_checked():
     with pytest.raises(ValueError, match="room beside walls"):
         sim.add_robot("robot3", start=(0.2, 2.0, 0.0))
     assert sim.add_robot("robot3", start=(3, 3, 0), parameters={"robot_radius": 0.4}).robot.parameters.robot_radius == 0.4
+
+
+@pytest.mark.parametrize("topic", ["odom", "scan"])
+def test_a_robot_whose_topic_has_another_type_is_not_added(topic: str) -> None:
+    with_failure, without = pair(robot_radius=0.3), pair(robot_radius=0.3)
+    with_failure.create_node("other").create_publisher(Clock, f"/robot3/{topic}", 1)
+    with pytest.raises(TypeError, match=f"/robot3/{topic}"):
+        with_failure.add_robot("robot3", start=(7.0, 10.0, 0.0))
+    assert list(with_failure.robots) == ["robot1", "robot2"]
+    sent = []
+    for sim in (with_failure, without):
+        drive(sim, 1.0, topic="/robot1/cmd_vel")
+        sim.run_for(4.0)
+        sent.append((sim.latest("/robot1/scan").ranges.tobytes(), sim.robots["robot1"].pose))
+    assert sent[0] == sent[1] and with_failure.latest("/robot3/odom") is None
+    assert with_failure.add_robot("robot4", start=(7.0, 10.0, 0.0)).scanners, "its place is free"
 
 
 def test_robots_have_different_seeds_and_are_reset_together():
