@@ -81,10 +81,14 @@ class Obstacle(Handle):
         pose = self._pose_at(time_ns / NANOSECONDS)
         if isinstance(pose, Pose):
             return pose
+        message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
         try:
-            return Pose(*pose)
+            x, y, yaw = pose
+        except (TypeError, ValueError) as error:
+            raise TypeError(message) from error
+        try:
+            return Pose(x, y, yaw)
         except TypeError as error:
-            message = f"the trajectory of obstacle {self.name} must return poses (x, y, yaw), got {quoted(pose)}"
             raise TypeError(message) from error
 
     @property

@@ -328,6 +328,9 @@ def test_bad_maps_and_robots_are_refused(arguments, error, message):
         (0.2, (1, 1, 0), TypeError, "an obstacle's shape must be a Shape, got float"),
         (DISC, [], ValueError, "a trajectory must have at least one waypoint, got none"),
         (DISC, lambda time: None, TypeError, "trajectory of obstacle cat must return poses .* None"),
+        (DISC, lambda time: (time,), TypeError, r"trajectory of obstacle cat must return poses .* \(0\.0,\)"),
+        (DISC, lambda time: (1.0, 2.0), TypeError, r"trajectory of obstacle cat must return poses .* \(1\.0, 2\.0\)"),
+        (DISC, lambda time: (1, 2, "3"), TypeError, "trajectory of obstacle cat must return poses .* '3'"),
     ],
 )
 def test_bad_obstacles_are_refused(room, shape, way, error, message):
