@@ -22,6 +22,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 CORE := python/mobile_robot_simulator/_core.abi3.so
 CORE_SOURCES := pyproject.toml Cargo.toml Cargo.lock $(shell find src -name '*.rs')
+PYTHON_SOURCES := $(shell find python -name '*.py')
 
 export VIRTUAL_ENV := $(CURDIR)/.venv
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -31,7 +32,7 @@ unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 .DELETE_ON_ERROR:
 .PHONY: build demo speed check test lint lint-rust lint-python lint-workflows test-rust test-python fuzz docs test-ray test-torch test-ros test-live wheel lock clean
 
-build: .venv/release
+build: .venv/release .venv/compiled
 
 .venv/tools: requirements-dev.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "CPython 3.10 or later is needed, $(PYTHON) is " + sys.version)'
@@ -40,16 +41,19 @@ build: .venv/release
 	@touch $@
 
 # The package has one extension module: .venv/release or .venv/development marks which build it is.
-# pip compiles the Python files of a wheel. Those of an editable package are compiled here, so that the first command is fast too.
 .venv/release: .venv/tools $(CORE_SOURCES)
 	PIP_QUIET=1 $(BIN)/maturin develop --release --locked
-	$(BIN)/python -m compileall -q python
 	@rm -f .venv/development
 	@touch $@
 
 .venv/development: .venv/tools $(CORE_SOURCES)
 	PIP_QUIET=1 $(BIN)/maturin develop --profile quick --locked
 	@rm -f .venv/release
+	@touch $@
+
+# pip compiles the Python files of a wheel. Those of an editable package are compiled here, so that the first command is fast too.
+.venv/compiled: .venv/tools $(PYTHON_SOURCES)
+	$(BIN)/python -m compileall -q python
 	@touch $@
 
 demo: build

@@ -25,7 +25,7 @@ pub struct BeamFit {
     pub log_likelihood: f64,
     /// Number of readings that were used.
     pub count: usize,
-    /// Number of iterations.
+    /// Number of iterations, each of which improves the parameters twice and leaps.
     pub iterations: usize,
     /// False if the likelihood was still growing after 5000 iterations.
     pub has_converged: bool,
@@ -135,8 +135,10 @@ impl BeamModel {
     /// Source: the algorithm of table 6.2 of the book (expectation maximization), with the truncation of the hit and the short
     /// part taken into account: their parameters satisfy `σ² = Σ w·(z - z*)² / Σ w·(1 - k)` and
     /// `λ = Σ w / Σ w·(z + z* / (exp(λz*) - 1))`, where `w` is the probability that a reading is of the part, and
-    /// `k = (a·φ(a) + b·φ(b)) / (Φ(b) - Φ(-a))` with `a = z* / σ` and `b = (max_range - z*) / σ`. The standard errors are those
-    /// of the observed information, the sum of the outer products of the scores.
+    /// `k = (a·φ(a) + b·φ(b)) / (Φ(b) - Φ(-a))` with `a = z* / σ` and `b = (max_range - z*) / σ`. Leaps in the direction of two
+    /// improvements make it faster (Varadhan & Roland, *Simple and globally convergent methods for accelerating the convergence
+    /// of any EM algorithm*, 2008). The standard errors are those of the observed information, the sum of the outer products of
+    /// the scores.
     ///
     /// ```
     /// use mobile_robot_simulator::{BeamModel, BeamModelOptions};
@@ -352,8 +354,7 @@ impl Data {
 
     /// Improves parameters until the likelihood hardly grows. `kept` puts back those that must not change.
     ///
-    /// Each iteration improves them twice and then leaps on in the same direction, which counts if the likelihood grows by it
-    /// (Varadhan & Roland, *Simple and globally convergent methods for accelerating the convergence of any EM algorithm*, 2008).
+    /// Each iteration improves them twice and then leaps on in the same direction, which counts if the likelihood grows by it.
     ///
     /// The gains of the two improvements tell what further ones would gain, if they shrink like a geometric series (Böhning et al.,
     /// *The distribution of the likelihood ratio for mixtures*, 1994, section 5). It ends when that and the gain of the iteration

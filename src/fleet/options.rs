@@ -1,4 +1,4 @@
-//! What the robots of a fleet are.
+//! Options of fleets.
 
 use super::robot::Body;
 use crate::beam_model::BeamModel;
@@ -9,7 +9,7 @@ use crate::scanner::LaserScanner;
 use crate::shape::Shape;
 use crate::surface::SurfaceModel;
 
-/// What the robots of a fleet are. A list has one element for all robots, or one for each.
+/// Options of a fleet. A list has one element for all robots, or one for each.
 #[derive(Debug, Clone)]
 pub struct FleetOptions {
     /// Outline of the robots; `None` if they touch nothing.

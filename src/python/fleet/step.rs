@@ -204,6 +204,7 @@ impl FleetStep {
             ranges: beam_count.map(|beams| zeros::<f32>(py, &[count, beams])).transpose()?.map(Bound::unbind),
         })
     }
+
     /// Opens the arrays, for a step with so many robots and beams.
     ///
     /// # Errors
