@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -61,6 +62,21 @@ def quoted(value: object) -> str:
         '[0, 1, 2, 3, 4, 5, 6, 7, ...]'
     """
     return _ended(_Quoter().repr(value))
+
+
+def quoted_angle(angle: float) -> str:
+    """Returns an angle that is out of range, with what it is in radians if it was meant in degrees.
+
+    Args:
+        angle: The angle [rad].
+
+    Example:
+        >>> quoted_angle(-90)
+        '-90; -90° is -1.5708 rad'
+        >>> quoted_angle(math.inf)
+        'inf'
+    """
+    return f"{angle:g}; {angle:g}° is {math.radians(angle):.4f} rad" if math.isfinite(angle) else f"{angle}"
 
 
 def shortened(text: object) -> str:

@@ -33,6 +33,16 @@ def nothing(*_: object) -> None:
         (lambda: faults.Drop("/scan", start="a"), TypeError, "start must be a number, got 'a'"),
         (lambda: faults.Drop("/scan", seed="a"), TypeError, "seed must be an integer, got 'a'"),
         (lambda: faults.Delay("/scan", "a"), TypeError, "seconds must be a number, got 'a'"),
+        (
+            lambda: faults.BlockedSector(-20, 20),
+            ValueError,
+            "first_angle must be in [-2π, 2π] radians, got -20; -20° is -0.3491 rad",
+        ),
+        (
+            lambda: faults.BlockedSector(0, 20),
+            ValueError,
+            "last_angle must be in [-2π, 2π] radians, got 20; 20° is 0.3491 rad",
+        ),
         (lambda: faults.BlockedSector("a", "b"), TypeError, "first_angle must be a number, got 'a'"),
         (lambda: faults.Slip("a"), TypeError, "share must be a number, got 'a'"),
         (lambda: faults.ClockJump("a", at=1.0), TypeError, "seconds must be a number, got 'a'"),

@@ -12,7 +12,7 @@ import numpy as np
 from ..bus.topic import absolute
 from ..instant import NANOSECONDS
 from ..messages import LaserScan, Message
-from ..quoting import quoted
+from ..quoting import quoted, quoted_angle
 from ..simulation.arguments import check_at_least_0, check_numbers
 from ..simulation.fault import TOPIC, Fault, FaultBus, FaultTarget
 from ..simulation.topics import find_topic
@@ -228,7 +228,8 @@ class BlockedSector(MessageFault):
         **options: As for `MessageFault`.
 
     Raises:
-        ValueError: `last_angle` is not greater than `first_angle`, or `distance` is negative or not finite.
+        ValueError: `last_angle` is not greater than `first_angle`, one of them is beyond one turn, or `distance` is negative
+            or not finite.
     """
 
     needs = LaserScan
@@ -238,6 +239,9 @@ class BlockedSector(MessageFault):
     ) -> None:
         super().__init__(topic, **options)
         check_numbers(first_angle=first_angle, last_angle=last_angle)
+        for name, angle in (("first_angle", first_angle), ("last_angle", last_angle)):
+            if not abs(angle) <= math.tau:
+                raise ValueError(f"{name} must be in [-2π, 2π] radians, got {quoted_angle(angle)}")
         if not first_angle < last_angle:
             raise ValueError(f"the last angle must be greater than the first, got {first_angle} and {last_angle}")
         check_at_least_0(distance=distance)

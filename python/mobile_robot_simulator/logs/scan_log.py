@@ -11,6 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import LaserScanner
+from ..quoting import quoted_angle
+
+TURN = math.tau + 0.01
+"""Largest angle between two beams, and between a beam and straight ahead [rad]: one turn, and room for rounding."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +69,9 @@ class ScanLog:
             notes: What was passed over or assumed.
 
         Raises:
-            ValueError: The limits are no limits of a scanner.
+            ValueError: The limits are no limits of a scanner, or the angles go beyond one turn, as degrees do.
         """
+        _check_angles(path, angles)
         try:
             scanner = LaserScanner(beam_count=len(angles), min_range=limits[0], max_range=limits[1])
         except ValueError as error:
@@ -83,6 +88,15 @@ class ScanLog:
             np.array([row.place for row in rows], np.int64),
             tuple(notes),
         )
+
+
+def _check_angles(path: Path, angles: NDArray[np.float64]) -> None:
+    largest = float(angles[np.argmax(np.abs(angles))])
+    if not abs(largest) <= TURN:
+        raise ValueError(f"{path}: the angles of beams must be in [-2π, 2π] radians, got {quoted_angle(largest)}")
+    fov = float(np.ptp(angles))
+    if fov > TURN:
+        raise ValueError(f"{path}: the beams must be within one turn, 2π radians, got {quoted_angle(fov)}")
 
 
 @dataclass(frozen=True)

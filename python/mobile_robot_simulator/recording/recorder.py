@@ -50,8 +50,9 @@ class Recorder:
     messages and, for "mcap" and "bag", the last megabyte.
 
     Args:
-        path: Folder of the recording, created if needed. A later change of the working directory does not matter. The recording in it is ``recording/`` (rosbag2: metadata.yaml and
-            recording.mcap or recording.db3) or ``recording.bag`` (ROS 1).
+        path: Folder of the recording, created if needed. A later change of the working directory does not matter. The
+            recording in it is ``recording/`` (rosbag2: metadata.yaml and recording.mcap or recording.db3) or
+            ``recording.bag`` (ROS 1).
         format: "mcap" or "sqlite3" for ROS 2 Humble and later, "bag" for ROS 1.
         overwrite: Replace an older recording of any format. The older one is deleted when the new one is complete. What is
             left of a recording that was broken off is deleted at the beginning. If it was complete and had only to be moved,

@@ -63,6 +63,10 @@ def test_a_csv_line_that_is_cut_off_at_the_end_is_passed_over(tmp_path: Path, cu
         (CSV.replace("1.5,1,2", "1.5,nan,2"), "line 2: a pose must be finite"),
         (CSV.replace("nan", "x"), "line 3, value 5: must be a number, got 'x'"),
         (CSV.replace("2.5,2", "1e30,2"), "line 3: a stamp must be finite and below"),
+        (
+            CSV.replace("-0.5", "-90").replace(",0.5\n", ",45\n", 1),
+            "angles of beams must be .* radians, got -90; -90° is -1.5708",
+        ),
         ("", "must have a line with names and at least one scan, got none"),
     ],
 )
