@@ -85,7 +85,10 @@ class Server:
 
         Raises:
             OSError: The address cannot be used.
+            ValueError: The port is not in 0..65535.
         """
+        if not 0 <= port < 2**16:
+            raise ValueError(f"the port must be in 0..65535, got {port}")
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             listening = socket.create_server((host, port), family=family)

@@ -12,6 +12,7 @@ from .layers import (
     draw_cells,
     draw_contacts,
     draw_goal,
+    draw_name,
     draw_named_path,
     draw_outline,
     draw_path,
@@ -30,6 +31,7 @@ class DrivePicture(Picture):
         grid: Map that the robot drove in.
         path: Poses of the robot in the map frame, (N, 2) or (N, 3) float64 with N >= 1: x, y [m] and yaw [rad]. Its
             colour changes from start to end.
+        name: Name of the robot, written beside the end of the path; empty for none.
         others: Paths of other robots by name. The name is written beside the end of the path.
         shapes: Shapes to draw with their poses in the map frame, such as obstacles and footprints.
         scan_points: End points of the last scan's beams in the map frame [m], (M, 2) float64.
@@ -47,6 +49,7 @@ class DrivePicture(Picture):
         grid: OccupancyGrid,
         path: Points,
         *,
+        name: str = "",
         others: Mapping[str, Points] | None = None,
         shapes: Sequence[tuple[Shape, Pose]] = (),
         scan_points: Points | None = None,
@@ -55,7 +58,7 @@ class DrivePicture(Picture):
         contacts: Points | None = None,
         title: str | None = None,
     ) -> None:
-        self._grid, self.title = grid, title
+        self._grid, self._name, self.title = grid, name, title
         self._path = finite_rows("path", path, (2, 3))
         if not len(self._path):
             raise ValueError("path must have at least one row, got none")
@@ -82,6 +85,8 @@ class DrivePicture(Picture):
                 draw_named_path(axes, name, path)
         draw_path(axes, self._path, labels=("start", "path"))
         draw_robot(axes, self._path[-1], label="end")
+        if self._name:
+            draw_name(axes, self._name, self._path[-1])
         draw_goal(axes, self._goal)
         draw_contacts(axes, self._contacts)
         draw_scan(axes, self._scan_points, self._laser, label="last scan")

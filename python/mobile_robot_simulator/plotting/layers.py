@@ -116,12 +116,16 @@ def draw_robot(axes: Axes, pose: Points, *, label: str = _NO_LABEL) -> None:
 
 
 def draw_named_path(axes: Axes, name: str, path: Points) -> None:
-    """Draws a path and, at its end, the robot and its name. The name has a light background, so walls do not hide it."""
+    """Draws a path and, at its end, the robot and its name."""
     draw_path(axes, path)
     draw_robot(axes, path[-1])
+    draw_name(axes, name, path[-1])
+
+
+def draw_name(axes: Axes, name: str, pose: Points) -> None:
+    """Writes the name of a robot beside its pose, (2,) or (3,). It has a light background, so walls do not hide it."""
     background = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8}
-    end = (path[-1, 0], path[-1, 1])
-    axes.annotate(name, end, (8, 8), textcoords="offset points", color=INK, bbox=background, zorder=9)
+    axes.annotate(name, (pose[0], pose[1]), (8, 8), textcoords="offset points", color=INK, bbox=background, zorder=9)
 
 
 def draw_goal(axes: Axes, goal: Points) -> None:

@@ -17,6 +17,9 @@ from ..quoting import quoted
 MAX_VELOCITY = 1e3
 """Limit of each component of a velocity [m/s, rad/s]."""
 
+LONGEST = 2**62 / NANOSECONDS
+"""Longest duration, 146 years [s]. The core counts nanoseconds in 64 bits."""
+
 
 def check_numbers(**values: float) -> None:
     """Checks that arguments are numbers.
@@ -88,12 +91,14 @@ def to_nanoseconds(seconds: float, what: str) -> int:
 
     Raises:
         TypeError: It is not a number.
-        ValueError: The duration is negative, infinite or NaN.
+        ValueError: The duration is negative, infinite, NaN or longer than `LONGEST`.
     """
     if type(seconds) is not float and not isinstance(seconds, Real):  # the second one takes longer
         raise TypeError(f"{what} must be a number of seconds, got {quoted(seconds)}")
     if not 0.0 <= seconds < math.inf:
         raise ValueError(f"{what} must be finite and at least 0 s, got {quoted(seconds)}")
+    if seconds > LONGEST:
+        raise ValueError(f"{what} must be at most {LONGEST:.4g} s, got {quoted(seconds)}")
     return round(seconds * NANOSECONDS)
 
 

@@ -49,6 +49,7 @@ def picture_of(
     return DrivePicture(
         grid,
         path=first.truth.path[:, 1:],
+        name=first.name if others else "",
         others={robot.name: robot.truth.path[:, 1:] for robot in others},
         shapes=[placed for _, placed in world.everybody()],
         scan_points=np.concatenate(points) if points else None,

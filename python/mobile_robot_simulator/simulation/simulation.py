@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -345,7 +346,7 @@ class Simulation(Handle):
             seconds: Simulated duration [s].
 
         Raises:
-            ValueError: The duration is negative or not finite.
+            ValueError: The duration is negative, not finite or longer than 146 years.
         """
         to_nanoseconds(seconds, "the duration")
         self._bus.run_for(seconds)
@@ -606,11 +607,14 @@ class Simulation(Handle):
 
         Raises:
             ImportError: NiceGUI is not installed.
-            ValueError: `speed` is not positive and finite.
+            ValueError: `speed` is not positive and finite, or `port` is not in 0..65535.
+            TypeError: `speed` is not a number.
             OSError: The address cannot be used.
         """
         from ..live import LiveView
 
+        if not isinstance(speed, Real):
+            raise TypeError(f"the speed must be a number, got {quoted(speed)}")
         if not 0.0 < speed < math.inf:
             raise ValueError(f"the speed must be positive and finite, got {quoted(speed)}")
         if self._view is None or self._view.is_closed:

@@ -41,7 +41,7 @@ def find_topic(bus: HasTopics[T_co], name: str) -> T_co:
     if found is None:
         names = bus.topic_names()
         near = nearest(absolute(name), names)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names) or 'none'}"
         raise ValueError(f"unknown topic {quoted(name)}; {hint}")
     return found
 

@@ -89,6 +89,14 @@ def test_a_page_stops_the_time_of_a_script_steps_it_and_a_closed_page_does_not()
 def test_the_speed_must_be_positive():
     with pytest.raises(ValueError, match="the speed must be positive and finite, got 0"):
         robot().show(speed=0.0)
+    with pytest.raises(TypeError, match="the speed must be a number, got '1'"):
+        robot().show(speed="1")
+
+
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_the_port_must_be_one(port):
+    with pytest.raises(ValueError, match=rf"the port must be in 0\.\.65535, got {port}"):
+        robot().show(port=port)
 
 
 def test_in_the_event_loop_of_a_notebook_the_page_runs_the_simulation_between_cells():

@@ -107,9 +107,9 @@ def test_other_robots_and_shapes_are_drawn_in_place() -> None:
     other = np.column_stack([np.full(20, 1.5), np.linspace(3.0, 4.0, 20), np.zeros(20)])
     disc, box = Shape.disc(0.2), Shape.rectangle(0.6, 0.2)
     shapes = [(disc, Pose(3.5, 3.5, 0.0)), (box, Pose(2.5, 3.5, math.pi / 2))]
-    drawn = Rendered(DrivePicture(room(), PATH, others={"two": other}, shapes=shapes))
+    drawn = Rendered(DrivePicture(room(), PATH, name="one", others={"two": other}, shapes=shapes))
     assert drawn(1.5, 4.0) == ROBOT and drawn(1.5, 3.4) not in (style.FREE, ROBOT)
-    assert [text.get_text() for text in drawn.axes.texts] == ["two"]
+    assert {text.get_text(): text.xy for text in drawn.axes.texts} == {"one": tuple(PATH[-1, :2]), "two": (1.5, 4.0)}
     for x, y, filled in ((3.65, 3.5, True), (3.75, 3.5, False), (2.5, 3.75, True), (2.65, 3.5, False)):
         assert drawn(x, y) == (SHAPE if filled else style.FREE)
     assert drawn.axes.get_legend_handles_labels()[1] == ["start", "path", "end"]

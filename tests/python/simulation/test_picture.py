@@ -41,6 +41,7 @@ def test_a_picture_shows_all_robots_and_the_scan_where_it_was_taken(
     assert drawn["path"][-1] == pytest.approx([2.05, 0.0, 0.0]) and list(drawn["others"]) == ["two", "three"]
     assert drawn["others"]["two"][-1] == pytest.approx([1.025, 3.0, 0.0])
     assert drawn["shapes"][0] == (box.shape, mrs.Pose(-5.0, 0.0, 0.0)) and len(drawn["shapes"]) == 4
+    assert drawn["name"] == "one"
     assert tuple(drawn["laser_pose"]) == pytest.approx((2.2, 0.0, 0.0))
     assert drawn["scan_points"][:, 0].max() == pytest.approx(9.9)  # the wall
 

@@ -234,6 +234,7 @@ def test_a_request_can_be_changed_after_the_call(room: mrs.OccupancyGrid) -> Non
         ),
         (lambda sim: sim.publish("/cmd_vel", (1.0, 0.0)), TypeError, "carries Twist, got"),
         (lambda sim: sim.run_for(-1.0), ValueError, "at least 0 s, got -1.0"),
+        (lambda sim: sim.run_for(1e300), ValueError, "at most 4.612e+09 s, got 1e+300"),
         (lambda sim: sim.run_for(math.nan), ValueError, "finite"),
         (lambda sim: sim.run_for(math.inf), ValueError, "finite"),
         (lambda sim: sim.run_for("10"), TypeError, ""),
