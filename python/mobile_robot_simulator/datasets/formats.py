@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
-__all__ = ["EPISODES", "format_of", "formats"]
+__all__ = ["EPISODES", "format_of", "formats", "missing_file"]
 
 EPISODES = ("minari", "lerobot")
 """Formats to which drives are exported."""
@@ -32,3 +33,10 @@ def format_of(name: str) -> Any:
             ) from error
         extra = {"zarr": "datasets"}.get(name, name)
         raise ImportError(f"{name} needs pip install 'mobile-robot-simulator[{extra}]': {error}") from error
+
+
+def missing_file(path: Path) -> FileNotFoundError:
+    """Returns the error that a file of a shard has no bytes."""
+    return FileNotFoundError(
+        2, "this file of the data set is missing or empty; give the command that made the data set again", str(path)
+    )

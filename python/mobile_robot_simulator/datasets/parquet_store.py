@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..user_files import read_text
-from .formats import formats
+from .formats import formats, missing_file
 from .job import Arrays, Job, Shard
 from .plan import Plan
 from .scenes import Column, columns_of
@@ -84,11 +84,14 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
     """Returns the arrays of a shard of a complete data set.
 
     Raises:
-        OSError: The file cannot be read.
+        OSError: The file is missing, or cannot be read.
         ValueError: The file is damaged.
     """
+    file = folder / _path(shard)
+    if not file.is_file():
+        raise missing_file(file)
     try:
-        table = pq.read_table(folder / _path(shard), partitioning=None)
+        table = pq.read_table(file, partitioning=None)
         return {
             name: _as_numpy(table.column(name).combine_chunks(), column) for name, column in columns_of(job.plan).items()
         }

@@ -80,7 +80,8 @@ def verify(
             if wrong:
                 differences.append(Difference(shard.name, f"stored numbers do not have their digest: {', '.join(wrong)}"))
         except (ValueError, OSError) as error:
-            differences.append(Difference(shard.name, f"{error}"))
+            problem = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else f"{error}"
+            differences.append(Difference(shard.name, problem))
         again = digests_of(job.make(shard, pool)[0])
         wrong = [name for name in recorded if again.get(name) != recorded[name]]
         if wrong:

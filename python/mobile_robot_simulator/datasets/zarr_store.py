@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from math import prod
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.abc.store import ByteRequest
 from zarr.codecs import BloscCodec
+from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.storage import LocalStore, MemoryStore
 
-from .formats import formats
+from .formats import formats, missing_file
 from .job import Arrays, Files, Job, Shard
 from .plan import Plan
 from .scenes import Column, columns_of
@@ -36,6 +38,18 @@ COMPLETE = formats()["zarr"]
 
 LARGEST_CHUNK = 2**21
 """Largest size of the numbers that are compressed together [bytes]. It fits into the cache of a core."""
+
+
+class _Files(LocalStore):
+    """The files of a complete data set, for reading. Every shard has a file, so that a missing one does not mean zeros."""
+
+    async def get(
+        self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
+    ) -> Buffer | None:
+        found = await super().get(key, prototype, byte_range)
+        if not found and PurePosixPath(key).name.startswith("c."):
+            raise missing_file(self.root / key)
+        return found
 
 
 def versions() -> dict[str, str]:
@@ -82,12 +96,12 @@ def final_files(job: Job, records: Iterable[Mapping[str, Any]], maps: list[dict[
 
 def attributes_of(folder: Path) -> dict[str, Any]:
     """Returns the attributes of a store."""
-    return zarr.open_group(LocalStore(folder, read_only=True), mode="r").attrs.asdict()
+    return zarr.open_group(_Files(folder, read_only=True), mode="r").attrs.asdict()
 
 
 def open_split(folder: Path, split: str) -> zarr.Group:
     """Returns the group of a split, for reading."""
-    return zarr.open_group(LocalStore(folder, read_only=True), path=split, mode="r")
+    return zarr.open_group(_Files(folder, read_only=True), path=split, mode="r")
 
 
 def identity_of(folder: Path) -> dict[str, Any]:
@@ -112,15 +126,16 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
     """Returns the arrays of a shard of a complete store.
 
     Raises:
+        FileNotFoundError: A file is missing.
         ValueError: A file is damaged.
     """
     rows = slice(shard.first, shard.first + shard.count)
-    group = zarr.open_group(LocalStore(folder, read_only=True), mode="r")
+    group = zarr.open_group(_Files(folder, read_only=True), mode="r")
     result = {}
     for name in columns_of(job.plan):
         try:
             result[name] = np.asarray(group[f"{shard.split}/{name}"][rows])  # type: ignore[index]
-        except (ValueError, RuntimeError, OSError, KeyError) as error:
+        except (ValueError, RuntimeError, KeyError) as error:
             raise ValueError(f"{name} cannot be read: {error}") from error
     return result
 

@@ -46,7 +46,8 @@ def test_a_data_set_is_made_verified_and_left_alone(command: Command, plan: Path
     done = command("dataset", "verify", out, "--maps", plan.parent)
     assert done.returncode == 3
     assert done.stdout.startswith(
-        "train-000002: stored numbers do not have their digest: poses\n4 shards made again, 1 differ"
+        f"train-000002: {out / 'train/poses/c.2.0'}: this file of the data set is missing or empty; give the command that "
+        "made the data set again\n4 shards made again, 1 differ"
     )
 
 

@@ -70,6 +70,14 @@ def test_verification_finds_damage(tmp_path: Path) -> None:
     assert [shard for shard, _ in verify(tmp_path).differences] == ["train-000002", "test-000001"]
 
 
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    generate(PLAN, out=tmp_path)
+    missing = tmp_path / "train/000001.parquet"
+    missing.unlink()
+    ((shard, problem),) = verify(tmp_path).differences
+    assert shard == "train-000001" and problem.startswith(f"{missing}: this file of the data set is missing or empty; ")
+
+
 def test_it_is_not_opened_as_zarr(tmp_path: Path) -> None:
     generate(PLAN, out=tmp_path)
     with pytest.raises(ValueError, match="only data sets in Zarr are opened here"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import errno
 import multiprocessing
 import pickle
 from pathlib import Path
@@ -114,3 +115,22 @@ def test_a_data_set_that_is_not_complete(tmp_path: Path) -> None:
         generate(small(), out=tmp_path, progress=stop)
     with pytest.raises(ValueError, match="the data set is not complete; give the command that makes it again"):
         open(tmp_path)
+
+
+@pytest.mark.parametrize("damage", ["missing", "empty", "a folder"])
+@pytest.mark.parametrize("name", ["ranges/c.1.0", "map/c.1"])
+def test_a_missing_chunk_is_no_zeros(name: str, damage: str, tmp_path: Path) -> None:
+    generate(small(splits={"train": 1}, maps=[{"floor_plan": "maze", "size": [10, 8]}]), out=tmp_path)
+    file, train = tmp_path / "train" / name, open(tmp_path)["train"]
+    # A chunk that has nothing but the value that Zarr fills in is there, and is read.
+    assert not train.arrays["map"][:].any()
+    file.unlink()
+    if damage == "empty":
+        file.touch()
+    elif damage == "a folder":
+        file.mkdir()
+    assert train[31]["ranges"].any() and len(next(train.batches(32))["map"]) == 32
+    for read in (lambda: train[32], lambda: [*train.batches(8)], lambda: train.arrays[name.partition("/")[0]][:]):
+        with pytest.raises(FileNotFoundError, match=r"give the command that made the data set again: .*c\.1") as error:
+            read()
+        assert (error.value.errno, error.value.filename) == (errno.ENOENT, str(file))

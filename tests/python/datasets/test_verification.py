@@ -37,8 +37,10 @@ def test_a_byte_that_changes(compression: str, tmp_path: Path) -> None:
 
 def test_a_file_that_is_missing(tmp_path: Path) -> None:
     generate(small(), out=tmp_path)
-    (tmp_path / "test/poses/c.1.0").unlink()
-    assert verify(tmp_path).differences == [("test-000001", "stored numbers do not have their digest: poses")]
+    missing = tmp_path / "test/poses/c.1.0"
+    missing.unlink()
+    problem = f"{missing}: this file of the data set is missing or empty; give the command that made the data set again"
+    assert verify(tmp_path).differences == [("test-000001", problem)]
 
 
 def test_a_map_that_changes(tmp_path: Path) -> None:
