@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
@@ -58,7 +58,7 @@ def made(job: Job, shard: Shard, pool: MapPool, check: Callable[[], None] = lamb
 
 def make_on_threads(
     job: Job, shards: Sequence[Shard], write: Callable[[MadeShard], None], threads: int | None
-) -> Iterator[Shard]:
+) -> Generator[Shard, None, None]:
     """Makes shards on threads of this process, and yields each when it is written.
 
     As many shards are made at a time as there are threads. As many others may wait for the disk; while it is slower, no new

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-__all__ = ["EPISODES", "format_of", "formats", "missing_file"]
+__all__ = ["EPISODES", "damaged_file", "format_of", "formats", "missing_file"]
 
 EPISODES = ("minari", "lerobot")
 """Formats to which drives are exported."""
@@ -40,3 +40,9 @@ def missing_file(path: Path) -> FileNotFoundError:
     return FileNotFoundError(
         2, "this file of the data set is missing or empty; give the command that made the data set again", str(path)
     )
+
+
+def damaged_file(path: Path, error: Exception) -> ValueError:
+    """Returns the error that a file of a shard cannot be read."""
+    advice = "remove this file and give the command that made the data set again"
+    return ValueError(f"{path}: this file of the data set is damaged: {error}; {advice}")

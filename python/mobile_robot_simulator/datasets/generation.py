@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from .engines import MadeShard, made, make_on_threads
 from .formats import format_of
-from .job import Job, job_of
+from .job import Job, Shard, job_of
 from .map_pool import MapPool
 from .plan import Plan, load_plan
 from .scenes import columns_of
@@ -89,7 +90,8 @@ def generate(
 
     The finished folder has the same bytes, however often the work was killed and started again, and for any number of
     threads. A shard appears as a whole or not at all. Until all shards are there, the folder is not a store that can be
-    opened. Memory does not grow with the number of scans.
+    opened. Of a complete data set, files that are missing or empty are made again; `verify` finds files with other damage.
+    Memory does not grow with the number of scans.
 
     Args:
         plan: The plan, or its YAML file.
@@ -107,7 +109,8 @@ def generate(
     Raises:
         ImportError: The extra `datasets` is not installed, or that of the engine or the format.
         OSError: A file cannot be read or written, the folder has other files, or another process makes this data set.
-        ValueError: The plan is invalid, the folder has data of another plan, or a scene is not possible.
+        ValueError: The plan is invalid, the folder has data of another plan, a scene is not possible, or the missing part of
+            a complete data set cannot be made again with the same numbers.
 
     Example:
         >>> import tempfile
@@ -137,27 +140,46 @@ def generate(
         was_complete = workspace.is_complete
         workspace.begin(job, store.identity_of(folder) if was_complete else None)
         if was_complete:
-            workspace.clean()
-            progress(Progress(plan.count, plan.count, len(job.shards), len(job.shards)))
-            return Report(folder, plan.count, len(job.shards), 0, time.perf_counter() - began)
-        missing = [shard for shard in job.shards if workspace.record_of(shard) is None]
+            missing = [shard for shard in job.shards if not workspace.has(store.shard_paths(plan, shard).values())]
+            recorded = {split: store.records_of(folder, split) for split in sorted({shard.split for shard in missing})}
+        else:
+            missing = [shard for shard in job.shards if workspace.record_of(shard) is None]
         scans, shards = plan.count - sum(shard.count for shard in missing), len(job.shards) - len(missing)
         progress(Progress(scans, plan.count, shards, len(job.shards)))
 
         def write(result: MadeShard) -> None:
+            if was_complete:
+                _check_same(result, recorded[result.shard.split][result.shard.index], folder)
             workspace.add(result.shard, result.files, result.record)
 
-        if engine == "ray":
+        written: Generator[Shard, None, None]
+        if engine == "ray" and missing:
             from .ray_engine import make_on_ray
 
             written = make_on_ray(job, missing, write, address)
         else:
             written = make_on_threads(job, missing, write, threads)
-        for shard in written:
-            scans, shards = scans + shard.count, shards + 1
-            progress(Progress(scans, plan.count, shards, len(job.shards)))
-        _finish(job, workspace)
+        try:
+            with closing(written):
+                for shard in written:
+                    scans, shards = scans + shard.count, shards + 1
+                    progress(Progress(scans, plan.count, shards, len(job.shards)))
+            if not was_complete:
+                _finish(job, workspace)
+        finally:
+            if was_complete:
+                workspace.clean()
     return Report(folder, plan.count, len(job.shards), len(missing), time.perf_counter() - began)
+
+
+def _check_same(result: MadeShard, recorded: Mapping[str, Any], folder: Path) -> None:
+    """Raises if a shard of a complete data set has other numbers than before."""
+    now: dict[str, str] = result.record["blake3"]
+    if wrong := [name for name, digest in recorded["blake3"].items() if now.get(name) != digest]:
+        raise ValueError(
+            f"{folder}: files of shard {result.shard.name} are missing, and made again, other numbers come out: "
+            f"{', '.join(wrong)}; nothing was written. Make the data set in a new folder"
+        )
 
 
 def _finish(job: Job, workspace: Workspace) -> None:

@@ -14,12 +14,12 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..user_files import read_text
-from .formats import formats, missing_file
+from .formats import damaged_file, formats, missing_file
 from .job import Arrays, Job, Shard
 from .plan import Plan
 from .scenes import Column, columns_of
 
-__all__ = ["COMPLETE", "final_files", "identity_of", "read_shard", "records_of", "shard_files", "versions"]
+__all__ = ["COMPLETE", "final_files", "identity_of", "read_shard", "records_of", "shard_files", "shard_paths", "versions"]
 
 COMPLETE = formats()["parquet"]
 """File that is written last: what the data set was made from, and what is known about each shard."""
@@ -30,6 +30,11 @@ _LARGEST = 2**30
 def versions() -> dict[str, str]:
     """Returns the versions of the packages that write the files."""
     return {"pyarrow": version("pyarrow")}
+
+
+def shard_paths(plan: Plan, shard: Shard) -> dict[str, str]:
+    """Returns the path in the folder of the file of each column of a shard: it is the same file for all."""
+    return dict.fromkeys(columns_of(plan), _path(shard))
 
 
 def shard_files(plan: Plan, shard: Shard, arrays: Arrays) -> dict[str, bytes]:
@@ -95,8 +100,10 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
         return {
             name: _as_numpy(table.column(name).combine_chunks(), column) for name, column in columns_of(job.plan).items()
         }
-    except (pa.ArrowException, KeyError) as error:
-        raise ValueError(f"{_path(shard)} cannot be read: {error}") from error
+    except (pa.ArrowException, KeyError, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:  # It is not the content.
+            raise
+        raise damaged_file(file, error) from error
 
 
 def _content(folder: Path) -> dict[str, Any]:

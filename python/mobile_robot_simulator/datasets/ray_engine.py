@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from functools import cache
 from typing import Any
 
@@ -22,7 +22,7 @@ _POLL = 0.1
 
 def make_on_ray(
     job: Job, shards: Sequence[Shard], write: Callable[[MadeShard], None], address: str | None
-) -> Iterator[Shard]:
+) -> Generator[Shard, None, None]:
     """Makes shards on a Ray cluster, and yields each when it is written.
 
     Each shard is a task with one CPU. Twice as many tasks wait or run as there are CPUs, so memory does not grow with the

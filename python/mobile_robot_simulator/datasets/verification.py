@@ -74,18 +74,23 @@ def verify(
     for done, shard in enumerate(shards):
         progress(done, len(shards))
         recorded: dict[str, str] = records[shard.split][shard.index]["blake3"]
+        again = digests_of(job.make(shard, pool)[0])
+        changed = [name for name in recorded if again.get(name) != recorded[name]]
         try:
             stored = digests_of(store.read_shard(Path(path), job, shard))
             wrong = [name for name in recorded if stored.get(name) != recorded[name]]
             if wrong:
-                differences.append(Difference(shard.name, f"stored numbers do not have their digest: {', '.join(wrong)}"))
+                problem = f"stored numbers do not have their digest: {', '.join(wrong)}"
+                if not changed and not notes:
+                    paths = store.shard_paths(job.plan, shard)
+                    files = ", ".join(dict.fromkeys(f"{Path(path) / paths[name]}" for name in wrong))
+                    problem += f"; remove {files} and give the command that made the data set again"
+                differences.append(Difference(shard.name, problem))
         except (ValueError, OSError) as error:
             problem = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else f"{error}"
             differences.append(Difference(shard.name, problem))
-        again = digests_of(job.make(shard, pool)[0])
-        wrong = [name for name in recorded if again.get(name) != recorded[name]]
-        if wrong:
-            differences.append(Difference(shard.name, f"made again, other numbers come out: {', '.join(wrong)}"))
+        if changed:
+            differences.append(Difference(shard.name, f"made again, other numbers come out: {', '.join(changed)}"))
     progress(len(shards), len(shards))
     return Verified(len(shards), differences, notes)
 

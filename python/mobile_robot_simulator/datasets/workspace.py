@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -102,6 +102,13 @@ class Workspace:
         (self._own / "shards").mkdir(parents=True, exist_ok=True)
         if not place.exists():
             write_files({place: json.dumps(identity, indent=1).encode()})
+
+    def has(self, paths: Iterable[str]) -> bool:
+        """Returns whether files are there, and are not empty."""
+        try:
+            return all((self._folder / path).stat().st_size for path in paths)
+        except OSError:
+            return False
 
     def record_of(self, shard: Shard) -> dict[str, Any] | None:
         """Returns the record of a shard; None if the shard is not complete."""

@@ -16,7 +16,7 @@ from zarr.codecs import BloscCodec
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.storage import LocalStore, MemoryStore
 
-from .formats import formats, missing_file
+from .formats import damaged_file, formats, missing_file
 from .job import Arrays, Files, Job, Shard
 from .plan import Plan
 from .scenes import Column, columns_of
@@ -27,9 +27,11 @@ __all__ = [
     "final_files",
     "identity_of",
     "open_split",
+    "read_rows",
     "read_shard",
     "records_of",
     "shard_files",
+    "shard_paths",
     "versions",
 ]
 
@@ -57,18 +59,25 @@ def versions() -> dict[str, str]:
     return {name: version(name) for name in ("zarr", "numcodecs")}
 
 
+def shard_paths(plan: Plan, shard: Shard) -> dict[str, str]:
+    """Returns the path in the store of the file of each column of a shard."""
+    return {
+        name: f"{shard.split}/{name}/{_file_name(shard.index, 1 + len(column.shape))}"
+        for name, column in columns_of(plan).items()
+    }
+
+
 def shard_files(plan: Plan, shard: Shard, arrays: Arrays) -> Files:
     """Returns the files of a shard, by their path in the store."""
     files: dict[str, NDArray[np.uint8]] = {}
+    paths = shard_paths(plan, shard)
     for name, array in arrays.items():
         column = Column(array.shape[1:], array.dtype.name, {})
         content: dict[str, Any] = {}
         made = _create(MemoryStore(content), "", plan, column, shard.count, {})
         made[...] = array
         (encoded,) = [data for key, data in content.items() if not key.endswith("zarr.json")]
-        files[f"{shard.split}/{name}/c.{'.'.join(map(str, [shard.index, *[0] * len(column.shape)]))}"] = (
-            encoded.as_numpy_array()
-        )
+        files[paths[name]] = encoded.as_numpy_array()
     return files
 
 
@@ -131,13 +140,26 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
     """
     rows = slice(shard.first, shard.first + shard.count)
     group = zarr.open_group(_Files(folder, read_only=True), mode="r")
-    result = {}
-    for name in columns_of(job.plan):
-        try:
-            result[name] = np.asarray(group[f"{shard.split}/{name}"][rows])  # type: ignore[index]
-        except (ValueError, RuntimeError, KeyError) as error:
-            raise ValueError(f"{name} cannot be read: {error}") from error
-    return result
+    return {name: read_rows(group[f"{shard.split}/{name}"], rows) for name in columns_of(job.plan)}
+
+
+def read_rows(array: Any, rows: int | slice) -> NDArray[Any]:
+    """Returns rows of an array, all from one shard.
+
+    Raises:
+        FileNotFoundError: The file is missing.
+        ValueError: The file is damaged.
+    """
+    try:
+        return np.asarray(array[rows])
+    except (ValueError, RuntimeError) as error:
+        first = rows if isinstance(rows, int) else rows.start
+        path = f"{array.path}/{_file_name(first // array.shards[0], array.ndim)}"
+        raise damaged_file(array.store.root / path, error) from error
+
+
+def _file_name(shard: int, dimensions: int) -> str:
+    return ".".join(["c", str(shard), *["0"] * (dimensions - 1)])
 
 
 def _create(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import random
@@ -105,6 +106,49 @@ def test_a_complete_data_set_is_left_alone(expected: dict[str, bytes], tmp_path:
     times = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
     assert generate(PLAN, out=tmp_path).made == 0
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()} == times
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_what_is_missing_of_a_complete_data_set_is_made_again(
+    threads: int, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    generate(PLAN, out=tmp_path)
+    (tmp_path / "train/ranges/c.0.0").unlink()
+    (tmp_path / "train/map/c.4").write_bytes(b"")
+    for file in (tmp_path / "test/scene").glob("c.*"):
+        file.unlink()
+    seen: list[Progress] = []
+    report = generate(PLAN, out=tmp_path, threads=threads, progress=seen.append)
+    assert (report.shards, report.made) == (8, 5) and files_of(tmp_path) == expected
+    assert seen[0] == (96, 200, 3, 8) and seen[-1] == (200, 200, 8, 8)
+
+
+def test_a_repair_that_was_broken_off_goes_on(expected: dict[str, bytes], tmp_path: Path) -> None:
+    def stop(progress: Progress) -> None:
+        raise InterruptedError
+
+    generate(PLAN, out=tmp_path)
+    (tmp_path / "test/poses/c.1.0").unlink()
+    with pytest.raises(InterruptedError):
+        generate(PLAN, out=tmp_path, progress=stop)
+    assert generate(PLAN, out=tmp_path).made == 1
+    assert files_of(tmp_path) == expected
+
+
+def test_a_shard_that_has_become_another_is_not_mixed_with_the_others(tmp_path: Path) -> None:
+    """The code of a policy is not part of what is compared with the plan."""
+    plan = small(poses={"kind": "drives", "clearance": 0.2, "policy": "turning_policy:make"}, count=40, folder=tmp_path)
+    for rate in (0.3, 0.6):
+        (tmp_path / "turning_policy.py").write_text(f"def make():\n    return lambda observation: (0.0, {rate})\n")
+        sys.modules.pop("turning_policy", None)
+        if rate == 0.3:
+            generate(plan, out=tmp_path / "data", threads=1)
+            (tmp_path / "data/train/ranges/c.0.0").unlink()
+            before = files_of(tmp_path / "data")
+    importlib.invalidate_caches()
+    with pytest.raises(ValueError, match=r"train-000000 are missing, and made again, other numbers come out: .*poses"):
+        generate(plan, out=tmp_path / "data", threads=1)
+    assert files_of(tmp_path / "data") == before
 
 
 @pytest.mark.parametrize("is_complete", [True, False])

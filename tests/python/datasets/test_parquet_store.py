@@ -78,6 +78,26 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     assert shard == "train-000001" and problem.startswith(f"{missing}: this file of the data set is missing or empty; ")
 
 
+@pytest.mark.parametrize("damage", ["missing", "empty", "short", "changed"])
+def test_a_file_is_repaired_as_the_messages_say(damage: str, tmp_path: Path) -> None:
+    generate(PLAN, out=tmp_path)
+    before, file = files_of(tmp_path), tmp_path / "train/000001.parquet"
+    data = bytearray(file.read_bytes())
+    if damage == "changed":
+        data[len(data) // 3] ^= 1
+    file.write_bytes(data if damage == "changed" else data[:-9] if damage == "short" else b"")
+    if damage == "missing":
+        file.unlink()
+    ((shard, problem),) = verify(tmp_path).differences
+    assert shard == "train-000001" and f"{file}" in problem
+    assert problem.endswith("give the command that made the data set again")
+    if damage in ("short", "changed"):
+        assert generate(PLAN, out=tmp_path).made == 0 and "; remove " in problem
+        file.unlink()
+    assert generate(PLAN, out=tmp_path).made == 1
+    assert files_of(tmp_path) == before and verify(tmp_path).differences == []
+
+
 def test_it_is_not_opened_as_zarr(tmp_path: Path) -> None:
     generate(PLAN, out=tmp_path)
     with pytest.raises(ValueError, match="only data sets in Zarr are opened here"):

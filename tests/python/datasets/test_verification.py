@@ -11,7 +11,7 @@ pytest.importorskip("zarr", reason="the extra `datasets` is not installed, or ha
 import zarr
 
 import mobile_robot_simulator as mrs
-from datasets.small_plans import small
+from datasets.small_plans import files_of, small
 from mobile_robot_simulator.datasets import generate, verify
 
 
@@ -32,7 +32,39 @@ def test_a_byte_that_changes(compression: str, tmp_path: Path) -> None:
     data[len(data) // 3] ^= 1
     file.write_bytes(data)
     ((shard, problem),) = verify(tmp_path).differences
-    assert shard == "train-000003" and "ranges" in problem
+    assert shard == "train-000003" and f"{file}" in problem
+    assert problem.endswith("give the command that made the data set again")
+
+
+@pytest.mark.parametrize("damage", ["short", "changed"])
+def test_a_damaged_file_is_repaired_as_the_message_says(damage: str, tmp_path: Path) -> None:
+    generate(small(compression="none"), out=tmp_path)
+    before, file = files_of(tmp_path), tmp_path / "train/ranges/c.3.0"
+    data = bytearray(file.read_bytes())
+    data[len(data) // 3] ^= 1
+    file.write_bytes(data if damage == "changed" else data[: len(data) // 2])
+    ((_, problem),) = verify(tmp_path).differences
+    assert problem.startswith(
+        f"stored numbers do not have their digest: ranges; remove {file} and give the command that made the data set again"
+        if damage == "changed"
+        else f"{file}: this file of the data set is damaged: "
+    )
+    assert problem.endswith("and give the command that made the data set again")
+    assert generate(small(compression="none"), out=tmp_path).made == 0
+    file.unlink()
+    assert generate(small(compression="none"), out=tmp_path).made == 1
+    assert files_of(tmp_path) == before and verify(tmp_path).differences == []
+
+
+def test_no_repair_is_promised_if_a_map_has_changed(tmp_path: Path) -> None:
+    mrs.save_map(mrs.floor_plan("maze", seed=1, size=(10.0, 8.0), resolution=0.1), tmp_path / "map.yaml")
+    plan = small(maps=[{"files": "map.yaml"}], splits={"train": 1}, count=32, compression="none", folder=tmp_path)
+    generate(plan, out=tmp_path / "data")
+    file = tmp_path / "data/train/ranges/c.0.0"
+    file.write_bytes(bytes([file.read_bytes()[0] ^ 1]) + file.read_bytes()[1:])
+    mrs.save_map(mrs.floor_plan("maze", seed=2, size=(10.0, 8.0), resolution=0.1), tmp_path / "map.yaml")
+    first, _ = verify(tmp_path / "data", folder=tmp_path).differences
+    assert first.problem == "stored numbers do not have their digest: ranges"
 
 
 def test_a_file_that_is_missing(tmp_path: Path) -> None:
