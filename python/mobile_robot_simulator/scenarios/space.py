@@ -11,6 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 from ..physics.obstacles import PoseLike
 from ..quoting import quoted
+from ..scanners import check_robot_names
 from ..simulation.arguments import check_at_least_0
 from .checks import check_kinds, items_of, to_goal, to_place
 from .disturbances import Disturbance, Drift
@@ -65,7 +66,8 @@ class Space:
         is_noisy: False if all worlds have the noise of seed 0; else they have 1,000 different seeds.
 
     Raises:
-        ValueError: There is no map, the start or the goal is not finite, or the duration is not positive and finite.
+        ValueError: There is no map, a parameter is unknown, the start or the goal is not finite, or the duration is not
+            positive and finite.
         TypeError: An argument has a wrong type.
 
     Example:
@@ -110,6 +112,7 @@ class Space:
         if len(drifts) > 1:
             raise ValueError(f"disturbances must have at most one scenarios.Drift, got {len(drifts)}")
         check_kinds("a mapping from names to values", Mapping, parameters=self.parameters)
+        check_robot_names(self.parameters)
         check_at_least_0(duration=self.duration, tolerance=self.tolerance)
         if not self.duration:
             raise ValueError(f"duration must be positive, got {quoted(self.duration)} s")

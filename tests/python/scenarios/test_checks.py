@@ -21,6 +21,11 @@ ROOM = WorldMap()
         (lambda: Space(ROOM), TypeError, "maps must be a sequence of scenarios.WorldMap, got WorldMap(kind='room', "),
         (lambda: Space(["room"]), TypeError, "maps[0] must be a scenarios.WorldMap, got 'room'"),
         (lambda: Space([]), ValueError, "maps must be one or more of scenarios.WorldMap, got none"),
+        (
+            lambda: Space(parameters={"robot_raduis": 1.0}),
+            ValueError,
+            "unknown parameter 'robot_raduis'; did you mean 'robot_radius'?",
+        ),
         (lambda: Space(start=3), TypeError, "start must be three numbers (x, y, yaw), got 3"),
         (lambda: Space(start=(1, 2)), ValueError, "start must be three finite numbers (x, y, yaw), got (1, 2)"),
         (
