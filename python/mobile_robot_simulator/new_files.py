@@ -19,6 +19,20 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+def check_folder(folder: Path) -> None:
+    """Checks that a folder is there or can be made.
+
+    Args:
+        folder: The folder.
+
+    Raises:
+        NotADirectoryError: There is a file of this name, or of that of a folder above.
+    """
+    existing = next((each for each in (folder, *folder.parents) if each.exists()), None)
+    if existing is not None and not existing.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "Must be a folder", str(existing))
+
+
 def write_files(contents: Mapping[Path, bytes | NDArray[np.uint8]]) -> None:
     """Writes files that belong together: completes all of them, then moves them to their places, in order.
 

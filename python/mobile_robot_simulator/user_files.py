@@ -11,7 +11,10 @@ import errno
 import os
 import stat
 import sys
+from pathlib import Path
 from typing import BinaryIO
+
+from .quoting import quoted
 
 TEXT_LIMIT = 2**20
 """Largest size of a YAML file [bytes]. Real ones have less than a tenth."""
@@ -34,6 +37,21 @@ _MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+
+
+def to_path(path: object, what: str) -> Path:
+    """Returns the path that a user names.
+
+    Args:
+        path: A text or a path.
+        what: What the path is of, for the error.
+
+    Raises:
+        TypeError: It is neither a text nor a path.
+    """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise TypeError(f"the path of {what} must be a text or a Path, got {quoted(path)}")
+    return Path(path)
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import math
 from enum import Enum
@@ -85,11 +84,11 @@ def compare(
     """
     from ..compare import compare_log, html_report, noise_text
     from ..logs import read_log
-    from ..new_files import write_files
+    from ..new_files import check_folder, write_files
 
     with signals_as_interrupt():
         if out is not None:
-            _check_folder(out)
+            check_folder(out)  # before the long work
         grid = load_grid(map_file, read_values(param, params_file))
         scans = read_log(log, scanner=scanner, pose_topic=pose_topic, max_range=max_range)
         for note in scans.notes:
@@ -178,14 +177,3 @@ def _spread(spread: Spread) -> str:
 
 def _signed(metres: float) -> str:
     return f"{round(metres, 3) + 0.0:+.3f} m"  # not -0.000
-
-
-def _check_folder(out: Path) -> None:
-    """Checks, before the long work, that a folder can be made.
-
-    Raises:
-        NotADirectoryError: There is a file of this name, or of that of a folder above.
-    """
-    existing = next((each for each in (out, *out.parents) if each.exists()), None)
-    if existing is not None and not existing.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, "Must be a folder", str(existing))

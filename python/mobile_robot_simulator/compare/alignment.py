@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .._core import OccupancyGrid, Pose
 from ..logs import ScanLog
+from ..quoting import quoted
 from .scoring import BASE_CAP, Scans, offsets
 
 REACH = (1.0, 0.2)
@@ -79,9 +80,10 @@ def align_log(
         progress: Called repeatedly with the share of the work that is done, up to 1.
 
     Raises:
-        ValueError: `reach` is negative, not finite, or needs more than `MOST_POSES` poses.
+        ValueError: `reach` is negative, not finite, not two numbers, or needs more than `MOST_POSES` poses.
+        TypeError: `reach` is not a sequence of numbers.
     """
-    largest_shift, largest_yaw = reach
+    largest_shift, largest_yaw = _to_reach(reach)
     if not (0.0 <= largest_shift < math.inf and 0.0 <= largest_yaw <= math.pi):
         raise ValueError(f"reach must be at least 0 m and 0 to π rad, got {largest_shift} and {largest_yaw}")
     centre = log.poses[:, :2].mean(axis=0)
@@ -120,6 +122,17 @@ def align_log(
     map_from_log = Pose(float(centre[0] + found[0]) + x, float(centre[1] + found[1]) + y, float(found[2]))
     is_at_limit = bool((np.abs(found) >= limits - 1e-6)[limits > 0.0].any())
     return Alignment(map_from_log, (float(found[0]), float(found[1])), float(found[2]), before, after, is_at_limit)
+
+
+def _to_reach(reach: object) -> tuple[float, float]:
+    try:
+        numbers = tuple(map(float, reach)) if not isinstance(reach, str) else None  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        numbers = None
+    if numbers is None or len(numbers) != 2:
+        kind = TypeError if numbers is None else ValueError
+        raise kind(f"reach must be two numbers, the largest shift [m] and yaw [rad], got {quoted(reach)}")
+    return numbers[0], numbers[1]
 
 
 def moved(poses: NDArray[np.float64], map_from_log: Pose) -> NDArray[np.float64]:

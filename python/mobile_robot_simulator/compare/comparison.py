@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from .._core import OccupancyGrid
 from ..logs import ScanLog
+from ..quoting import quoted
+from ..simulation.arguments import check_numbers
 from .alignment import REACH, Alignment, align_log, moved
 from .beams import Beams
 from .breakdown import INCIDENCES, RANGES, Breakdown, bands, wrong_places
@@ -104,11 +106,17 @@ def compare_log(
 
     Raises:
         ValueError: No beam has a return in both the log and the simulation, or an argument is invalid.
+        TypeError: An argument has a wrong type.
 
     Example:
         comparison = compare_log(load_map("map.yaml"), read_log("robot.log"))
         print(comparison.residuals.spread.median)
     """
+    if not isinstance(grid, OccupancyGrid):
+        raise TypeError(f"grid must be an OccupancyGrid, got {quoted(grid)}")
+    if not isinstance(log, ScanLog):
+        raise TypeError(f"log must be a logs.ScanLog, as read_log returns it, got {quoted(log)}")
+    check_numbers(offset=offset)
     if align not in ("none", "rigid"):
         raise ValueError(f"align must be 'none' or 'rigid', got {align!r}")
     if not math.isfinite(offset):

@@ -7,7 +7,6 @@ import os
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from ..messages import LaserScan, Odometry, TFMessage
 from ..nodes.map_messages import from_message
 from ..nodes.rigid_transform import RigidTransform
 from ..ros.conversion import ROSBAGS
+from ..user_files import to_path
 from .frames import Frames, name_of, stamp_of
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ class Playback:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         from ..recording.bag import Bag
 
-        self._bag = Bag(Path(path))
+        self._bag = Bag(to_path(path, "a bag"))
         self._frames = Frames()
         scans: dict[str, list[tuple[int, int]]] = {}
         scan_frames: dict[str, str] = {}

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ..user_files import open_regular
+from ..quoting import quoted
+from ..simulation.arguments import check_numbers
+from ..user_files import open_regular, to_path
 from .carmen import read_carmen
 from .scan_log import ScanLog
 from .table import read_csv, read_npz
@@ -40,6 +42,7 @@ def read_log(
         ImportError: The log is a bag and rosbags is not installed.
         OSError: The log cannot be read.
         ValueError: The log is malformed, or has no scan with a pose. The message gives the line, or topic and index.
+        TypeError: An argument has a wrong type.
 
     Example:
         log = read_log("drive")
@@ -47,7 +50,9 @@ def read_log(
             max_range=log.max_range)
         simulated = laser.scan_batch(grid, log.poses)
     """
-    path = Path(path)
+    path = to_path(path, "a log")
+    if max_range is not None:
+        check_numbers(max_range=max_range)
     kind = _kind_of(path)
     if kind != "bag" and pose_topic is not None:
         raise ValueError(f"{path}: only a bag has topics, so there must be no pose_topic, got {pose_topic!r}")
@@ -57,6 +62,8 @@ def read_log(
         from .bag_scans import read_bag
 
         return read_bag(path, scan_topic=scanner, pose_topic=pose_topic)
+    if max_range is not None and not max_range > 0.0:
+        raise ValueError(f"{path}: max_range must be greater than 0 m, got {quoted(max_range)}")
     if kind == "carmen":
         return read_carmen(path, scanner=scanner, max_range=max_range)
     if scanner is not None:

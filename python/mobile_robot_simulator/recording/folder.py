@@ -12,6 +12,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from ..new_files import check_folder
+
 NAME = "recording"
 """Name of a recording in its folder: a rosbag2 folder of this name, or a ROS 1 file with the suffix .bag."""
 
@@ -56,12 +58,14 @@ class RecordingFolder:
         FileExistsError: There is a recording or a companion and `overwrite` is False, or something else of that name.
         FileNotFoundError: `recover` is True, and no recording was broken off.
         BlockingIOError: Another process records into the folder.
+        NotADirectoryError: There is a file in place of the folder, or of one above.
     """
 
     def __init__(self, folder: Path, *, overwrite: bool, companions: Collection[str] = (), recover: bool = False) -> None:
         self._given, self._folder, self._companions = folder, folder.absolute(), tuple(companions)
         self.unfinished = self._folder / UNFINISHED
         self.complete = self.unfinished / _COMPLETE
+        check_folder(folder)
         self._check_unfinished()
         existed = self.unfinished.is_dir()
         if recover and not existed:

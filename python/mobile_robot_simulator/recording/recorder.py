@@ -15,9 +15,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn, get_args
 
+from ..bus.topic import absolute
 from ..message_recipe import MessageRecipe
 from ..messages import Message
 from ..quoting import quoted
+from ..user_files import to_path
 from .format import Format
 from .writer_thread import WriterThread
 
@@ -66,6 +68,7 @@ class Recorder:
         BlockingIOError: Another process records into the folder.
         ValueError: The format is unknown.
         OSError: The folder cannot be written.
+        TypeError: The path is neither a text nor a path.
     """
 
     def __init__(
@@ -88,7 +91,7 @@ class Recorder:
         self._complete = self._closed = False
         self._thread = WriterThread()
         try:
-            self._folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions)
+            self._folder = RecordingFolder(to_path(path, "a recording"), overwrite=overwrite, companions=companions)
             try:
                 self._thread.run(lambda: self._begin(format))
             except BaseException as error:
@@ -110,21 +113,21 @@ class Recorder:
         """Adds a message that was published on a topic.
 
         Args:
-            topic: Name of the topic. All its messages must have the same type.
+            topic: Name of the topic; "scan" is /scan, as in a simulation. All its messages must have the same type.
             message: Message to write, or a call that builds it, which is made now. So this function is a tap for
                 `Simulation.record`, and for `Simulation.record_lazily`, which costs less.
             time_ns: Time of publication [ns]. A ROS 1 bag stores time 0 as 1 ns, because ROS 1 has no time 0 and
                 `rosbag play` skips such messages.
 
         Raises:
-            ValueError: The time is out of range, the topic carries another type, the ROS message cannot hold a value, or the
-                recording is closed.
-            TypeError: An array has another element type than the ROS message.
+            ValueError: The time is out of range, the topic has no name or carries another type, the ROS message cannot hold
+                a value, or the recording is closed.
+            TypeError: An argument has a wrong type, or an array has another element type than the ROS message.
             OSError: The disk is full, or the folder was removed. The message says where the written messages are.
         """
         if self._closed or self._complete:
             raise ValueError(f"the recording {self.path} is closed")
-        time_ns = time_ns if type(time_ns) is int else index(time_ns)
+        time_ns = time_ns if type(time_ns) is int else _integer(time_ns)
         if not 0 <= time_ns < self._end_of_time:
             raise ValueError(f"time_ns must be at least 0 and below {self._end_of_time}, got {quoted(time_ns)}")
         if isinstance(message, partial):
@@ -137,16 +140,21 @@ class Recorder:
         else:
             kind = type(message)
         if self._classes.get(topic) is not kind:
-            self._check_type(topic, kind)
+            topic = self._checked_topic(topic, kind, message)
         self._pending += (topic, time_ns, self._encode(message))
         if len(self._pending) >= 3 * _BATCH:
             self._thread.run(self._write_batch)
 
-    def _check_type(self, topic: str, kind: type[Message]) -> None:
+    def _checked_topic(self, topic: str, kind: type[Message], message: object) -> str:
+        """Returns the full name of a topic, after checks that it can carry messages of a class."""
+        if not issubclass(kind, Message):
+            raise TypeError(f"the message must be one of mobile_robot_simulator.messages, got {quoted(message)}")
+        topic = absolute(topic)
         ros_type = self._types.setdefault(topic, kind.ros_type)
         if ros_type != kind.ros_type:
             raise ValueError(f"topic {topic} carries {ros_type}, got {kind.ros_type}")
         self._classes[topic] = kind
+        return topic
 
     def companion(self, name: str) -> Path:
         """Ends the recording, and returns the path to write a new companion to.
@@ -272,3 +280,10 @@ class Recorder:
         else:
             kept = "the folder is gone, nothing is kept"
         raise self._folder.error(error, f"The recording was broken off; {kept}") from error
+
+
+def _integer(time_ns: object) -> int:
+    try:
+        return index(time_ns)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"time_ns must be an integer, got {quoted(time_ns)}") from None

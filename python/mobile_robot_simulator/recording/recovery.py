@@ -11,6 +11,7 @@ from pathlib import Path
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 
+from ..user_files import to_path
 from .complete_messages import Stored, mcap_messages, ros1_messages
 from .folder import NAME, REBUILT, RecordingFolder
 from .mcap_storage import Written
@@ -32,8 +33,9 @@ def recover(path: str | os.PathLike[str], *, overwrite: bool = False, companions
         BlockingIOError: The recording is still being written.
         ValueError: What was written has no complete message. It is kept.
         OSError: The folder cannot be written.
+        TypeError: The path is neither a text nor a path.
     """
-    folder = RecordingFolder(Path(path), overwrite=overwrite, companions=companions, recover=True)
+    folder = RecordingFolder(to_path(path, "a recording"), overwrite=overwrite, companions=companions, recover=True)
     try:
         if (complete := folder.complete_recording) is not None:
             with AnyReader([complete]) as reader:

@@ -113,12 +113,29 @@ def test_an_offset_is_subtracted_from_returns_only() -> None:
     ("arguments", "message"),
     [
         ({"align": "affine"}, "align must be 'none' or 'rigid', got 'affine'"),
+        ({"reach": (1.0, 2.0, 3.0)}, "reach must be two numbers"),
         ({"offset": np.nan}, "offset must be finite, got nan"),
     ],
 )
 def test_wrong_arguments(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         compare_log(GRID, log_of(GRID, POSES), **arguments)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"grid": log_of(GRID, POSES)}, "grid must be an OccupancyGrid, got ScanLog"),
+        ({"log": GRID}, "log must be a logs.ScanLog, as read_log returns it, got OccupancyGrid"),
+        ({"log": "file.log"}, "log must be a logs.ScanLog, as read_log returns it, got 'file.log'"),
+        ({"reach": 1.0}, r"reach must be two numbers, the largest shift \[m\] and yaw \[rad\], got 1.0"),
+        ({"reach": ("a", 1.0)}, "reach must be two numbers"),
+        ({"offset": "a"}, "offset must be a number, got 'a'"),
+    ],
+)
+def test_arguments_of_wrong_types(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        compare_log(**{"grid": GRID, "log": log_of(GRID, POSES), **arguments})
 
 
 def test_poses_in_another_frame_are_an_error() -> None:

@@ -35,6 +35,17 @@ def test_arguments_of_other_formats_are_refused(tmp_path: Path) -> None:
         read_log(tmp_path / "a.log", scanner="RLASER")
 
 
+def test_wrong_arguments(tmp_path: Path) -> None:
+    (tmp_path / "b.csv").write_text("time,x,y,yaw,0.5\n1,2,3,0,4\n")
+    with pytest.raises(TypeError, match="the path of a log must be a text or a Path, got None"):
+        read_log(None)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="max_range must be a number, got 'a'"):
+        read_log(tmp_path / "b.csv", max_range="a")  # type: ignore[arg-type]
+    for wrong in (0, -1.5):
+        with pytest.raises(ValueError, match=f"max_range must be greater than 0 m, got {wrong}"):
+            read_log(tmp_path / "b.csv", max_range=wrong)
+
+
 def test_what_is_no_log(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         read_log(tmp_path / "missing")

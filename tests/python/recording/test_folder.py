@@ -193,8 +193,11 @@ def test_a_discarded_recording_leaves_the_older_one(tmp_path: Path, format: Form
 
 def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "out").touch()
-    with pytest.raises(OSError, match="out"):
-        Recorder(tmp_path / "out")
+    for path in (tmp_path / "out", tmp_path / "out" / "deep"):
+        for call in (Recorder, recover):
+            with pytest.raises(NotADirectoryError, match="Must be a folder") as raised:
+                call(path)
+            assert raised.value.filename == str(tmp_path / "out")
 
 
 @pytest.mark.parametrize("overwrite", [False, True])

@@ -158,7 +158,7 @@ def test_times_out_of_range_are_refused(tmp_path: Path, format: Format, end: int
         for time_ns in (-1, end):
             with pytest.raises(ValueError, match=rf"time_ns .* got {time_ns}"):
                 recorder.write("/clock", ros.Clock(), time_ns)
-        with pytest.raises(TypeError):
+        with pytest.raises(TypeError, match=r"time_ns must be an integer, got 0\.5"):
             recorder.write("/clock", ros.Clock(), 0.5)  # type: ignore[arg-type]
         recorder.write("/clock", ros.Clock(), np.int64(3))  # type: ignore[arg-type]
         recorder.write("/clock", ros.Clock(), end - 2)
@@ -170,6 +170,34 @@ def test_a_topic_has_one_type(tmp_path: Path) -> None:
         recorder.write("/cmd_vel", ros.Twist(), 1)
         with pytest.raises(ValueError, match=r"/cmd_vel carries geometry_msgs/msg/Twist, got .*TwistStamped"):
             recorder.write("/cmd_vel", ros.TwistStamped(), 2)
+
+
+def test_names_of_topics_are_those_of_a_simulation(tmp_path: Path) -> None:
+    with Recorder(tmp_path) as recorder:
+        for topic in ("scan", "/scan", "scan"):
+            recorder.write(topic, ros.Clock(), 1)
+        for name in ("", "/", "//"):
+            with pytest.raises(ValueError, match=f"a topic or service must have a name, got '{name}'"):
+                recorder.write(name, ros.Clock(), 1)
+        with pytest.raises(TypeError, match="the name of a topic or service must be a text, got 3"):
+            recorder.write(3, ros.Clock(), 1)  # type: ignore[arg-type]
+    assert [topic for topic, _, _ in read(recorder.path)] == ["/scan"] * 3
+
+
+@pytest.mark.parametrize("wrong", [None, "text", ros.Clock, partial(str)])
+def test_what_is_no_message_is_refused(tmp_path: Path, wrong: Any) -> None:
+    with Recorder(tmp_path) as recorder:
+        with pytest.raises(TypeError, match=r"the message must be one of mobile_robot_simulator\.messages, got "):
+            recorder.write("/clock", wrong, 1)
+        recorder.write("/clock", ros.Clock(), 1)
+    assert len(read(recorder.path)) == 1
+
+
+@pytest.mark.parametrize("wrong", [None, 3, b"out"])
+def test_what_is_no_path_is_refused(wrong: Any) -> None:
+    for call in (Recorder, recording.recover):
+        with pytest.raises(TypeError, match=f"the path of a recording must be a text or a Path, got {wrong}"):
+            call(wrong)
 
 
 @pytest.mark.parametrize("format", FORMATS)
