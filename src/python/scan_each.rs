@@ -33,15 +33,15 @@ type Scan<'py> = (
 ///
 /// Args:
 ///     scans: Tuples (scanner, grid, pose, obstacles, noise, surfaces, seed, index), one for each scan: a `LaserScanner`, and
-///         the arguments of its `scan_batch` for one pose; `index` stands for `first_index`. Surfaces, seed and index count
-///         with noise only. Scans of equal scanners in one map are the fastest side by side.
+///         the arguments of its `scan_batch` for one pose; `index` stands for `first_index`. Surfaces, seed and index have
+///         an effect only with noise. Scans of equal scanners in one map are the fastest side by side.
 ///     threads: Number of threads, 1 to 1024; None means one per core. The result does not depend on it.
 ///
 /// Returns:
 ///     A list with the readings of each scan, (beam_count,) float32 [m].
 ///
 /// Raises:
-///     ValueError: As for `scan_batch`.
+///     ValueError: As for `scan_batch`, or a tuple has another length.
 ///     TypeError: An argument has the wrong type.
 ///     OSError: The threads could not be started.
 ///
