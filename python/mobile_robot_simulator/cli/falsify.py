@@ -89,13 +89,18 @@ def falsify(
 
 def _repeat(case: Case, file: Path) -> None:
     from ..falsification import Counterexample, load_world, run_drive
+    from ..falsification.drive import check_world
     from ..falsification.lost_drive import WORLD_FILE
 
     bytes_are = ""
     if file.name == WORLD_FILE:
-        drive = run_drive(load_world(file), case.controller, case.requirement)
+        world = load_world(file)
+        check_world(world, file)
+        drive = run_drive(world, case.controller, case.requirement)
     else:
-        drive, is_same = Counterexample.load(file).repeat(case.controller, case.requirement)
+        counterexample = Counterexample.load(file)
+        check_world(counterexample.world, file)
+        drive, is_same = counterexample.repeat(case.controller, case.requirement)
         bytes_are = f"\n{'the same bytes as' if is_same else 'other bytes than'} when it was found"
     text = f"{'violated' if drive.failed else 'holds'}: {case.requirement}\n{drive}{bytes_are}"
     console.print(text, markup=False, highlight=False, soft_wrap=True)

@@ -15,7 +15,7 @@ from ..simulation.simulation import Simulation
 from ..user_files import read_text
 from .case import Case, repeat_command
 from .digest import Digest
-from .drive import Drive, Setup, run_drive
+from .drive import Drive, Setup, check_world, run_drive
 
 __all__ = ["FILE", "Counterexample"]
 
@@ -185,8 +185,9 @@ class Counterexample:
             The drive, and True if all its messages have the same bytes as when it was found.
 
         Raises:
-            ValueError: The world cannot be simulated.
+            ValueError: The world cannot be simulated. The message gives the file.
         """
+        check_world(self.world, self.folder / FILE)
         digest = Digest()
         drive = run_drive(self.world, controller, requirement, prepare=lambda sim: sim.record(digest.write))
         return drive, digest.text() == self.digest

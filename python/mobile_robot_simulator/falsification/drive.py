@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..benchmarks.control_loop import STEP, Controller, ControlLoop
 from ..quoting import quoted, shortened
@@ -48,6 +49,23 @@ class Drive:
     def __str__(self) -> str:
         what = self.error if self.ending == ERROR else f"robustness {self.robustness:.4g}"
         return f"{what} after {self.time:g} s ({self.ending}), {self.world.things} obstacles and faults"
+
+
+def check_world(world: World, file: Path) -> None:
+    """Checks that the world of a file can be simulated.
+
+    Args:
+        world: The world.
+        file: The file, for the error.
+
+    Raises:
+        ValueError: It cannot.
+        OSError: The map file cannot be read.
+    """
+    try:
+        world.simulation().close()
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{file}: not a world that can be simulated: {error}") from None
 
 
 def run_drive(

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import BeamModel, LaserScanner, OccupancyGrid
-from ..quoting import quoted
 from .everywhere import SPACING, TURN, best_everywhere
 
 COARSE_SIGMA = 0.3
@@ -99,9 +98,13 @@ def locate(
         >>> [round(float(number), 1) for number in found.poses[0]]
         [6.0, 9.0, 1.0]
     """
+    if isinstance(laser, LaserScanner) and isinstance(ranges, np.ndarray) and ranges.shape != (laser.beam_count,):
+        raise ValueError(f"ranges must have shape ({laser.beam_count},), got {ranges.shape}")
     laser.log_likelihood(grid, np.empty((0, 3)), ranges, noise=noise, threads=threads)  # Checks the arguments.
     if not np.any(ranges < laser.max_range):
-        raise ValueError(f"ranges must have at least one return, got {quoted(ranges)}")
+        failed = np.count_nonzero(np.isnan(ranges))
+        far = f"{len(ranges) - failed} of at least max_range, {laser.max_range:g} m"
+        raise ValueError(f"ranges must have at least one return, got {failed} readings that are NaN and {far}")
     if progress is None:
         progress = _ignore
     poses, scores = best_everywhere(

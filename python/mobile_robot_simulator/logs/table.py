@@ -42,6 +42,7 @@ def read_csv(path: Path, *, max_range: float | None = None) -> ScanLog:
     notes: list[str] = []
     angles: NDArray[np.float64] | None = None
     last = text.count("\n") + 1
+    short = ""
     has_end = text.endswith(("\n", "\r"))
     try:
         for cells in lines:
@@ -52,11 +53,13 @@ def read_csv(path: Path, *, max_range: float | None = None) -> ScanLog:
                 angles = _angles(cells, where)
                 continue
             needed = len(COLUMNS) + len(angles)
+            wrong_count = f"{where}: must have {needed} values, as the first line, got {len(cells)}"
             if len(cells) < needed and lines.line_num >= last - has_end:
                 notes.append(f"line {lines.line_num}, the last one, is cut off and was passed over")
+                short = wrong_count
                 continue
             if len(cells) != needed:
-                raise ValueError(f"{where}: must have {needed} values, as the first line, got {len(cells)}")
+                raise ValueError(wrong_count)
             time, x, y, yaw, *ranges = (_number(cell, f"{where}, value {n}") for n, cell in enumerate(cells, 1))
             if not all(map(math.isfinite, (x, y, yaw))):
                 raise ValueError(f"{where}: a pose must be finite, got {x} {y} {yaw}")
@@ -64,7 +67,8 @@ def read_csv(path: Path, *, max_range: float | None = None) -> ScanLog:
     except csv.Error as error:
         raise ValueError(f"{path}, line {lines.line_num}: not CSV: {error}") from None
     if angles is None or not rows:
-        raise ValueError(f"{path}: must have a line with names and at least one scan, got none")
+        got = "no line" if angles is None else "the names only"
+        raise ValueError(short or f"{path}: must have a line with names and at least one scan, got {got}")
     limits = _limits([row.ranges for row in rows], None, max_range, notes)
     return ScanLog.from_rows(path, rows, angles=angles, limits=limits, notes=notes)
 

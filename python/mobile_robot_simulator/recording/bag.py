@@ -13,7 +13,7 @@ from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader as Ros2Reader
 
 from ..messages import TFMessage
-from ..quoting import shortened
+from ..quoting import quoted, shortened
 from ..user_files import open_regular
 from .complete_messages import Stored, mcap_messages, ros1_messages
 from .folder import NAME
@@ -66,7 +66,12 @@ class Bag:
         self.is_ros1 = False
         if not self.path.is_dir():
             with open_regular(self.path) as file:
-                self.is_ros1 = file.read(len(ROS1_MAGIC)) == ROS1_MAGIC
+                start = file.read(len(ROS1_MAGIC))
+            self.is_ros1 = start == ROS1_MAGIC
+            if not self.is_ros1 and self.path.suffix not in (".mcap", ".db3"):
+                needed = f"must be a ROS 1 bag, which begins with {quoted(ROS1_MAGIC)}, or a file named .mcap or .db3"
+                got = f"one that begins with {quoted(start)}" if start else "an empty one"
+                raise ValueError(f"{self.path}: {needed}, got {got}")
 
     def messages(
         self, ros_types: Collection[str], start_ns: int | None = None, stop_ns: int | None = None

@@ -84,6 +84,17 @@ def test_it_repeats_byte_by_byte(saved):
     assert not is_same and not drive.failed
 
 
+def test_a_changed_world_that_cannot_be_simulated_is_an_error_with_the_file(saved):
+    file = saved.folder / "counterexample.json"
+    for changes in ({"seed": "x"}, {"parameters": {"laser_beam_count": "many"}}, {"faults": ["Fire()"]}):
+        values = json.loads(file.read_text())
+        values["world"].update(changes)
+        changed = file.with_name("changed.json")
+        changed.write_text(json.dumps(values))
+        with pytest.raises(ValueError, match=r"counterexample\.json: not a world that can be simulated: "):
+            Counterexample.load(changed).repeat(controller, requirement)
+
+
 def test_the_recording_is_the_same_when_it_is_found_again(saved, tmp_path_factory):
     again = falsify(controller, SPACE, requirement, 200, corpus=tmp_path_factory.mktemp("again")).counterexample
     files = [path / "recording" / "recording.mcap" for path in (saved.folder, again.folder)]

@@ -61,10 +61,12 @@ def test_progress_ends_at_one_and_threads_do_not_matter() -> None:
 
 def test_bad_input_is_named() -> None:
     grid = mrs.floor_plan("office", seed=1, size=(20.0, 15.0))
-    with pytest.raises(ValueError, match=r"ranges must have shape \(181,\)"):
+    with pytest.raises(ValueError, match=r"ranges must have shape \(181,\), got \(5,\)"):
         locate(grid, LASER, np.ones(5, np.float32), noise=NOISE)
-    with pytest.raises(ValueError, match="ranges must have at least one return"):
-        locate(grid, LASER, np.full(181, np.inf, np.float32), noise=NOISE)
+    scan = np.full(181, np.inf, np.float32)
+    scan[:3] = np.nan
+    with pytest.raises(ValueError, match="one return, got 3 readings that are NaN and 178 of at least max_range, 30 m"):
+        locate(grid, LASER, scan, noise=NOISE)
     full = mrs.OccupancyGrid(np.full((50, 50), 100, np.int8), resolution=0.1)
     with pytest.raises(ValueError, match="the map must have a free cell"):
         locate(full, LASER, np.ones(181, np.float32), noise=NOISE)

@@ -219,7 +219,7 @@ def test_a_bag_with_nothing_to_show_is_refused(tmp_path: Path) -> None:
         Playback(record(tmp_path / "bag", [("/clock", ros.Clock(), 0)]))
     file = tmp_path / "notes.txt"
     file.write_text("hello", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"notes\.txt: cannot be read"):
+    with pytest.raises(ValueError, match=r"notes\.txt: must be a ROS 1 bag"):
         Playback(file)
 
 

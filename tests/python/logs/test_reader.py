@@ -10,6 +10,7 @@ import pytest
 
 from mobile_robot_simulator.logs import read_log
 
+MCAP = b"\x89MCAP0\r\n"
 FLASER = "FLASER 2 1.0 2.5 1 2 0.5 1.1 2.1 0.6 1230.8 host 1230.9\n"
 
 
@@ -52,6 +53,17 @@ def test_what_is_no_log(tmp_path: Path) -> None:
     (tmp_path / "bytes").write_bytes(bytes(range(256)) * 40)
     with pytest.raises(ValueError, match="must have a scan"):
         read_log(tmp_path / "bytes")
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "got"),
+    [("a.bag", b"", "an empty one"), ("b.bag", b"12345", "one that begins with b'12345'"), ("c.log", MCAP, "one that beg")],
+)
+def test_what_is_no_bag(tmp_path: Path, name: str, data: bytes, got: str) -> None:
+    (tmp_path / name).write_bytes(data)
+    needed = r"must be a ROS 1 bag, which begins with b'#ROSBAG V2\.0\\n', or a file named \.mcap or \.db3"
+    with pytest.raises(ValueError, match=f"{name}: {needed}, got {got}"):
+        read_log(tmp_path / name)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no FIFOs")

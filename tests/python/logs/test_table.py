@@ -67,7 +67,9 @@ def test_a_csv_line_that_is_cut_off_at_the_end_is_passed_over(tmp_path: Path, cu
             CSV.replace("-0.5", "-90").replace(",0.5\n", ",45\n", 1),
             "angles of beams must be .* radians, got -90; -90° is -1.5708",
         ),
-        ("", "must have a line with names and at least one scan, got none"),
+        ("", "must have a line with names and at least one scan, got no line"),
+        (CSV[: CSV.index("1.5")], "must have a line with names and at least one scan, got the names only"),
+        (CSV[: CSV.index(",inf")], r"scans\.csv, line 2: must have 6 values, as the first line, got 5"),
     ],
 )
 def test_malformed_csv(tmp_path: Path, text: str, message: str) -> None:
