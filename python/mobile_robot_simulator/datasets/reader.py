@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..quoting import quoted
 from .formats import format_of, formats
 from .plan import Plan
 from .workspace import UNFINISHED
@@ -29,11 +31,11 @@ class Split:
     """
 
     def __init__(self, path: Path, name: str) -> None:
-        from .zarr_store import open_split
+        from .zarr_store import arrays_of, read_rows
 
         self._path, self._name = path, name
-        group = open_split(path, name)
-        self.arrays: Mapping[str, Any] = {key: group[key] for key in sorted(group.array_keys())}
+        self._read: Callable[[Any, int | slice], NDArray[Any]] = read_rows
+        self.arrays: Mapping[str, Any] = arrays_of(path, name)
         self._shard = int(self.arrays["ranges"].shards[0])
 
     def __repr__(self) -> str:
@@ -46,12 +48,22 @@ class Split:
         return int(self.arrays["ranges"].shape[0])
 
     def __getitem__(self, index: int) -> dict[str, NDArray[Any]]:
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"a scan must be in 0..{len(self) - 1}, got {index}")
-        return {name: np.asarray(array[index % len(self)]) for name, array in self.arrays.items()}
+        try:
+            number = operator.index(index)
+        except TypeError:
+            raise TypeError(f"an index must be an integer, got {quoted(index)}; batches reads many scans") from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"a scan must be in 0..{len(self) - 1}, got {number}")
+        return {name: self._read(array, number % len(self)) for name, array in self.arrays.items()}
 
     def batches(
-        self, size: int, *, seed: int | None = None, worker: int = 0, workers: int = 1, columns: list[str] | None = None
+        self,
+        size: int,
+        *,
+        seed: int | None = None,
+        worker: int = 0,
+        workers: int = 1,
+        columns: Collection[str] | None = None,
     ) -> Iterator[dict[str, NDArray[Any]]]:
         """Yields all scans once, in batches. One shard is in memory at a time.
 
@@ -61,19 +73,26 @@ class Split:
                 epoch. None keeps the order.
             worker: Number of this worker. Each gets every `workers`-th shard of the same order.
             workers: Number of workers that share the split.
-            columns: Arrays to read. None means all.
+            columns: Names of the arrays to read. None means all.
 
         Yields:
             The rows of each array by name.
 
         Raises:
-            ValueError: A number is out of range.
+            OSError: A file is missing.
+            ValueError: A number is out of range, a column is unknown, or a file is damaged.
         """
         if size < 1:
             raise ValueError(f"size must be at least 1, got {size}")
         if not 0 <= worker < workers:
             raise ValueError(f"worker must be in 0..workers - 1, got {worker} of {workers}")
-        arrays = {name: self.arrays[name] for name in (columns or self.arrays)}
+        names = self.arrays if columns is None else columns
+        if isinstance(names, str) or not names:
+            raise ValueError(f"columns must be a list of at least one of {', '.join(self.arrays)}, got {quoted(names)}")
+        for name in names:
+            if name not in self.arrays:
+                raise ValueError(f"each of columns must be one of {', '.join(self.arrays)}, got {quoted(name)}")
+        arrays = {name: self.arrays[name] for name in names}
         order = list(range(-(-len(self) // self._shard)))
         if seed is not None:
             dice = random.Random(f"{seed}/shards")
@@ -86,7 +105,7 @@ class Split:
         rest: dict[str, NDArray[Any]] = {}
         for shard in order:
             rows = slice(shard * self._shard, min((shard + 1) * self._shard, len(self)))
-            part = {name: np.asarray(array[rows]) for name, array in arrays.items()}
+            part = {name: self._read(array, rows) for name, array in arrays.items()}
             if seed is not None:
                 # The raw numbers of a bit generator are the same in all versions of NumPy.
                 bits = np.random.PCG64([seed % 2**63, shard]).random_raw(rows.stop - rows.start)
@@ -118,6 +137,8 @@ class Dataset(Mapping[str, Split]):
         self._splits = {name: Split(path, name) for name in self.plan.splits}
 
     def __getitem__(self, name: str) -> Split:
+        if name not in self._splits:
+            raise KeyError(f"a split must be one of {', '.join(self._splits)}, got {quoted(name)}")
         return self._splits[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -138,8 +159,8 @@ def open(path: str | os.PathLike[str]) -> Dataset:
 
     Raises:
         ImportError: The extra `datasets` is not installed.
-        OSError: The folder does not exist.
-        ValueError: The folder is no complete data set.
+        OSError: The folder does not exist, or a file that describes an array is missing.
+        ValueError: The folder is no complete data set, or a file that describes an array is damaged.
     """
     identity, _ = identity_of(Path(path))
     if identity["plan"]["format"] != "zarr":
@@ -156,6 +177,8 @@ def identity_of(path: Path) -> tuple[dict[str, Any], Any]:
         OSError: The folder does not exist.
         ValueError: The folder is no complete data set.
     """
+    if path.exists() and not path.is_dir():
+        raise NotADirectoryError(20, "this must be the folder of a data set, got a file", str(path))
     if not path.is_dir():
         raise FileNotFoundError(2, "no such folder", str(path))
     for name, complete in formats().items():

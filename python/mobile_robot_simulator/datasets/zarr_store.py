@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import version
 from math import prod
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import zarr
@@ -23,10 +23,10 @@ from .scenes import Column, columns_of
 
 __all__ = [
     "COMPLETE",
+    "arrays_of",
     "attributes_of",
     "final_files",
     "identity_of",
-    "open_split",
     "read_rows",
     "read_shard",
     "records_of",
@@ -105,12 +105,17 @@ def final_files(job: Job, records: Iterable[Mapping[str, Any]], maps: list[dict[
 
 def attributes_of(folder: Path) -> dict[str, Any]:
     """Returns the attributes of a store."""
-    return zarr.open_group(_Files(folder, read_only=True), mode="r").attrs.asdict()
+    return dict(_described(folder, "", lambda store: zarr.open_group(store, mode="r", zarr_format=3).attrs.asdict()))
 
 
-def open_split(folder: Path, split: str) -> zarr.Group:
-    """Returns the group of a split, for reading."""
-    return zarr.open_group(_Files(folder, read_only=True), path=split, mode="r")
+def arrays_of(folder: Path, split: str) -> dict[str, Any]:
+    """Returns the arrays of a split by name, for reading.
+
+    Raises:
+        FileNotFoundError: A description is missing.
+        ValueError: A description is damaged.
+    """
+    return {name: _array(folder, f"{split}/{name}") for name in sorted(records_of(folder, split)[0]["blake3"])}
 
 
 def identity_of(folder: Path) -> dict[str, Any]:
@@ -121,14 +126,18 @@ def identity_of(folder: Path) -> dict[str, Any]:
     """
     attributes = attributes_of(folder)
     if "made_from" not in attributes:
-        raise ValueError(f"{folder}: this Zarr store is not a data set of this package, or is damaged")
+        raise ValueError(f"{folder / COMPLETE}: this Zarr store is not a data set of this package, or is damaged")
     return dict(attributes["made_from"])
 
 
 def records_of(folder: Path, split: str) -> list[dict[str, Any]]:
     """Returns what is known about each shard of a split: first scan, count, seed, digests."""
-    shards: Any = open_split(folder, split).attrs["shards"]
-    return list(shards)
+
+    def records(store: _Files) -> list[dict[str, Any]]:
+        shards: Any = zarr.open_group(store, path=split, mode="r", zarr_format=3).attrs["shards"]
+        return list(shards)
+
+    return _described(folder, split, records)
 
 
 def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
@@ -139,8 +148,7 @@ def read_shard(folder: Path, job: Job, shard: Shard) -> dict[str, NDArray[Any]]:
         ValueError: A file is damaged.
     """
     rows = slice(shard.first, shard.first + shard.count)
-    group = zarr.open_group(_Files(folder, read_only=True), mode="r")
-    return {name: read_rows(group[f"{shard.split}/{name}"], rows) for name in columns_of(job.plan)}
+    return {name: read_rows(_array(folder, f"{shard.split}/{name}"), rows) for name in columns_of(job.plan)}
 
 
 def read_rows(array: Any, rows: int | slice) -> NDArray[Any]:
@@ -156,6 +164,25 @@ def read_rows(array: Any, rows: int | slice) -> NDArray[Any]:
         first = rows if isinstance(rows, int) else rows.start
         path = f"{array.path}/{_file_name(first // array.shards[0], array.ndim)}"
         raise damaged_file(array.store.root / path, error) from error
+
+
+def _array(folder: Path, path: str) -> zarr.Array[Any]:
+    return _described(folder, path, lambda store: zarr.open_array(store, path=path, mode="r", zarr_format=3))
+
+
+_T = TypeVar("_T")
+
+
+def _described(folder: Path, path: str, read: Callable[[_Files], _T]) -> _T:
+    """Returns what a function makes of the description of a group or an array. The error of a bad one names its file."""
+    file = folder / path / COMPLETE
+    advice = "restore it from a copy, or make the data set again in a new folder"
+    if not file.is_file():
+        raise FileNotFoundError(2, f"this description of a data set in Zarr is missing; {advice}", str(file))
+    try:
+        return read(_Files(folder, read_only=True))
+    except (ValueError, TypeError, LookupError, AttributeError, FileNotFoundError) as error:
+        raise ValueError(f"{file}: this description of a data set in Zarr is damaged: {error}; {advice}") from error
 
 
 def _file_name(shard: int, dimensions: int) -> str:

@@ -6,7 +6,9 @@ import copy
 import errno
 import multiprocessing
 import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ pytest.importorskip("zarr", reason="the extra `datasets` is not installed, or ha
 import zarr
 
 from datasets.small_plans import load, small
-from mobile_robot_simulator.datasets import Dataset, generate, open
+from mobile_robot_simulator.datasets import Dataset, generate, open, verify
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +72,13 @@ def test_the_seed_decides_the_order(data: Dataset) -> None:
     ("arguments", "message"),
     [
         ({"size": 0}, "size must be at least 1, got 0"),
+        ({"size": 4, "columns": "ranges"}, "columns must be a list of at least one of drawn, map, .*, scene, got 'ranges'"),
+        ({"size": 4, "columns": []}, r"columns must be a list of at least one of drawn, map, .*, scene, got \[\]"),
+        ({"size": 4, "columns": ["poses", "x"]}, "each of columns must be one of drawn, map, .*, scene, got 'x'"),
         ({"size": 1, "worker": 2, "workers": 2}, r"worker must be in 0..workers - 1, got 2 of 2"),
     ],
 )
-def test_numbers_out_of_range(arguments: dict[str, int], message: str, data: Dataset) -> None:
+def test_wrong_arguments_of_batches(arguments: dict[str, Any], message: str, data: Dataset) -> None:
     with pytest.raises(ValueError, match=message):
         data["train"].batches(**arguments)
 
@@ -134,3 +139,69 @@ def test_a_missing_chunk_is_no_zeros(name: str, damage: str, tmp_path: Path) -> 
         with pytest.raises(FileNotFoundError, match=r"give the command that made the data set again: .*c\.1") as error:
             read()
         assert (error.value.errno, error.value.filename) == (errno.ENOENT, str(file))
+
+
+@pytest.mark.parametrize(
+    ("index", "shown"), [(slice(0, 3), r"slice\(0, 3, None\)"), (np.arange(3), r"array\("), (1.0, "1.0")]
+)
+def test_an_index_is_an_integer(index: Any, shown: str, data: Dataset) -> None:
+    with pytest.raises(TypeError, match=f"an index must be an integer, got {shown}.*; batches reads many scans"):
+        data["train"][index]
+    assert np.array_equal(data["train"][np.int64(3)]["ranges"], data["train"][3]["ranges"])
+
+
+def test_an_unknown_split(data: Dataset) -> None:
+    with pytest.raises(KeyError, match="a split must be one of train, test, got 'validation'"):
+        data["validation"]
+    assert "validation" not in data and data.get("validation") is None
+
+
+def test_a_file_is_no_data_set(tmp_path: Path) -> None:
+    (tmp_path / "plan.yaml").write_text("count: 1")
+    with pytest.raises(NotADirectoryError, match=r"this must be the folder of a data set, got a file: .*plan.yaml"):
+        open(tmp_path / "plan.yaml")
+
+
+@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
+@pytest.mark.parametrize("damage", ["short", "changed"])
+def test_the_error_of_a_damaged_chunk_names_its_file(damage: str, compression: str, tmp_path: Path) -> None:
+    generate(small(compression=compression), out=tmp_path)
+    file, train = tmp_path / "train/poses/c.2.0", open(tmp_path)["train"]
+    data = bytearray(file.read_bytes())
+    data[-1] ^= 1  # Of the sum of the index.
+    if compression != "none":
+        data[:16] = b"x" * 16
+    file.write_bytes(data if damage == "changed" else data[: len(data) // 2])
+    for read in (lambda: train[64], lambda: [*train.batches(50)]):
+        with pytest.raises(ValueError) as error:
+            read()
+        assert str(error.value).startswith(f"{file}: this file of the data set is damaged: ")
+        assert str(error.value).endswith("; remove this file and give the command that made the data set again")
+
+
+DESCRIPTIONS = ["", "{}", "[]", '{"zarr_format": 3}', '{"zarr_format": 3, "node_type": "group"}', "\xff", "missing"]
+
+
+@pytest.mark.parametrize("text", DESCRIPTIONS)
+@pytest.mark.parametrize("name", ["zarr.json", "train/zarr.json", "train/ranges/zarr.json"])
+def test_the_error_of_a_bad_description_names_its_file(name: str, text: str, tmp_path: Path) -> None:
+    generate(small(count=32), out=tmp_path)
+    file = tmp_path / name
+    file.write_bytes(text.encode("latin1"))
+    if text == "missing":
+        file.unlink()
+    reads: list[Callable[[], Any]] = [lambda: open(tmp_path)]
+    if name == "zarr.json":
+        if text == "missing":
+            return  # Without it, the folder is not complete.
+        reads.append(lambda: generate(small(count=32), out=tmp_path))
+    if name == "train/ranges/zarr.json":
+        assert f"{file}" in verify(tmp_path).differences[0].problem
+    else:
+        reads.append(lambda: verify(tmp_path))
+    for read in reads:
+        with pytest.raises((ValueError, OSError)) as error:
+            read()
+        assert f"{file}" in str(error.value), error.value
+        says_what_to_do = "make the data set again in a new folder" in str(error.value)
+        assert says_what_to_do or "is not a data set of this package, or is damaged" in str(error.value)
