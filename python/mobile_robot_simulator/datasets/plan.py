@@ -327,7 +327,7 @@ def load_plan(path: str | Path) -> Plan:
     if not isinstance(root, dict):
         raise ValueError(f"{path}: a plan must be a mapping of names to values, got {quoted(root)}")
     if "folder" in root:
-        raise ValueError(f"{path}: {_unknown('folder')}")
+        raise ValueError(f"{path}: {_unknown(('folder',))}")
     try:
         # Absolute, because workers may have another working folder.
         return Plan(**root, folder=path.parent.absolute())
@@ -352,21 +352,36 @@ def _explain(error: ValidationError) -> str:
             detail["loc"] == other["loc"][: len(detail["loc"])] != other["loc"] for other in details
         ):
             continue
-        name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in detail["loc"]).lstrip(".")
+        name = _text(detail["loc"])
         message = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
-            messages.append(_unknown(name))
+            messages.append(_unknown(detail["loc"]))
         elif detail["type"] == "missing":
             messages.append(f"{name} is required")
         elif "should " in message or detail["type"] in _NEEDED:
-            needed = _NEEDED.get(detail["type"]) or message.partition("should ")[2]
+            needed = _NEEDED.get(detail["type"]) or message.partition("should ")[2].partition(" after validation")[0]
             messages.append(f"{name} must {needed}, got {quoted(detail['input'])}")
         else:
             messages.append(f"{name}: {message}" if name else message)
     return "; ".join(messages)
 
 
-def _unknown(name: str) -> str:
-    known = {n for part in (Plan, Maps, Scanner, Noise, Obstacles, Poses, Twist) for n in part.model_fields} - {"folder"}
-    near = nearest(name.rpartition(".")[2], known)
-    return f"unknown name in the plan: {name}" + (f"; did you mean {near[0]}?" if near else "")
+def _text(place: tuple[int | str, ...]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).lstrip(".")
+
+
+def _unknown(place: tuple[int | str, ...]) -> str:
+    """Returns the message about an unknown name, with the most similar one that its part of the plan has."""
+    part: type[BaseModel] = Plan
+    for name in place[:-1]:
+        if isinstance(name, str):
+            part = _part_in(part.model_fields[name].annotation) or part
+    near = nearest(place[-1], sorted({*part.model_fields} - {"folder"}))
+    return f"unknown name in the plan: {_text(place)}" + (f"; did you mean {near[0]}?" if near else "")
+
+
+def _part_in(kind: Any) -> type[BaseModel] | None:
+    """Returns the part of a plan that a type is, or that it contains, as a tuple does."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind
+    return next((part for inner in get_args(kind) if (part := _part_in(inner))), None)

@@ -14,7 +14,10 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"count": 0}, "count must be greater than or equal to 1, got 0"),
     ({"count": True}, "count must be a number, got True"),
     ({"seed": -1}, "seed must be in 0..2**64 - 1, got -1"),
-    ({"maps": []}, "maps must have at least 1 item"),
+    ({"maps": [{"file": "m.yaml"}]}, "unknown name in the plan: maps[0].file; did you mean files?"),
+    ({"maps": [{"floor_plan": "office", "seed": 3}]}, "unknown name in the plan: maps[0].seed; did you mean seeds?"),
+    ({"poses": {"twist": {"wzz": 1}}}, "unknown name in the plan: poses.twist.wzz; did you mean wz?"),
+    ({"surfaces": {"correlatoin": 1}}, "unknown name in the plan: surfaces.correlatoin; did you mean correlation?"),
     ({"maps": [{}]}, "maps[0]: each entry of maps must have either files or floor_plan"),
     (
         {"maps": [{"floor_plan": "ofice"}]},
@@ -71,6 +74,12 @@ def test_a_wrong_value(changes: dict[str, Any], message: str) -> None:
     ("changes", "message"),
     [
         ({"maps": "office"}, "maps must be a list, got 'office'"),
+        ({"maps": []}, "maps must have at least 1 item, got []"),
+        (
+            {"maps": [{"floor_plan": "maze", "size": [1, 2, 3]}]},
+            "maps[0].size must have at most 2 items, got [1, 2, 3]",
+        ),
+        ({"scanner": {"sigma_hit": 1}}, "unknown name in the plan: scanner.sigma_hit"),  # That is a name of the noise.
         ({"maps": ["maze"]}, "maps[0] must be a mapping of names to values, got 'maze'"),
         ({"maps": [{"floor_plan": "maze", "size": 3}]}, "maps[0].size must be a list, got 3"),
         ({"maps": [{"files": [1]}]}, "maps[0].files[0] must be a text, got 1"),
