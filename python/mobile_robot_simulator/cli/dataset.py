@@ -160,7 +160,13 @@ def _estimate(plan: Path, threads: int | None, *, as_json: bool) -> None:
 def _verify(folder: Path, sample: int | None, maps: Path, *, as_json: bool) -> None:
     from ..datasets import verify
 
-    found = verify(folder, sample=sample, folder=maps)
+    try:
+        found = verify(folder, sample=sample, folder=maps)
+    except FileNotFoundError as error:
+        if error.filename != str(maps):
+            raise
+        hint = "give the folder of the plan as --maps DIR"
+        raise FileNotFoundError(error.errno, f"{error.strerror}; {hint}", error.filename) from None
     if as_json:
         differences = [difference._asdict() for difference in found.differences]
         _event("verified", shards=found.shards, differences=differences, notes=found.notes)

@@ -51,6 +51,15 @@ def test_a_data_set_is_made_verified_and_left_alone(command: Command, plan: Path
     )
 
 
+def test_maps_that_are_not_found_are_an_error_that_names_the_option(command: Command, plan: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    assert command("dataset", plan, "--out", out).returncode == 0
+    (tmp_path / "elsewhere").mkdir()
+    done = command("dataset", "verify", out, "--maps", tmp_path / "elsewhere")
+    assert done.returncode == 1
+    assert "no map file of this name for 'room.yaml' of the plan; give the folder of the plan as --maps DIR" in done.stderr
+
+
 def test_events(command: Command, plan: Path, tmp_path: Path) -> None:
     done = command("dataset", plan, "--out", tmp_path / "data", "--json", "--threads", 1)
     *progress, last = map(json.loads, done.stdout.splitlines())
