@@ -10,7 +10,7 @@ from operator import index
 from ..quoting import quoted
 from ..simulation.arguments import check_integers
 from .checks import check_kinds
-from .ranges import FULL_TURN, FaultRange, Range
+from .ranges import FULL_TURN, FaultRange, Range, check_unit
 
 __all__ = ["Disturbance", "Drift", "Pushes", "Slips"]
 
@@ -94,6 +94,8 @@ class Pushes(_Passing):
     def __post_init__(self) -> None:
         """Checks the arguments."""
         check_kinds("a scenarios.Range", Range, speed=self.speed, direction=self.direction)
+        check_unit("m/s", speed=self.speed)
+        check_unit("rad", direction=self.direction)
         super().__post_init__()
 
     def fault(self, duration: float, seed: int = 0) -> FaultRange:
@@ -123,6 +125,7 @@ class Slips(_Passing):
     def __post_init__(self) -> None:
         """Checks the arguments."""
         check_kinds("a scenarios.Range", Range, share=self.share)
+        check_unit("", share=self.share)
         super().__post_init__()
 
     def fault(self, duration: float, seed: int = 0) -> FaultRange:

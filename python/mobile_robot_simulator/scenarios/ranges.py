@@ -44,7 +44,7 @@ class Range:
     Args:
         low: Smallest value. Tests shrink towards 0 if it is in the range, else towards this limit.
         high: Largest value.
-        unit: Unit of both.
+        unit: Unit of both, which must be that of what the range is for; empty if it is not said. Nothing is converted.
 
     Raises:
         ValueError: A limit is not finite, or the smaller one is larger than the other.
@@ -63,6 +63,22 @@ class Range:
             raise ValueError(f"a range must have two finite limits, the smaller first, got {self.low} and {self.high}")
 
 
+def check_unit(unit: str, /, **ranges: object) -> None:
+    """Checks that ranges have a unit, or do not say theirs.
+
+    Args:
+        unit: The unit; empty for numbers without one.
+        **ranges: The arguments, each under its name. What is not a range is passed over.
+
+    Raises:
+        ValueError: A range has another unit.
+    """
+    for name, limits in ranges.items():
+        if isinstance(limits, Range) and limits.unit not in ("", unit):
+            needed = f"be in {unit}" if unit else "have no unit"
+            raise ValueError(f"{name} must {needed}, got {limits.unit}")
+
+
 FULL_TURN = Range(-3.141, 3.141, "rad")
 
 
@@ -75,7 +91,7 @@ class Free:
         yaw: Heading; used for starts only.
 
     Raises:
-        ValueError: The radius is negative or not finite.
+        ValueError: The radius is negative or not finite, or the heading is not in rad.
         TypeError: The radius is not a number, or the heading is not a `Range`.
     """
 
@@ -86,6 +102,7 @@ class Free:
         """Checks the radius and the heading."""
         check_at_least_0(radius=self.radius)
         check_kinds("a scenarios.Range", Range, yaw=self.yaw)
+        check_unit("rad", yaw=self.yaw)
 
 
 @dataclass(frozen=True)
@@ -95,12 +112,12 @@ class Moving:
     Args:
         at_most: Largest number of obstacles; there can be fewer, down to `at_least`.
         at_least: Smallest number. An obstacle that would be too near to the start is left out, so there can be fewer still.
-        radius: Radius of each.
-        speed: Speed of each.
+        radius: Radius of each [m].
+        speed: Speed of each [m/s].
         from_start: Smallest distance from the start to the edge of an obstacle [m].
 
     Raises:
-        ValueError: A number is negative, or `at_least` is larger than `at_most`.
+        ValueError: A number is negative, a range has another unit, or `at_least` is larger than `at_most`.
         TypeError: An argument has a wrong type.
     """
 
@@ -114,6 +131,8 @@ class Moving:
         """Checks the numbers."""
         check_integers(0, at_most=self.at_most, at_least=self.at_least)
         check_kinds("a scenarios.Range", Range, radius=self.radius, speed=self.speed)
+        check_unit("m", radius=self.radius)
+        check_unit("m/s", speed=self.speed)
         check_at_least_0(at_least=self.at_least, from_start=self.from_start, radius=self.radius.low, speed=self.speed.low)
         if not self.at_least <= self.at_most <= 1000:
             raise ValueError(f"at_most must be {self.at_least} to 1000, got {quoted(self.at_most)}")
@@ -130,7 +149,7 @@ class FaultRange:
         chance: Share of the worlds that have the fault.
 
     Raises:
-        ValueError: The class is unknown, it refuses the arguments, or the share is not in 0..1.
+        ValueError: The class is unknown, it refuses the arguments, a time is not in s, or the share is not in 0..1.
         TypeError: An argument has a wrong type.
 
     Example:
@@ -150,6 +169,7 @@ class FaultRange:
             raise ValueError(unknown_name(self.kind, FAULTS, kind="fault"))
         check_kinds("a mapping from names to values", Mapping, arguments=self.arguments)
         check_kinds("a scenarios.Range or None", Range | None, duration=self.duration)
+        check_unit("s", duration=self.duration, start=self.arguments.get("start"), end=self.arguments.get("end"))
         check_numbers(chance=self.chance)
         if not 0.0 <= self.chance <= 1.0:
             raise ValueError(f"chance must be in 0..1, got {quoted(self.chance)}")
