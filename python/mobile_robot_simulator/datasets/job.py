@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -63,15 +63,22 @@ class Job:
     poses_digest: str = ""
     """SHA-256 of the poses of a file."""
 
+    @property
+    def shard_count(self) -> int:
+        """Number of shards."""
+        return sum(-(-total // self.plan.scans_per_shard) for total in self.counts.values())
+
+    def each_shard(self) -> Iterator[Shard]:
+        """Yields all shards, split by split."""
+        size = self.plan.scans_per_shard
+        for split, total in self.counts.items():
+            for index, first in enumerate(range(0, total, size)):
+                yield Shard(split, index, first, min(size, total - first))
+
     @cached_property
     def shards(self) -> list[Shard]:
         """All shards, split by split."""
-        size = self.plan.scans_per_shard
-        return [
-            Shard(split, index, first, min(size, total - first))
-            for split, total in self.counts.items()
-            for index, first in enumerate(range(0, total, size))
-        ]
+        return list(self.each_shard())
 
     @cached_property
     def maps(self) -> list[tuple[str, MapSource]]:

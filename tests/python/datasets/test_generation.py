@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -349,3 +350,12 @@ def test_an_estimate_is_right_about_numbers_and_sizes(expected: dict[str, bytes]
     assert found.raw_bytes == 200 * row and found.seconds > 0.0
     stored = sum(len(data) for name, data in expected.items() if "zarr.json" not in name)
     assert 0.5 < found.stored_bytes / stored < 1.5
+
+
+def test_an_estimate_of_a_huge_data_set_takes_no_memory_for_its_shards() -> None:
+    tracemalloc.start()
+    try:
+        found = estimate(small(count=8_000_000, scans_per_shard=8, splits={"train": 1}))
+        assert found.shards == 1_000_000 and tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
