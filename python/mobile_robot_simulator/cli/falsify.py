@@ -98,9 +98,7 @@ def _repeat(case: Case, file: Path) -> None:
         check_world(world, file)
         drive = run_drive(world, case.controller, case.requirement)
     else:
-        counterexample = Counterexample.load(file)
-        check_world(counterexample.world, file)
-        drive, is_same = counterexample.repeat(case.controller, case.requirement)
+        drive, is_same = Counterexample.load(file).repeat(case.controller, case.requirement)
         bytes_are = f"\n{'the same bytes as' if is_same else 'other bytes than'} when it was found"
     text = f"{'violated' if drive.failed else 'holds'}: {case.requirement}\n{drive}{bytes_are}"
     console.print(text, markup=False, highlight=False, soft_wrap=True)
