@@ -29,6 +29,9 @@ def make_on_ray(
     number of shards. If a worker or its node dies, Ray makes its shards elsewhere. The workers need this package in the same
     version, and map files at the same paths.
 
+    After an error, tasks that wait or run are not cancelled, because Ray can end this process if a task finishes while it is
+    cancelled. They end with the connection if this call has made it. Otherwise, they finish, and their shards are dropped.
+
     Args:
         job: The job.
         shards: The shards to make.
@@ -51,23 +54,19 @@ def make_on_ray(
         task = ray.remote(num_cpus=1, max_retries=RETRIES)(_make)
         shared, waiting = ray.put(job), iter(shards)
         running: dict[Any, Shard] = {}
-        try:
-            while True:
-                limit = 2 * max(1, int(ray.cluster_resources().get("CPU", 1)))
-                while len(running) < limit and (shard := next(waiting, None)):
-                    running[task.remote(shared, shard)] = shard
-                if not running:
-                    return
-                done, _ = ray.wait(list(running), num_returns=1, timeout=_POLL)
-                for result in done:
-                    try:
-                        write(ray.get(result))
-                    except ray.exceptions.RayTaskError as error:
-                        raise error.cause from None
-                    yield running.pop(result)
-        finally:
-            for result in running:
-                ray.cancel(result, force=True)
+        while True:
+            limit = 2 * max(1, int(ray.cluster_resources().get("CPU", 1)))
+            while len(running) < limit and (shard := next(waiting, None)):
+                running[task.remote(shared, shard)] = shard
+            if not running:
+                return
+            done, _ = ray.wait(list(running), num_returns=1, timeout=_POLL)
+            for result in done:
+                try:
+                    write(ray.get(result))
+                except ray.exceptions.RayTaskError as error:
+                    raise error.cause from None
+                yield running.pop(result)
     finally:
         if is_own:
             ray.shutdown()
