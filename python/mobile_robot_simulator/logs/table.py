@@ -53,13 +53,13 @@ def read_csv(path: Path, *, max_range: float | None = None) -> ScanLog:
                 angles = _angles(cells, where)
                 continue
             needed = len(COLUMNS) + len(angles)
-            wrong_count = f"{where}: must have {needed} values, as the first line, got {len(cells)}"
-            if len(cells) < needed and lines.line_num >= last - has_end:
+            if len(cells) != needed:
+                wrong_count = f"{where}: must have {needed} values, as the first line, got {len(cells)}"
+                if len(cells) > needed or lines.line_num < last - has_end:
+                    raise ValueError(wrong_count)
                 notes.append(f"line {lines.line_num}, the last one, is cut off and was passed over")
                 short = wrong_count
                 continue
-            if len(cells) != needed:
-                raise ValueError(wrong_count)
             time, x, y, yaw, *ranges = (_number(cell, f"{where}, value {n}") for n, cell in enumerate(cells, 1))
             if not all(map(math.isfinite, (x, y, yaw))):
                 raise ValueError(f"{where}: a pose must be finite, got {x} {y} {yaw}")
