@@ -278,7 +278,9 @@ class Bus(Handle):
         Raises:
             TypeError: `msg_type` is not a message class, or it is not the message class of the existing topic.
             ValueError: The name is empty.
+            RuntimeError: The bus is closed.
         """
+        self.check_open()
         if not (isinstance(msg_type, type) and issubclass(msg_type, Message)):
             raise TypeError(f"a topic's type must be a message class, got {quoted(msg_type)} for {name}")
         name = absolute(name)
@@ -434,7 +436,7 @@ class Bus(Handle):
     def close(self) -> None:
         """Drops all events, callbacks and nodes. Closing twice has no effect.
 
-        Afterwards `run_until`, `save` and `restore` raise RuntimeError.
+        Afterwards `run_until`, `save`, `restore` and `topic` raise RuntimeError.
         """
         if self._is_closed:
             return
@@ -442,6 +444,15 @@ class Bus(Handle):
         self.taps.clear()
         self.lazy_taps.clear()
         self._is_closed = True
+
+    def check_open(self) -> None:
+        """Checks that the bus is not closed.
+
+        Raises:
+            RuntimeError: It is closed.
+        """
+        if self._is_closed:
+            raise RuntimeError("the simulation is closed")
 
     def _deactivate(self) -> None:
         """Makes all current subscriptions, services and timers inactive."""
@@ -519,8 +530,7 @@ class Bus(Handle):
         future.set_result(response if convert is None else convert(response))
 
     def _check_idle(self, action: str) -> None:
-        if self._is_closed:
-            raise RuntimeError("the simulation is closed")
+        self.check_open()
         if self._is_running:
             raise RuntimeError(f"the bus is already running: a callback must not {action}")
 

@@ -58,6 +58,7 @@ class BusNode(Handle):
     Raises:
         ValueError: The name is empty or contains a slash.
         TypeError: The name or the namespace is not a text, or the parameters are not a mapping.
+        RuntimeError: The bus is closed.
     """
 
     publisher_class: ClassVar[type[BusPublisher[Any]]] = BusPublisher
@@ -72,6 +73,7 @@ class BusNode(Handle):
             raise TypeError(f"a node's parameters must be a mapping from names to values, got {quoted(parameters)}")
         if not name or "/" in name:
             raise ValueError(f"a node's name must not be empty or contain a slash, got {quoted(name)}")
+        bus.check_open()
         self._bus, self._name, self._namespace = bus, name, "/" + namespace.strip("/")
         self._clock = BusClock(bus)
         self._logger = BusLogger(self._clock, name)

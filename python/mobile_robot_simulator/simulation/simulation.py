@@ -610,9 +610,11 @@ class Simulation(Handle):
             ValueError: `speed` is not positive and finite, or `port` is not in 0..65535.
             TypeError: `speed` is not a number.
             OSError: The address cannot be used.
+            RuntimeError: The simulation is closed.
         """
         from ..live import LiveView
 
+        self._bus.check_open()
         if not isinstance(speed, Real):
             raise TypeError(f"the speed must be a number, got {quoted(speed)}")
         if not 0.0 < speed < math.inf:
@@ -634,7 +636,10 @@ class Simulation(Handle):
         return picture.to_png()
 
     def close(self) -> None:
-        """Drops all recordings, callbacks and nodes. The simulation can no longer run. Closing twice has no effect."""
+        """Drops all recordings, callbacks, nodes and topics. Closing twice has no effect.
+
+        Afterwards, what needs a topic or time raises RuntimeError. The map, the robots' poses and pictures stay.
+        """
         if self._view is not None:
             self._view.close()
         self._bus.close()

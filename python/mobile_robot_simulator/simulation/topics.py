@@ -63,6 +63,7 @@ class Topics:
         key = name, type(message)
         publisher = self._publishers.get(key) if isinstance(name, str) else None
         if publisher is None:
+            self._bus.check_open()
             found = find_topic(self._bus, name)
             if not isinstance(message, Message):
                 raise TypeError(f"{found.name} carries {found.msg_type.__name__}, got {message!r}")
@@ -89,11 +90,15 @@ class Topics:
     def latest(self, name: str) -> Message | None:
         """Returns the last message of a topic, as described for `Simulation.latest`."""
         found = self._bus.find_topic(name)
-        return (find_topic(self._bus, name) if found is None else found).latest
+        if found is None:
+            self._bus.check_open()
+            found = find_topic(self._bus, name)
+        return found.latest
 
     def record(self, tap: Tap) -> None:
         """Passes all messages to a tap, as described for `Simulation.record`."""
         check_callback(tap)
+        self._bus.check_open()
         for topic, message, time_ns in self._bus.latched():
             tap(topic, message, time_ns)
         self._bus.taps.append(tap)
@@ -101,6 +106,7 @@ class Topics:
     def record_lazily(self, tap: LazyTap) -> None:
         """Passes all messages to a tap, or the calls that build them, as described for `Simulation.record_lazily`."""
         check_callback(tap)
+        self._bus.check_open()
         for topic, message, time_ns in self._bus.latched():
             tap(topic, message, time_ns)
         self._bus.lazy_taps.append(tap)

@@ -122,11 +122,20 @@ def test_a_topic_that_a_restore_removed_is_unknown_again(sim):
         sim.publish("/speeds", mrs.messages.Twist())
 
 
-def test_a_closed_simulation_has_no_topics(sim):
+def test_a_closed_simulation_has_no_topics_and_says_so(sim):
     drive(sim)
     sim.close()
-    with pytest.raises(ValueError, match="unknown topic '/cmd_vel'"):
-        drive(sim)
+    for use in (
+        lambda: sim.publish("/cmd_vel", mrs.messages.Twist()),
+        lambda: sim.latest("/scan"),
+        lambda: sim.subscribe("/scan", mrs.messages.LaserScan, print),
+        lambda: sim.record(print),
+        lambda: sim.record_lazily(print),
+        lambda: sim.create_node("late"),
+        sim.show,
+    ):
+        with pytest.raises(RuntimeError, match="the simulation is closed"):
+            use()
 
 
 def test_a_recording_starts_with_the_latched_messages(sim):
