@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 MARKER = "simulator"
 
+_SEED_END = 2**63
+"""End of the range of seeds: a parameter of ROS holds a signed 64-bit integer."""
+
 _SEED = pytest.StashKey[int]()
 _FACTORIES = pytest.StashKey[list[SimulationFactory]]()
 
@@ -138,12 +141,14 @@ def _settings(request: pytest.FixtureRequest) -> dict[str, Any]:
             pytest.fail(f"the marker {MARKER} takes the keywords {', '.join(KEYWORDS)}, got {got}", pytrace=False)
         settings = {**marker.kwargs, **settings}
     given = request.config.getoption("--simulator-seed")
-    settings["seed"] = given if given is not None else settings.get("seed", 0)
-    request.node.stash[_SEED] = settings["seed"]
+    seed = settings["seed"] = given if given is not None else settings.get("seed", 0)
+    if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < _SEED_END:
+        pytest.fail(f"the seed of the marker {MARKER} must be an integer from 0 to 2**63 - 1, got {seed!r}", pytrace=False)
+    request.node.stash[_SEED] = seed
     return settings
 
 
 def _seed(text: str) -> int:
-    if not text.isdecimal() or int(text) >= 2**63:
+    if not text.isdecimal() or int(text) >= _SEED_END:
         raise ValueError(text)
     return int(text)

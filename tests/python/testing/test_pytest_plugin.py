@@ -133,7 +133,11 @@ def test_it(made, simulation):
 
 @pytest.mark.parametrize(
     ("marker", "message"),
-    [("mop='x'", "takes the keywords map, parameters"), ("'office'", "got 'office'"), ("map='lost.yaml'", "lost.yaml")],
+    [("mop='x'", "takes the keywords map, parameters"), ("'office'", "got 'office'"), ("map='lost.yaml'", "lost.yaml")]
+    + [
+        (f"seed={seed}", f"must be an integer from 0 to 2**63 - 1, got {seed}")
+        for seed in ("'x'", "-1", "True", "2.0", 2**63)
+    ],
 )
 def test_bad_markers_are_refused(run, marker, message):
     result = run(f"@pytest.mark.simulator({marker})\ndef test_it(robot_world):\n    pass\n")
