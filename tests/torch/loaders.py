@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -28,15 +29,16 @@ class Shuffled(IterableDataset):
         return self._split.batches(self._size, seed=self.epoch, worker=worker, workers=workers)
 
 
-class Endless(IterableDataset):
-    """Scans that are made while they are read. Each worker has a stream of its own."""
+class Streams(IterableDataset):
+    """Scans that are made while they are read. Each worker has a stream of its own, of which it gives `count` batches."""
 
-    def __init__(self, plan: datasets.Plan, size: int) -> None:
-        self._plan, self._size, self._maps = plan, size, datasets.load_maps(plan)
+    def __init__(self, plan: datasets.Plan, size: int, count: int) -> None:
+        self._plan, self._size, self._count, self._maps = plan, size, count, datasets.load_maps(plan)
 
     def __iter__(self) -> Iterator[dict[str, NDArray[Any]]]:
         info = get_worker_info()
-        return datasets.stream(self._plan, self._size, worker=0 if info is None else info.id, maps=self._maps)
+        worker = 0 if info is None else info.id
+        return islice(datasets.stream(self._plan, self._size, worker=worker, maps=self._maps), self._count)
 
 
 class Scans(Dataset):

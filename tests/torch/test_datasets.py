@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from loaders import LASER, Endless, Scans, Shuffled
+from loaders import LASER, Scans, Shuffled, Streams
 from torch.utils.data import DataLoader
 
 import mobile_robot_simulator as mrs
@@ -72,10 +72,13 @@ def test_workers_share_the_shards_of_an_epoch(method: str, folder: Path) -> None
 
 @both
 def test_each_worker_has_a_stream_of_its_own(method: str) -> None:
-    loader = iter(DataLoader(Endless(PLAN, 8), batch_size=None, num_workers=2, multiprocessing_context=method))
+    # The streams end, because PyTorch can abort a worker that still makes batches when its loader goes away.
+    loader = DataLoader(Streams(PLAN, 8, 3), batch_size=None, num_workers=2, multiprocessing_context=method)
     streams = [datasets.stream(PLAN, 8, worker=worker) for worker in (0, 1)]
-    for index in range(6):
-        found, expected = next(loader), next(streams[index % 2])
+    batches = list(loader)
+    assert len(batches) == 6
+    for index, found in enumerate(batches):
+        expected = next(streams[index % 2])
         assert all(np.array_equal(found[name], expected[name]) for name in expected), index
 
 
