@@ -445,6 +445,7 @@ class Simulation(Handle):
         Raises:
             ValueError: The topic does not exist, or an array in the message has a length that ROS does not allow.
             TypeError: The topic carries messages of another type, or a field of the message holds a value of a wrong type.
+            RuntimeError: The simulation is closed.
         """
         self._topics.publish(topic, message)
 
@@ -460,6 +461,7 @@ class Simulation(Handle):
         Raises:
             ValueError: The name is empty.
             TypeError: The topic carries messages of another type, or the callback is not callable.
+            RuntimeError: The simulation is closed.
         """
         return self._topics.subscribe(topic, msg_type, callback)
 
@@ -477,6 +479,7 @@ class Simulation(Handle):
 
         Raises:
             ValueError: The topic does not exist.
+            RuntimeError: The simulation is closed.
         """
         return self._topics.latest(topic)
 
@@ -487,6 +490,11 @@ class Simulation(Handle):
             name: Name of the node.
             namespace: Prefix of its relative topic and service names, such as `/robot1`.
             parameters: Values that replace the defaults when the node declares its parameters.
+
+        Raises:
+            ValueError: The name is empty or contains a slash.
+            TypeError: The name or the namespace is not a text, or the parameters are not a mapping.
+            RuntimeError: The simulation is closed.
         """
         return BusNode(self._bus, name, namespace=namespace, parameters=parameters)
 
@@ -509,6 +517,7 @@ class Simulation(Handle):
 
         Raises:
             TypeError: The class is not callable, or creates no node.
+            RuntimeError: The simulation is closed.
         """
         if not callable(node_type):
             raise TypeError(
@@ -532,6 +541,7 @@ class Simulation(Handle):
 
         Raises:
             TypeError: The tap is not callable.
+            RuntimeError: The simulation is closed.
         """
         self._topics.record(tap)
 
@@ -547,6 +557,7 @@ class Simulation(Handle):
 
         Raises:
             TypeError: The tap is not callable.
+            RuntimeError: The simulation is closed.
         """
         self._topics.record_lazily(tap)
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol, TypeVar
 
 from ..bus.bus import Bus
 from ..bus.node import BusNode
-from ..bus.topic import BusPublisher, BusSubscription, LazyTap, Tap, absolute
+from ..bus.topic import BusPublisher, BusSubscription, BusTopic, LazyTap, Tap, absolute
 from ..handle import check_callback
 from ..instant import NANOSECONDS
 from ..messages import Message
@@ -63,8 +63,7 @@ class Topics:
         key = name, type(message)
         publisher = self._publishers.get(key) if isinstance(name, str) else None
         if publisher is None:
-            self._bus.check_open()
-            found = find_topic(self._bus, name)
+            found = self._find(name)
             if not isinstance(message, Message):
                 raise TypeError(f"{found.name} carries {found.msg_type.__name__}, got {message!r}")
             qos = QoS.LATCHED if found.latched else QoS.DEFAULT
@@ -90,10 +89,7 @@ class Topics:
     def latest(self, name: str) -> Message | None:
         """Returns the last message of a topic, as described for `Simulation.latest`."""
         found = self._bus.find_topic(name)
-        if found is None:
-            self._bus.check_open()
-            found = find_topic(self._bus, name)
-        return found.latest
+        return (self._find(name) if found is None else found).latest
 
     def record(self, tap: Tap) -> None:
         """Passes all messages to a tap, as described for `Simulation.record`."""
@@ -129,3 +125,8 @@ class Topics:
             f"{topic.name} {'never' if topic.latest is None else f'at {topic.latest_ns / NANOSECONDS:g} s'}"
             for topic in self._bus.topics()
         )
+
+    def _find(self, name: str) -> BusTopic:
+        """Returns an existing topic, or says why there is none."""
+        self._bus.check_open()
+        return find_topic(self._bus, name)

@@ -47,7 +47,7 @@ def test_the_same_bytes_come_out_again_and_after_a_break(compression: str, tmp_p
     (tmp_path / "part").mkdir()
 
     def stop(progress: Progress) -> None:
-        # Other threads still write here, so a walk through the folder may find one that is gone a moment later.
+        # Not decided by the files: other threads still write, and a folder can go away while this function looks into it.
         if progress.shards:
             raise InterruptedError
 

@@ -132,6 +132,7 @@ def test_a_closed_simulation_has_no_topics_and_says_so(sim):
         lambda: sim.record(print),
         lambda: sim.record_lazily(print),
         lambda: sim.create_node("late"),
+        lambda: sim.spawn(lambda: mrs.bus.Node("late")),
         sim.show,
     ):
         with pytest.raises(RuntimeError, match="the simulation is closed"):
